@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.equations import equations_of
-from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment, motions
+from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment
 from viewimit.drawing.export.figures import (
     INSTALL,
     RENDERER,
@@ -26,6 +26,7 @@ from viewimit.drawing.export.figures import (
 from viewimit.drawing.export.perspective import Eye, draw_space
 from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
+from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.session import Session
@@ -130,7 +131,7 @@ def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation)
 
 
 def _images(state: PageState) -> Picture:
-    moment, made = state.looked, f"after {motions(state.looked.motion)}"
+    moment, made = state.looked, f"after {count_motions(state.looked.motion)}"
     if state.view.rectified:
         bodies, _ = state.arms_in_images
         return Picture.of(stack([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
@@ -147,7 +148,7 @@ def _landscape(state: PageState) -> Picture:
     title = "E over the postures of the learner, and its path"
     if len(session.scene.moving_joints) != 2:
         title = "What a pixel of noise costs at each joint"
-    return Picture.of(overlay([picture.html, path], f"{title} over {motions(session.cursor)}"))
+    return Picture.of(overlay([picture.html, path], f"{title} over {count_motions(session.cursor)}"))
 
 
 def _curves(state: PageState) -> Picture:
@@ -155,14 +156,16 @@ def _curves(state: PageState) -> Picture:
     E_true = None if made is None else made.E_true
     joints = session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=state.errors_deg)
-    return Picture.of(stack([drawn], f"Conflict E and joint angles over {motions(session.cursor)}"))
+    return Picture.of(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(state: PageState) -> Picture:
     require_typesetter()
     told = equations_of(state.present, state.view.chosen)
     return Picture(
-        partial(typeset_equations, told, f"The equations with their numbers after {motions(state.present.motion)}")
+        partial(
+            typeset_equations, told, f"The equations with their numbers after {count_motions(state.present.motion)}"
+        )
     )
 
 
@@ -173,7 +176,7 @@ def _duel(state: PageState) -> Picture:
     standings = duel.standings
     cited = cite_both(state.session, opponent)
     race = draw_race(scene, (state.session, opponent), standings)
-    figure = overlay([state.ground, race], f"A duel after {motions(state.present.motion)}: {cited.title}")
+    figure = overlay([state.ground, race], f"A duel after {count_motions(state.present.motion)}: {cited.title}")
     if len(scene.moving_joints) == 2:
         figure = append_below(figure, draw_errors_alone(standings))
     return Picture.of(figure, cited)

@@ -1,4 +1,4 @@
-"""The tab Duel: both learners' landscapes with their paths, their errors over the motions, who arrived first."""
+"""The tab Duel: both learners' landscapes with their paths, their errors over the motions, and who arrived first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import Landscape
 from viewimit.drawing import svg
-from viewimit.drawing.landscape import WIDTH as COLUMN
+from viewimit.drawing.landscape import SMALL_WIDTH as COLUMN
 from viewimit.drawing.landscape import draw_small, small_plane
 from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
@@ -20,17 +20,17 @@ from viewimit.simulation.scene import Scene
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
-TOP, MOST_HIGH = 32, 86  # px of the plots
-BELOW = 28  # px from the plots to the words beneath
-COLUMNS = (0, 54, 136)  # px of the figures beneath
-HEIGHT = TOP + MOST_HIGH + BELOW + 72
+TOP, MAX_HEIGHT = 32, 86  # px of the plots
+BELOW = 28  # px from the plots to the words below
+COLUMNS = (0, 54, 136)  # px of the numbers below
+HEIGHT = TOP + MAX_HEIGHT + BELOW + 72
 ROLES = ("learner", "opponent")
 STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "square"))
 LEFT = 44  # px of the plot of errors
-LEAST_DEG = 1e-3  # of the axis of errors
-LIMIT = 240  # vertices of a curve or path
-ONE_DIGIT_TO = 100  # of the figures beneath, so that they do not meet
-OF = ("own", "opponent")  # their classes
+MIN_ERROR_DEG = 1e-3  # on the axis of errors
+MAX_VERTICES = 240  # of a curve or path
+ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
+CLASSES = ("own", "opponent")
 STATES = {  # after "the learner"
     ServoStatus.READY: "is at the start",
     ServoStatus.REHEARSING: "is still moving",
@@ -47,36 +47,33 @@ WHY = (
     "Choose the opponent's transfer and servo above, then begin:",
     "it starts where your learner starts, and both move motion for motion.",
 )
-
-
-ARRIVED_DEG = 1.0  # of the largest joint error
+ARRIVED_DEG = 1.0  # largest joint error of a learner that has arrived
 
 
 @dataclass(frozen=True)
 class Standing:
-    """One learner in the race. errors_deg: largest joint error at each motion up to the present; arrived: after how
-    many motions it first was within ARRIVED_DEG of the demonstrator's present posture, None if it has not been."""
+    """How one learner stands in the race."""
 
     snapshot: Snapshot
-    errors_deg: Sequence[float]
-    arrived: int | None
+    errors_deg: Sequence[float]  # largest joint error after each motion
+    arrived: int | None  # motions until it was first within ARRIVED_DEG; None if it has not been
 
 
 class Racer(Protocol):
-    """Its motions, of which the one at `cursor` is the present."""
+    """A learner with its motions."""
 
     @property
     def history(self) -> Sequence[Snapshot]: ...
 
     @property
-    def cursor(self) -> int: ...
+    def cursor(self) -> int: ...  # index of the present moment
 
 
 def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -> str:
-    """HTML of what lies under the paths. found: of the learner's and the opponent's transfer, none while computed."""
+    """Draw what lies under the paths, as HTML. found: landscapes of both transfers; empty while they are computed."""
     parts = []
     for k in range(2):
-        plane = small_plane(scene, MOST_HIGH)
+        plane = small_plane(scene, MAX_HEIGHT)
         inside = plane.frame("vi-plane") + plane.message("computing …") + plane.ends()
         if found:
             inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
@@ -85,20 +82,20 @@ def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -
 
 
 def draw_empty_ground() -> str:
-    """Under a plot of errors, where there are no landscapes."""
+    """Draw what lies under a plot of errors, without landscapes."""
     return _wrap("")
 
 
 def draw_empty() -> str:
-    """Before a duel."""
+    """Draw the tab before a duel."""
     y = HEIGHT / 2
     why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY))
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
 def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing]) -> str:
-    """HTML over the ground: names, paths or errors, standings, the sentence."""
-    plane, parts = small_plane(scene, MOST_HIGH), []
+    """Draw what lies over the ground, as HTML: names, paths or errors, standings, and the verdict."""
+    plane, parts = small_plane(scene, MAX_HEIGHT), []
     for k, standing in enumerate(standings):
         inside = _path(plane, racers[k], k) if plane.has_plane else ""
         parts.append(_column(k, inside) + _words(standing, k))
@@ -110,12 +107,12 @@ def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standin
 
 
 def draw_errors(standings: Sequence[Standing]) -> str:
-    """Largest joint error over the motions, both in one plot."""
+    """Draw the largest joint errors of both over the motions."""
     errors = [np.array(standing.errors_deg) for standing in standings]
-    everything = np.maximum(np.concatenate(errors), LEAST_DEG)
+    everything = np.maximum(np.concatenate(errors), MIN_ERROR_DEG)
     low, high = decades(everything, 0.1, 10.0)
     last = max(4, *(len(each) - 1 for each in errors))
-    plot = Axes((LEFT, TOP + 19, WIDTH - 8, TOP + MOST_HIGH), (0, last), (low, high), up=log10)
+    plot = Axes((LEFT, TOP + 19, WIDTH - 8, TOP + MAX_HEIGHT), (0, last), (low, high), up=log10)
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
@@ -128,32 +125,32 @@ def draw_errors(standings: Sequence[Standing]) -> str:
         plot.level(ARRIVED_DEG, "vi-cursor"),
     ]
     for k in (1, 0):
-        kept = svg.thinned(len(errors[k]), LIMIT)
-        x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], LEAST_DEG)
+        kept = svg.thinned(len(errors[k]), MAX_VERTICES)
+        x, y = np.array(kept, float), np.maximum(errors[k][list(kept)], MIN_ERROR_DEG)
         parts.append(plot.line(x, y, STYLES[k].line))
         parts.append(STYLES[k].marks(plot.place(x[-1:], y[-1:])))
     return "".join(parts)
 
 
 def draw_errors_alone(standings: Sequence[Standing]) -> str:
-    """HTML, beneath the landscapes where there is room."""
+    """Draw the errors as HTML, to stand below the landscapes."""
     inside = f'<g transform="translate(0 {-TOP})">{draw_errors(standings)}</g>'
-    return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {MOST_HIGH + 20}">{inside}</svg></div>'
+    return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {MAX_HEIGHT + 20}">{inside}</svg></div>'
 
 
 def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
-    """Who came within ARRIVED_DEG first, and what became of the other. For the viewer: no learner can know it."""
+    """Say who came within ARRIVED_DEG first, and how the other fared; no learner can know it."""
     own, other = (standing.arrived for standing in standings)
     aim = f"within {ARRIVED_DEG:g}° of the demonstrator"
     if own is None and other is None:
-        if all(_rests(standing.snapshot) for standing in standings):
+        if all(standing.snapshot.status.has_ended for standing in standings):
             return f"Neither came {aim}.", _whereabouts(standings, (0, 1))
         return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1))
     if own is not None and own == other:
-        return f"A tie: both were {aim} after {_motions(own)}.", ""
+        return f"A tie: both were {aim} after {svg.count_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = f"The {ROLES[first]} was first {aim}, after {_motions(soonest)}."
+    won = f"The {ROLES[first]} was first {aim}, after {svg.count_motions(soonest)}."
     late = standings[1 - first].arrived
     return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
         standings, (1 - first,)
@@ -161,18 +158,18 @@ def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
 
 
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int]) -> str:
-    said = []
+    parts = []
     for k in which:
         off = svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)
-        said.append(f"the {ROLES[k]} {_state(standings[k].snapshot)}, {off}° off")
-    words = "; ".join(said)
+        parts.append(f"the {ROLES[k]} {STATES[standings[k].snapshot.status]}, {off}° off")
+    words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 
 
 def _words(standing: Standing, k: int) -> str:
-    """Title above a column; motions, error and E beneath."""
+    """Draw the title above a column, and motions, error and E below."""
     snapshot, x = standing.snapshot, k * (COLUMN + GAP)
-    settings, y = snapshot.settings, TOP + MOST_HIGH + BELOW
+    settings, y = snapshot.settings, TOP + MAX_HEIGHT + BELOW
     figures = (
         ("motions", str(snapshot.motion), ""),
         ("largest error", svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
@@ -180,7 +177,7 @@ def _words(standing: Standing, k: int) -> str:
     )
     parts = [
         STYLES[k].sample(x, 8),
-        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFERS[settings.transfer].title}", f"vi-of-{OF[k]}"),
+        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFERS[settings.transfer].title}", f"vi-of-{CLASSES[k]}"),
         svg.text(x + 28, 26, SERVOS[settings.servo].title, "vi-2nd"),
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):
@@ -193,8 +190,8 @@ def _words(standing: Standing, k: int) -> str:
 
 
 def _path(plane: PosturePlane, racer: Racer, k: int) -> str:
-    """The motions up to the present, with the mark of that learner at their end."""
-    kept = svg.thinned_between(racer.cursor + 1, LIMIT, racer.cursor)
+    """Draw the motions up to the present, with the learner's mark at their end."""
+    kept = svg.thinned_between(racer.cursor + 1, MAX_VERTICES, racer.cursor)
     points = plane.place(np.degrees(np.array([racer.history[i].theta for i in kept])))
     (x, y), line = points[-1], ("vi-line-own", "vi-line-opponent")[k]
     now = f'<circle class="vi-now" cx="{x:.1f}" cy="{y:.1f}" r="4.6"/>'
@@ -209,15 +206,3 @@ def _column(k: int, inside: str) -> str:
 
 def _wrap(inside: str) -> str:
     return f'<div class="vi-panel"><svg class="vi vi-duel" viewBox="0 0 {WIDTH} {HEIGHT}">{inside}</svg></div>'
-
-
-def _rests(snapshot: Snapshot) -> bool:
-    return snapshot.status.has_ended
-
-
-def _state(snapshot: Snapshot) -> str:
-    return STATES[snapshot.status]
-
-
-def _motions(count: int) -> str:
-    return "1 motion" if count == 1 else f"{count} motions"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.convergence import Basin, Place
 from viewimit.analysis.minima import TransferStudy
 from viewimit.drawing import svg
-from viewimit.drawing.landscape import WIDTH, draw_small, small_plane
+from viewimit.drawing.landscape import SMALL_WIDTH, draw_small, small_plane
 from viewimit.drawing.observability import draw_bars
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
@@ -16,7 +16,7 @@ from viewimit.simulation.scene import Scene
 
 GAP, ROW = 10, 111  # px between columns, height of a row
 MAX_HEIGHT, TOP = 62, 15  # px of a plot, and above it
-TOTAL = 2 * WIDTH + GAP
+TOTAL = 2 * SMALL_WIDTH + GAP
 MARK = 4.6  # px, half the size of a start's mark
 CLASSES: dict[Place, str] = {"demonstrator": "there", "smallest E": "lowest", "elsewhere": "astray"}
 
@@ -32,15 +32,15 @@ def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> 
     """Draw what 1 px of noise costs at each joint, (m,) rad, by one transfer; None with too few points."""
     bars, words = "", "fewer than five points are seen"
     if spread is not None:
-        bars, words = draw_bars(joints, spread, WIDTH, (MAX_HEIGHT + 10) / len(joints)), "° a px of noise"
-    return _placed(transfer, bars, words, (8, 0, WIDTH, MAX_HEIGHT))
+        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), "° a px of noise"
+    return _placed(transfer, bars, words, (8, 0, SMALL_WIDTH, MAX_HEIGHT))
 
 
 def draw_together(drawn: Sequence[str]) -> str:
     """Arrange the transfers' drawings in two columns, as HTML."""
     parts = []
     for k, one in enumerate(drawn):
-        parts.append(f'<g transform="translate({(WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{one}</g>')
+        parts.append(f'<g transform="translate({(SMALL_WIDTH + GAP) * (k % 2)} {ROW * (k // 2)})">{one}</g>')
     return _wrap("".join(parts), len(drawn))
 
 

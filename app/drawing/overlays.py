@@ -81,7 +81,7 @@ def _corners(width: int) -> str:
 
 
 def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str:
-    name = svg.point_name(i)
+    name = str(i)
     shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
     inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
     return link(address, f"point/{i}", f"point {name}", inside, stop)

@@ -6,7 +6,7 @@ images are.
 """
 
 from viewimit.drawing.curves import describe_errors
-from viewimit.drawing.status import Said, describe, describe_truth, draw_status
+from viewimit.drawing.status import StatusMessage, describe, describe_truth, draw_status
 
 from ..control.state import PageState
 from ..drawing.joint_bars import describe_body_points
@@ -58,23 +58,25 @@ class StatusPanel(Panel):
 
     def show_message(self, text: str) -> None:
         """Whatever the state."""
-        put_html(self._status, draw_status(Said("message", text), self._truth))
+        put_html(self._status, draw_status(StatusMessage("message", text), self._truth))
 
 
-def _said(state: PageState) -> Said:
+def _said(state: PageState) -> StatusMessage:
     session, busy = state.session, _busy(state)
     if state.message is not None:
-        return Said("message", state.message)
+        return StatusMessage("message", state.message)
     if busy is not None:
-        return Said(*busy)
+        return StatusMessage(*busy)
     points = state.points
     if points.information is not None and not state.playing:
         joints = session.scene.moving_joints
-        return Said("editing", describe_body_points(joints, points.information, points.proposal, points.searching))
+        return StatusMessage(
+            "editing", describe_body_points(joints, points.information, points.proposal, points.searching)
+        )
     if state.see_through is not None:
-        return Said("see-through", describe_see_through(session.scene, state.see_through))
+        return StatusMessage("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:
-        return Said("message", f"not saved: {state.unsaved}; a reload would lose this session.")
+        return StatusMessage("message", f"not saved: {state.unsaved}; a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (on_the_way := state.on_the_way) is not None:
         return describe(on_the_way, before, joints=session.scene.moving_joints)

@@ -9,7 +9,7 @@ from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.tracks import Case, draw
-from viewimit.geometry.rectification import rectification_of, rectification_with_prior
+from viewimit.geometry.rectification import fit_rectification, fit_rectification_with_prior
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -75,7 +75,7 @@ def test_a_rectification_is_told_by_the_other_points_too():
     squares = []
     for point in range(20):
         rest = views.select(np.delete(np.arange(20), point))
-        by = rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
+        by = fit_rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
         fitted = fit_transfer(TRANSFERS["projective"], rest, by)
         one = views.select([point])
         squares.append(((one.own - fitted.recover(one.demo_left, one.demo_right)) ** 2).sum() / 2)
@@ -89,7 +89,7 @@ def test_a_rectified_rig_is_left_as_it_is_though_its_matches_ask_for_rectificati
     rectified, worse = 0, []
     for k in range(DRAWS):
         seen, elsewhere = draw(Case(points), np.random.default_rng([11, k]))
-        by = rectification_of(*np.split(np.concatenate([seen.demo[0], seen.own[0]]), 2, axis=1))
+        by = fit_rectification(*np.split(np.concatenate([seen.demo[0], seen.own[0]]), 2, axis=1))
         rectified += leave_one_out(find_outliers(seen).corrected(seen)).rectification is not None
         if by is not None:
             worse.append(held_out(seen, elsewhere, by) / held_out(seen, elsewhere, None))

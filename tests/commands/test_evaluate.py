@@ -7,7 +7,7 @@ from axle_markers import axle_markers
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import VIEWS, FourViews
 from viewimit.experiments.bench.tracks import Case, draw
-from viewimit.geometry.rectification import rectification_of
+from viewimit.geometry.rectification import fit_rectification
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -60,7 +60,7 @@ def test_a_rectified_pair_is_left_as_it_is_where_its_matches_alone_would_ask_for
     views = next(
         views
         for views in (rig([seed, k], points=40) for k in range(50))
-        if rectification_of(*np.split(np.concatenate([views.demo[0], views.own[0]]), 2, axis=1)) is not None
+        if fit_rectification(*np.split(np.concatenate([views.demo[0], views.own[0]]), 2, axis=1)) is not None
     )
     path = write(tmp_path / "rig.csv", views)
     _, told = ask_json("evaluate", path)

@@ -292,7 +292,7 @@ class TestLandscape:
         over = parsed(picture.draw_path(history, 2999))
         line = numbers(path(over, LEARNERS_PATH)).reshape(-1, 2)
         ends = PosturePlane(session.scene).place(np.degrees([history[0].theta, history[-1].theta]))
-        assert len(line) <= landscape_drawing.PATH_LIMIT
+        assert len(line) <= landscape_drawing.MAX_VERTICES
         assert line[[0, -1]] == pytest.approx(ends, abs=0.06)
 
     def test_what_cannot_be_drawn_says_why(self, session):
@@ -506,7 +506,7 @@ def drawings(session, silhouettes, picture):
         curves.draw_curves(few.history, 0, None, (2, 4)),
         equations.draw_equations(session.snapshot),
         equations.draw_equations(few.snapshot),
-        *(status.draw_status(status.Said(state, "x", "y", "z"), "w") for state in status.TITLES),
+        *(status.draw_status(status.StatusMessage(state, "x", "y", "z"), "w") for state in status.TITLES),
     ]
 
 
@@ -536,7 +536,7 @@ class TestEverything:
 
     def test_escapes_what_people_write(self):
         hostile = '<img src=x onerror="1">&'
-        strip = status.draw_status(status.Said("message", hostile, hostile, hostile), hostile)
+        strip = status.draw_status(status.StatusMessage("message", hostile, hostile, hostile), hostile)
         assert "<img" not in strip and "<img" not in svg.text(0, 0, hostile)
         assert parsed(strip)
 

@@ -1,9 +1,9 @@
-"""Axes: ticks are round and inside, labels keep apart, what has no place is left out."""
+"""Axes: ticks are round and inside, labels do not overlap, what has no place is left out."""
 
 import numpy as np
 import pytest
 
-from viewimit.drawing.plots import APART, Axes, angle_ticks, apart, linear_ticks
+from viewimit.drawing.plots import LABEL_SPACING, Axes, angle_ticks, linear_ticks, spread_heights
 
 
 @pytest.mark.parametrize("low, high", [(0, 640), (-3.2, 4.1), (291.3, 297.9), (0.01, 0.052), (-1e4, 3e4)])
@@ -23,9 +23,9 @@ def test_angles_are_marked_at_compared_of_what_people_know():
 
 
 def test_labels_keep_apart_and_inside():
-    placed = apart([10, 11, 50, 99, 100], 0, 100)
-    assert min(np.diff(placed)) >= APART and placed[-1] <= 100 and placed[0] == 10 and placed[2] == 50
-    assert apart([], 0, 100) == []
+    placed = spread_heights([10, 11, 50, 99, 100], 0, 100)
+    assert min(np.diff(placed)) >= LABEL_SPACING and placed[-1] <= 100 and placed[0] == 10 and placed[2] == 50
+    assert spread_heights([], 0, 100) == []
 
 
 def test_a_scale_may_run_downwards_as_pixels_do():

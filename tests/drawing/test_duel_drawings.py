@@ -36,7 +36,7 @@ from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.minima import study_transfer
 from viewimit.drawing import curves, observability
 from viewimit.drawing.images import planes
-from viewimit.drawing.landscape import WIDTH, LandscapePicture, small_plane
+from viewimit.drawing.landscape import SMALL_WIDTH, LandscapePicture, small_plane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -81,7 +81,7 @@ def compared(session, found):
 class TestDuel:
     def test_paths_run_through_the_postures_of_each(self, race):
         session, duel = race
-        plane, root = small_plane(session.scene, duel_drawing.MOST_HIGH), parsed(draw_race(session, duel))
+        plane, root = small_plane(session.scene, duel_drawing.MAX_HEIGHT), parsed(draw_race(session, duel))
         for racer, kind in ((session, LEARNERS_PATH), (duel.opponent, OPPONENTS_PATH)):
             line = path(root, kind)
             expected = plane.place(np.degrees([moment.theta for moment in racer.history]))
@@ -136,7 +136,7 @@ class TestDuel:
         for standing, dash in zip(duel.standings, ("solid", "dashed")):
             line = paths(html, dashed(dash))[0]
             x, y = numbers(line).reshape(-1, 2).T
-            errors = np.log(np.maximum(standing.errors_deg, duel_drawing.LEAST_DEG))
+            errors = np.log(np.maximum(standing.errors_deg, duel_drawing.MIN_ERROR_DEG))
             slope = (y[-1] - y[0]) / (errors[-1] - errors[0])
             assert slope < 0 and y == pytest.approx(y[0] + slope * (errors - errors[0]), abs=0.3)
             assert np.diff(x) == pytest.approx(np.diff(x)[0], abs=0.11)
@@ -188,7 +188,7 @@ class TestTransfers:
         root = parsed(compared(session, found))
         for column in root.iter("g"):
             for text in column.findall("text"):
-                assert float(text.get("x")) + 5.6 * len(text.text) < WIDTH + landscapes.GAP
+                assert float(text.get("x")) + 5.6 * len(text.text) < SMALL_WIDTH + landscapes.GAP
 
 
 class TestObservability:
@@ -233,7 +233,7 @@ class TestObservability:
         session = Session(Settings.paper())
         views = session.snapshot.views
         found = landscape_over(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
-        picture = LandscapePicture(found, session.scene, session.snapshot, spread=np.radians([2.2, 1.8]))
+        picture = LandscapePicture(found, session.scene, session.snapshot, std_per_px=np.radians([2.2, 1.8]))
         assert "1 px costs θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
 
 

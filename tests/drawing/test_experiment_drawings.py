@@ -347,7 +347,9 @@ class TestAll:
 
     def test_disturbances_are_among_what_it_was_made_of(self):
         settings = Settings.paper(demonstrator_deg=(45.0, -90.0), noise_px=0.5, missing=0.1, transfer="linear")
-        assert plots.described(settings).endswith("linear transfer · panda, 10 points · noise 0.5 px, missing 10%")
+        assert plots.describe_settings(settings).endswith(
+            "linear transfer · panda, 10 points · noise 0.5 px, missing 10%"
+        )
         assert "<img" not in plots.figure(msgspec.structs.replace(settings, scene=HOSTILE), "")
 
     def test_seven_joints_are_drawn_too(self, trajectory):
@@ -358,7 +360,7 @@ class TestAll:
             joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0)
         )
         (caption,) = parsed(plots.figure(settings, "", " · a motion of a very long name")).iter("text")
-        assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.LONGEST
+        assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.MAX_CAPTION
         assert caption.text.startswith(f"Demonstrator (0°, 45°, 0°, {MINUS}90°, 0°, 90°, 45°) · epipolar")
         assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
 

@@ -8,7 +8,7 @@ import pytest
 from drawn import CENTRED, TO_THE_LEFT, marked, parsed
 
 from viewimit.drawing.labels import CHARACTER
-from viewimit.drawing.posture_plane import MOST_HIGH, WIDTH, PosturePlane
+from viewimit.drawing.posture_plane import MAX_HEIGHT, WIDTH, PosturePlane
 from viewimit.simulation.scene import load_scene
 
 HIGH = 9  # px of a letter over its line
@@ -63,6 +63,6 @@ def test_words_at_the_axes_keep_off_each_other_whatever_the_ranges(note):
 def test_the_axis_name_stands_in_the_middle_where_it_can():
     plane = PosturePlane(load_scene("panda"))
     left, _, width, high = plane.box
-    assert high <= MOST_HIGH
+    assert high <= MAX_HEIGHT
     middle = next(place for place in boxes(plane.wrap(plane.axes())) if place[0] == "θ₄")
     assert middle[1] == pytest.approx(left + width / 2, abs=0.1)

@@ -9,7 +9,7 @@ import pytest
 from quiet_page import QuietPage
 
 import viewimit
-from viewimit.drawing.plots import described
+from viewimit.drawing.plots import describe_settings
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.simulation.disturbances import (
@@ -106,7 +106,10 @@ class TestEach:
             run.run(4)
         plain, disturbed = ([moment.E for moment in run.history] for run in runs)
         assert plain != disturbed
-        assert described(runs[1].settings) == f"{described(runs[0].settings)} · {entry.caption.format(amount)}"
+        assert (
+            describe_settings(runs[1].settings)
+            == f"{describe_settings(runs[0].settings)} · {entry.caption.format(amount)}"
+        )
 
     def test_its_bounds_are_kept(self, name, entry):
         for bound in entry.bounds:

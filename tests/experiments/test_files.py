@@ -12,7 +12,7 @@ from PIL import Image
 
 from viewimit.analysis.landscape import Landscape
 from viewimit.drawing import svg
-from viewimit.drawing.plots import described
+from viewimit.drawing.plots import describe_settings
 from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES
 from viewimit.experiments.experiment import write
@@ -120,7 +120,7 @@ def test_an_svg_needs_nothing_beside_it(made):
     text = (folder / f"{name}.svg").read_text("utf-8")
     root = ElementTree.fromstring(text)
     assert root.tag == f"{SVG}svg" and root.find(f"{SVG}title").text.startswith(f"Fig. {name[3:]}: ")
-    assert root.find(f"{SVG}desc").text == described(result.settings)
+    assert root.find(f"{SVG}desc").text == describe_settings(result.settings)
     without_namespace = text.replace('xmlns="http://www.w3.org/2000/svg"', "")
     assert not re.search(r"<script|var\(|@import|http|url\((?!#)|href=\"(?!data:)", without_namespace)
     known = styled(root.find(f"{SVG}style").text)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from axle_markers import axle_markers
 
-from viewimit.geometry.handedness import FLAT, Handedness, principal_axes
-from viewimit.geometry.rectification import rectification_of
+from viewimit.geometry.handedness import MIN_DEPTH_SIGMA, Handedness, principal_axes
+from viewimit.geometry.rectification import fit_rectification
 from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.world import World
 
@@ -52,7 +52,7 @@ def test_its_squares_are_what_the_best_map_that_does_not_reflect_leaves_in_addit
     rng = np.random.default_rng(seed)
     axes = axes_of(rng)
     demo, own = bodies(rng, -1, axes)
-    residual = Handedness.of(demo, axes).mirror_residual(own)
+    residual = Handedness.from_images(demo, axes).mirror_residual(own)
     found = np.square(residual).sum()
     x, y = ((images - images.mean(0)) @ axes for images in (demo, own))
     unbounded = np.square(y - x @ np.linalg.lstsq(x, y, rcond=None)[0]).sum()
@@ -68,10 +68,10 @@ def test_a_map_that_does_not_reflect_pays_nothing(seed):
     rng = np.random.default_rng(seed)
     axes = axes_of(rng)
     demo, own = bodies(rng, 1, axes)
-    handedness = Handedness.of(demo, axes)
-    assert handedness.mirror_residual(own) is None and handedness.mirrored_in(own) is False
+    handedness = Handedness.from_images(demo, axes)
+    assert handedness.mirror_residual(own) is None and handedness.is_mirrored(own) is False
     mirrored = own.mean(0) - (own - own.mean(0))
-    assert handedness.mirrored_in(mirrored) is True
+    assert handedness.is_mirrored(mirrored) is True
     both = handedness.mirror_residual(np.array([own, mirrored]))
     assert not both[0].any()
     np.testing.assert_allclose(both[1], handedness.mirror_residual(mirrored))
@@ -83,12 +83,12 @@ def test_neither_the_choice_of_axes_nor_the_order_of_points_matters(sign):
     axes = axes_of(rng)
     demo, own = bodies(rng, sign, axes)
     paid = lambda residual: 0.0 if residual is None else np.square(residual).sum()
-    first = paid(Handedness.of(demo, axes).mirror_residual(own))
+    first = paid(Handedness.from_images(demo, axes).mirror_residual(own))
     assert (first > 0) == (sign < 0)
     for _ in range(8):
         turned = axes @ np.linalg.qr(rng.normal(size=(3, 3)))[0]  # or mirrored
         order = rng.permutation(POINTS)
-        again = Handedness.of(demo[order], turned).mirror_residual(own[order])
+        again = Handedness.from_images(demo[order], turned).mirror_residual(own[order])
         assert paid(again) == pytest.approx(first)
 
 
@@ -105,7 +105,7 @@ def seen_of(world, rng, postures=20):
     """Images (T, N, 4) px of both bodies in the same postures, rectified if their matches ask for it."""
     thetas = rng.uniform(world.scene.lower, world.scene.upper, (postures, len(world.scene.lower)))
     demo, own = world.demo_images(thetas)[0], world.own_images(thetas)[0]
-    by = rectification_of(*np.split(np.concatenate([demo, own]).reshape(-1, 4), 2, axis=1))
+    by = fit_rectification(*np.split(np.concatenate([demo, own]).reshape(-1, 4), 2, axis=1))
     return (demo, own, None) if by is None else (by.apply(demo), by.apply(own), by)
 
 
@@ -116,7 +116,7 @@ def test_in_the_same_posture_no_shipped_scene_pays(name):
         demo, own, _ = seen_of(World(scene, int(points)), np.random.default_rng(3))
         axes = principal_axes(np.concatenate([demo, own]).reshape(-1, 4))
         for one, other in zip(demo, own):
-            handedness = Handedness.of(one, axes)
+            handedness = Handedness.from_images(one, axes)
             assert handedness is not None and handedness.mirror_residual(other) is None
 
 
@@ -139,31 +139,31 @@ def test_markers_on_both_sides_are_a_mirror_image_in_the_mirrored_posture(text, 
     axes = principal_axes(np.concatenate([demo, own]).reshape(-1, 4))
     apply = (lambda images: images) if by is None else by.apply
     for theta in rng.uniform(0.2, 0.6, (10, len(scene.lower))) * rng.choice((-1, 1), (10, len(scene.lower))):
-        handedness = Handedness.of(apply(world.demo_images(theta)[0]), axes, 0.25)
-        assert handedness.mirrored_in(apply(world.own_images(theta)[0])) is False
-        assert handedness.mirrored_in(apply(world.own_images(-theta)[0])) is True
+        handedness = Handedness.from_images(apply(world.demo_images(theta)[0]), axes, 0.25)
+        assert handedness.is_mirrored(apply(world.own_images(theta)[0])) is False
+        assert handedness.is_mirrored(apply(world.own_images(-theta)[0])) is True
 
 
 def test_left_and_right_in_each_others_place_are_a_mirror_image():
     demo, own, _ = seen_of(World(load_scene("panda"), 16), np.random.default_rng(5))
     exchanged = own[..., [2, 3, 0, 1]]
     axes = principal_axes(np.concatenate([demo, exchanged]).reshape(-1, 4))
-    assert all(Handedness.of(one, axes).mirrored_in(other) is True for one, other in zip(demo, exchanged))
+    assert all(Handedness.from_images(one, axes).is_mirrored(other) is True for one, other in zip(demo, exchanged))
 
 
 @pytest.mark.parametrize("noise_px", [0.1, 1.0])
 def test_what_noise_may_have_made_tells_no_handedness(noise_px):
-    """Depth of the points, rms, of FLAT standard deviations is the least that tells: of both bodies."""
+    """Depth of the points, rms, of MIN_DEPTH_SIGMA standard deviations is the least that tells: of both bodies."""
     rng = np.random.default_rng(6)
     axes = axes_of(rng)
     unit = np.linalg.svd(rng.normal(size=(POINTS, 3)), full_matrices=False)[0]
     unit = np.linalg.qr(unit - unit.mean(0))[0] * np.sqrt(POINTS)  # rms 1 along each axis
     body = lambda depth: (unit * (90, 50, depth)) @ axes.T + 200
-    flat, deep = body(0.99 * FLAT * noise_px), body(1.01 * FLAT * noise_px)
-    assert Handedness.of(flat, axes, noise_px) is None
-    handedness = Handedness.of(deep, axes, noise_px)
-    assert handedness.mirrored_in(deep) is False and handedness.mirrored_in(flat) is None
-    assert Handedness.of(body(0.0), axes) is None
+    flat, deep = body(0.99 * MIN_DEPTH_SIGMA * noise_px), body(1.01 * MIN_DEPTH_SIGMA * noise_px)
+    assert Handedness.from_images(flat, axes, noise_px) is None
+    handedness = Handedness.from_images(deep, axes, noise_px)
+    assert handedness.is_mirrored(deep) is False and handedness.is_mirrored(flat) is None
+    assert Handedness.from_images(body(0.0), axes) is None
 
 
 @pytest.mark.parametrize("depth", [3.5, 6.0, 50.0])
@@ -178,8 +178,8 @@ def test_noise_hides_the_handedness_but_never_turns_it_round(depth):
         if (np.linalg.det(np.linalg.lstsq(shape, other, rcond=None)[0]) < 0) != mirrored:
             other = -other
         demo, own = (one @ axes.T + rng.normal(size=(POINTS, 4)) for one in (shape, other))
-        handedness = Handedness.of(demo, axes, 1.0)
-        found = None if handedness is None else handedness.mirrored_in(own)
+        handedness = Handedness.from_images(demo, axes, 1.0)
+        found = None if handedness is None else handedness.is_mirrored(own)
         assert found in (None, mirrored)
         told += found is not None
     assert told > 50

@@ -6,7 +6,14 @@ from stereo_heads import EQUAL, UNLIKE, head, matches
 
 from viewimit.geometry.affine import image_unit
 from viewimit.geometry.fundamental import epipoles, fit_fundamental
-from viewimit.geometry.rectification import LEAST_PX, affine_squares, in_equal_rows, level, rectification_of, rectify
+from viewimit.geometry.rectification import (
+    MIN_RMS_PX,
+    affine_squared_error,
+    fit_rectification,
+    has_equal_rows,
+    rectify,
+    rectify_affine,
+)
 
 NEEDED = [head(12), head(3, *UNLIKE), head(20, *UNLIKE)]
 PARALLEL = [head(0), head(0, *UNLIKE)]
@@ -15,7 +22,7 @@ PARALLEL = [head(0), head(0, *UNLIKE)]
 @pytest.mark.parametrize("stereo", NEEDED)
 def test_matches_lie_in_equal_rows_also_those_that_it_was_not_found_from(stereo):
     rng = np.random.default_rng(0)
-    found = rectification_of(*matches(stereo, rng)[:2])
+    found = fit_rectification(*matches(stereo, rng)[:2])
     left, right, _ = matches(stereo, rng)
     images = np.concatenate([left, right], 1)
     rows = found.apply(images)[:, 1::2]
@@ -33,7 +40,7 @@ def test_matches_of_parallel_axes_lie_in_equal_rows_once_they_are_level(stereo, 
         (points - 200) @ [[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]] + 200
         for points, by in zip((left, right), turn)
     )
-    rows = level(left[:40], right[:40]).apply(np.concatenate([left, right], 1))
+    rows = rectify_affine(left[:40], right[:40]).apply(np.concatenate([left, right], 1))
     np.testing.assert_allclose(rows[:, 1], rows[:, 3], atol=1e-8)
     for before, after in ((left, rows[:, :2]), (right, rows[:, 2:])):  # turned and scaled, not mirrored
         (into, *_), scale = np.linalg.lstsq(np.c_[before, np.ones(len(before))], after, rcond=None), after.std(0)
@@ -43,7 +50,7 @@ def test_matches_of_parallel_axes_lie_in_equal_rows_once_they_are_level(stereo, 
 @pytest.mark.parametrize("stereo", NEEDED)
 def test_epipoles_are_at_infinity_along_the_rows(stereo):
     left, right, _ = matches(stereo, np.random.default_rng(1))
-    found = rectification_of(left, right)
+    found = fit_rectification(left, right)
     for epipole, H in zip(epipoles(fit_fundamental(left, right)), (found.left, found.right)):
         x, y, w = H @ epipole
         assert abs(y) < 1e-8 * abs(x) and abs(w) < 1e-8 * abs(x)
@@ -52,7 +59,7 @@ def test_epipoles_are_at_infinity_along_the_rows(stereo):
 @pytest.mark.parametrize("stereo", NEEDED)
 def test_pixels_stay_as_large_and_upright_in_the_middle_of_the_right_image(stereo):
     left, right, _ = matches(stereo, np.random.default_rng(2))
-    found, middle, small = rectification_of(left, right), right.mean(0), 1e-4
+    found, middle, small = fit_rectification(left, right), right.mean(0), 1e-4
     around = middle + small * np.array([[0, 0], [1, 0], [0, 1]])
     images = found.apply(np.concatenate([np.tile(left[:1], (3, 1)), around], 1))[:, 2:]
     derivative = (images[1:] - images[0]).T / small
@@ -71,7 +78,7 @@ def test_of_parallel_equal_cameras_the_right_image_stays_as_it_is_and_the_left_o
 @pytest.mark.parametrize("noise_px", [0.0, 0.25, 2.0])
 def test_parallel_axes_ask_for_none_also_with_unlike_cameras_and_noise(stereo, noise_px):
     rng = np.random.default_rng(4)
-    assert all(rectification_of(*matches(stereo, rng, 40, noise_px)[:2]) is None for _ in range(20))
+    assert all(fit_rectification(*matches(stereo, rng, 40, noise_px)[:2]) is None for _ in range(20))
 
 
 def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
@@ -79,25 +86,25 @@ def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
     for _ in range(20):
         left, right, _ = matches(head(12), rng, 60, 0.25)
         right[:3] += rng.uniform(-60, 60, (3, 2))
-        assert rectification_of(left, right) is not None
-    assert rectification_of(left[:10], right[:10]) is None  # too few to tell
+        assert fit_rectification(left, right) is not None
+    assert fit_rectification(left[:10], right[:10]) is None  # too few to tell
 
 
 def test_what_noise_leaves_open_are_seven_others_that_make_rows_equal_as_well_as_noise_allows():
     rng = np.random.default_rng(7)
-    assert rectification_of(*matches(head(12), rng)[:2]).others == ()
+    assert fit_rectification(*matches(head(12), rng)[:2]).perturbed == ()
     left, right, _ = matches(head(12), rng, 60, 0.25)
-    found = rectification_of(left, right)
+    found = fit_rectification(left, right)
     off = lambda by: np.diff(by.apply(np.concatenate([left, right], 1))[:, 1::2]).ravel() / np.sqrt(2)
-    assert len(found.others) == 7
-    for other in found.others:
+    assert len(found.perturbed) == 7
+    for other in found.perturbed:
         apart = ((off(other) - off(found)) ** 2).sum()  # one standard deviation of one parameter
         assert apart == pytest.approx(0.25**2, rel=0.5)
 
 
 def test_a_batch_is_mapped_as_each_of_it():
     left, right, _ = matches(head(8, EQUAL, UNLIKE[1]), np.random.default_rng(6))
-    found, images = rectification_of(left, right), np.concatenate([left, right], 1)
+    found, images = fit_rectification(left, right), np.concatenate([left, right], 1)
     together = found.apply(np.stack([images[:20], images[20:40]])[:, None])
     np.testing.assert_allclose(together.reshape(40, 4), found.apply(images[:40]))
 
@@ -107,7 +114,7 @@ def test_rows_that_are_nearly_equal_are_never_farther_from_an_affine_geometry(ap
     rng = np.random.default_rng(4)
     left = rng.uniform(0, 640, (40, 2))
     right = np.stack([left[:, 0] - rng.uniform(10, 60, 40), left[:, 1] + apart_px * rng.choice([-1, 1], 40)], 1)
-    least_px = LEAST_PX * image_unit(np.concatenate([left, right], 1))
-    near = affine_squares(left, right) < len(left) * least_px**2
-    assert in_equal_rows(left, right) == (apart_px < np.sqrt(2) * least_px)
-    assert near or not in_equal_rows(left, right)
+    least_px = MIN_RMS_PX * image_unit(np.concatenate([left, right], 1))
+    near = affine_squared_error(left, right) < len(left) * least_px**2
+    assert has_equal_rows(left, right) == (apart_px < np.sqrt(2) * least_px)
+    assert near or not has_equal_rows(left, right)

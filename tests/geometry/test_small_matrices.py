@@ -1,9 +1,9 @@
-"""The trace without the largest eigenvalues, of many matrices at once, against LAPACK's of each."""
+"""Linear algebra on batches of small matrices, against LAPACK's of each matrix."""
 
 import numpy as np
 import pytest
 
-from viewimit.geometry.small_matrices import MIN_TAIL_BATCH, tail_eigenvalue_sum
+from viewimit.geometry.small_matrices import MIN_TAIL_BATCH, inverse, tail_eigenvalue_sum
 
 MANY = MIN_TAIL_BATCH + 400
 RNG = np.random.default_rng(0)
@@ -19,30 +19,30 @@ def constant(*values):
     return np.broadcast_to(values, (MANY, len(values)))
 
 
-def beside(value, others):
-    """Two eigenvalues next to each other, from 1e-15 to 0.1 apart, and others."""
-    apart = 10.0 ** RNG.uniform(-15, -1, MANY)
-    return np.column_stack([np.full(MANY, value), value - apart, others])
+def adjacent(value, others):
+    """Two eigenvalues with a gap from 1e-15 to 0.1, and others."""
+    gap = 10.0 ** RNG.uniform(-15, -1, MANY)
+    return np.column_stack([np.full(MANY, value), value - gap, others])
 
 
 CASES = {
     "any": RNG.uniform(0, 1, (MANY, 8)),
     "of other sizes": 10.0 ** RNG.uniform(-12, 5, (MANY, 8)),
-    "the third as large as the fourth": beside(3.0, RNG.uniform([5, 5] + 4 * [0], [9, 9] + 4 * [2], (MANY, 6))),
-    "the first as large as the second": beside(3.0, RNG.uniform(0, 2, (MANY, 6))),
+    "the third as large as the fourth": adjacent(3.0, RNG.uniform([5, 5] + 4 * [0], [9, 9] + 4 * [2], (MANY, 6))),
+    "the first as large as the second": adjacent(3.0, RNG.uniform(0, 2, (MANY, 6))),
     "rank 3": np.hstack([RNG.uniform(1, 9, (MANY, 3)), np.zeros((MANY, 5))]),
     "rank 2": np.hstack([RNG.uniform(1, 9, (MANY, 2)), np.zeros((MANY, 6))]),
     "rank 1": np.hstack([RNG.uniform(1, 9, (MANY, 1)), np.zeros((MANY, 7))]),
     "all equal": constant(*8 * [2.0]),
     "three equal": constant(5.0, 5.0, 5.0, 3.0, 2.0, 1.0, 0.5, 0.0),
-    "nothing": constant(*8 * [0.0]),
+    "zero": constant(*8 * [0.0]),
     "tiny": 1e-120 * RNG.uniform(0, 1, (MANY, 8)),
     "huge": 1e120 * RNG.uniform(0, 1, (MANY, 8)),
 }
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_it_is_what_lapack_says_of_each(case):
+def test_the_tail_sum_equals_lapacks(case):
     S = of_eigenvalues(CASES[case])
     kept = S.copy()
     values = np.linalg.eigvalsh(S.transpose(2, 0, 1))
@@ -52,13 +52,13 @@ def test_it_is_what_lapack_says_of_each(case):
 
 
 @pytest.mark.parametrize("n, rank", [(2, 1), (3, 1), (4, 3), (6, 2)])
-def test_of_other_sizes_and_ranks(n, rank):
+def test_the_tail_sum_of_other_sizes_and_ranks(n, rank):
     values = RNG.uniform(0, 1, (MANY, n))
     expected = np.sort(values, axis=1)[:, :-rank].sum(1)
     np.testing.assert_allclose(tail_eigenvalue_sum(of_eigenvalues(values), rank), expected, atol=1e-11)
 
 
-def test_hardly_any_is_left_to_lapack(monkeypatch):
+def test_hardly_any_matrix_goes_to_lapack(monkeypatch):
     asked = []
     by_lapack = np.linalg.eigvalsh
     monkeypatch.setattr(np.linalg, "eigvalsh", lambda S: asked.append(len(S)) or by_lapack(S))
@@ -66,8 +66,25 @@ def test_hardly_any_is_left_to_lapack(monkeypatch):
     assert sum(asked) < 0.05 * MANY
 
 
-def test_diagonal_ones_need_no_reflection():
+def test_diagonal_matrices_need_no_reflection():
     values = RNG.uniform(0, 1, (MANY, 8))
     S = np.zeros((8, 8, MANY))
     S[range(8), range(8)] = values.T
     np.testing.assert_allclose(tail_eigenvalue_sum(S, 3), np.sort(values, axis=1)[:, :-3].sum(1), atol=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 3, 4, 6])
+def test_inverses_equal_numpys(n):
+    rng = np.random.default_rng(n)
+    A = rng.normal(size=(6, n, n + 3))
+    S = A @ A.transpose(0, 2, 1)
+    found = np.moveaxis(inverse(np.moveaxis(S, 0, -1)), -1, 0)
+    np.testing.assert_allclose(found, np.linalg.inv(S), rtol=1e-9, atol=1e-10)
+
+
+def test_a_singular_matrix_has_no_finite_inverse_and_spoils_no_other():
+    S = np.stack([np.diag([1.0, 0.0]), 2 * np.eye(2)], -1)
+    kept = S.copy()
+    found = inverse(S)
+    assert not np.isfinite(found[..., 0]).all() and np.array_equal(found[..., 1], np.eye(2) / 2)
+    assert np.array_equal(S, kept)

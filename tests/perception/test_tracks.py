@@ -134,7 +134,7 @@ def test_points_in_whole_pixels_are_not_called_misplaced(ask_json, tmp_path, mor
 
 def test_where_nothing_is_wrong_or_told_that_is_said(ask, ask_json, tidy, suspicious):
     _, told = ask_json("evaluate", tidy)
-    assert told["suspects"] == [] and "arms in one posture would tell" in told["undecided"][0]
+    assert told["suspects"] == [] and "they show only with arms in one posture" in told["undecided"][0]
     _, out, _ = ask("evaluate", tidy)
     assert "suspects: none\n  undecided: swapped points: E of the projective transfer is " in out
 

@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.drawing.plots import described
+from viewimit.drawing.plots import describe_settings
 from viewimit.loop.codegen import as_command, as_python
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -77,7 +77,7 @@ def test_it_is_called_by_its_title():
     ]  # fmt: skip
     assert file_name("/x/mine.toml") == "mine.toml"
     assert file_name(MINE) == MINE  # which is no path, whatever stands in it
-    assert "· Eyes <wider> a/part, 10 points" in described(Settings.paper(scene=MINE))
+    assert "· Eyes <wider> a/part, 10 points" in describe_settings(Settings.paper(scene=MINE))
 
 
 def test_a_robot_of_ones_own_cannot_be_told(tmp_path):

@@ -25,7 +25,7 @@ from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_scene, resize, write_scene
-from viewimit.geometry.rectification import level, rectification_of
+from viewimit.geometry.rectification import fit_rectification, rectify_affine
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
@@ -47,9 +47,9 @@ def rig_of(any_head, k):
     views = world.look(there, there)
     matches = np.concatenate([views.demo, views.own, *(world.own_images(theta)[0] for theta in visited)])
     left, right = matches[:, :2], matches[:, 2:]
-    rectification = rectification_of(left, right)
+    rectification = fit_rectification(left, right)
     assert (rectification is not None) == any_head
-    return views, rectification or level(left, right), drawn, rng
+    return views, rectification or rectify_affine(left, right), drawn, rng
 
 
 def half_seen(views, rng):

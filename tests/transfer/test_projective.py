@@ -58,7 +58,7 @@ def plain(demo, own, steps, prior):
     Y = own - own.mean(0)
     weight, p = prior * (Y**2).sum() / N, np.zeros(3)
     for step in range(steps + 1):
-        rho = np.maximum(1 + u @ p, projective.NEAREST)
+        rho = np.maximum(1 + u @ p, projective.MIN_DEPTH)
         Q, _ = np.linalg.qr(np.column_stack([np.ones(N), u]) / rho[:, None])
         found = Q @ (Q.T @ Y)
         if step == steps:
@@ -71,7 +71,7 @@ def plain(demo, own, steps, prior):
             1,
         )
         p = p + np.linalg.solve(J.T @ J + weight * np.eye(3), -J.T @ (Y - found).ravel() - weight * p)
-        p = p * min(1, projective.LARGEST_P / max(np.linalg.norm(p), 1e-300))
+        p = p * min(1, projective.MAX_P / max(np.linalg.norm(p), 1e-300))
 
 
 @pytest.mark.parametrize("postures", [40, 60])
@@ -80,15 +80,15 @@ def test_a_batch_is_the_plain_loop_posture_by_posture(postures):
     world, rng = World(load_scene("iiwa")), np.random.default_rng(3)
     demo, _ = world.demo_images(np.radians([40, -70]))
     own, _ = world.own_images(rng.uniform(world.scene.lower, world.scene.upper, (postures, 2)).T)
-    assert (own[..., 0].size > projective.FEW) == (postures == 60)
+    assert (own[..., 0].size > projective.MAX_POINTS_LAPACK) == (postures == 60)
     recovered = projective.fit(seen(demo, own)).recover(demo[:, :2], demo[:, 2:])
-    expected = [plain(demo, each, projective.STEPS, projective.PRIOR) for each in own]
+    expected = [plain(demo, each, projective.GAUSS_NEWTON_STEPS, projective.PRIOR) for each in own]
     np.testing.assert_allclose(recovered, expected, atol=1e-8)
     one = projective.fit(seen(demo, own[7])).recover(demo[:, :2], demo[:, 2:])
     np.testing.assert_allclose(one, recovered[7], atol=1e-9)
     demos = demo + np.random.default_rng(1).normal(size=own.shape)
     batched = projective.fit(seen(demos, own)).recover(demos[..., :2], demos[..., 2:])
-    expected = [plain(*each, projective.STEPS, projective.PRIOR) for each in zip(demos, own)]
+    expected = [plain(*each, projective.GAUSS_NEWTON_STEPS, projective.PRIOR) for each in zip(demos, own)]
     np.testing.assert_allclose(batched, expected, atol=1e-8)
 
 
@@ -122,7 +122,9 @@ def test_coplanar_points_have_no_condition_and_still_a_transfer():
 @pytest.mark.parametrize("seed", range(4))
 def test_one_posture_alone_is_fitted_as_in_a_batch(seed):
     views = heads_views(np.random.default_rng(seed))
-    postures = views.own + np.random.default_rng(seed).standard_normal((1 + projective.FEW // 12, *views.own.shape))
+    postures = views.own + np.random.default_rng(seed).standard_normal(
+        (1 + projective.MAX_POINTS_LAPACK // 12, *views.own.shape)
+    )
     postures[0] = views.own
     batch = projective.fit(seen(views.demo, postures))
     for k, own in enumerate(postures):

@@ -7,7 +7,7 @@ from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.rectification import Rectification, rectification_of
+from viewimit.geometry.rectification import Rectification, fit_rectification
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -23,7 +23,7 @@ def views_and_rectification(world, offset_deg=(0, 0)):
     theta = np.radians([45.0, -90.0])
     views = world.look(theta, theta + np.radians(offset_deg))
     pooled = np.concatenate([views.demo, views.own, world.own_images(theta - 0.3)[0]])
-    return views, rectification_of(pooled[:, :2], pooled[:, 2:])
+    return views, fit_rectification(pooled[:, :2], pooled[:, 2:])
 
 
 def test_in_the_demonstrators_posture_the_projective_transfer_leaves_nothing(world):

@@ -50,8 +50,8 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
 def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
     now = session.run(6).last
-    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.others
-    assert seen.heads == len(others) == 7
+    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.perturbed
+    assert seen.n_rig_hypotheses == len(others) == 7
     for head, other in enumerate(others, 1):
         e = residuals(now.views.own, rig=head)
         of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
@@ -60,7 +60,7 @@ def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     last = session.run().last
     seen, residuals = session.observation(last), session.predicted_residuals(last)
     of_heads = [
-        TrustRegion().step(last.servo_state, replace(seen, heads=heads), residuals)[0].certificate.std_error
+        TrustRegion().step(last.servo_state, replace(seen, n_rig_hypotheses=heads), residuals)[0].certificate.std_error
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()

@@ -7,7 +7,7 @@ from viewimit.estimation.noise import HomographyResiduals
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
-from viewimit.geometry.rectification import rectification_of
+from viewimit.geometry.rectification import fit_rectification
 from viewimit.servo.least_squares import minimise
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -25,7 +25,7 @@ def rectification(world):
     rng = np.random.default_rng(0)
     own = [world.own_images(theta)[0] for theta in rng.uniform(world.scene.lower, world.scene.upper, (6, 2))]
     matches = np.concatenate([world.demo_images(THERE)[0], *own])
-    return rectification_of(matches[:, :2], matches[:, 2:])
+    return fit_rectification(matches[:, :2], matches[:, 2:])
 
 
 def own_at(world, theta):

@@ -16,7 +16,7 @@ from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS
 from ..geometry.fundamental import DEGREES_OF_FREEDOM, fit_fundamental_with_prior, sampson_distance
-from ..geometry.rectification import Rectification, rectification_of, rectification_with_prior, rectify
+from ..geometry.rectification import Rectification, fit_rectification, fit_rectification_with_prior, rectify
 
 FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are left out one by one
 MATCH_FRAMES, MAX_MATCHES = 200, 2000  # frames whose matches determine a rectification, and matches of those
@@ -57,13 +57,13 @@ def leave_one_out(views: FourViews, rectifying: bool = True) -> LeaveOneOut:
     usable = np.flatnonzero(views.usable.sum(-1) > MIN_POINTS)
     frames = usable[_spaced(len(usable), FRAMES)]
     matches, points = _matches(views, np.union1d(frames, _spaced(len(views.demo), MATCH_FRAMES)))
-    found = rectification_with_prior(matches[:, :2], matches[:, 2:]) if rectifying else None
+    found = fit_rectification_with_prior(matches[:, :2], matches[:, 2:]) if rectifying else None
     made = _predictions(views, frames, None if found is None else _RectificationWithout(matches, points))
     ratio = bound = None
     if found is not None:
         ratio, bound = _ratio(made, MAX_NOISE_RATIO * _noise_px(matches))
         if bound is None:
-            found = rectification_of(*np.split(select_matches(views), 2, axis=1))
+            found = fit_rectification(*np.split(select_matches(views), 2, axis=1))
         elif bound > MAX_RATIO:
             found = None
     return LeaveOneOut(

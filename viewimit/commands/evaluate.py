@@ -190,9 +190,9 @@ def _find_mirrored(
         if frame["refused"]:
             continue
         views = FourViews.from_images(*(frame["seen"][name] for name in VIEW_NAMES.values()))
-        handedness = Handedness.of(rectified(views.demo), axes, noise_px)
+        handedness = Handedness.from_images(rectified(views.demo), axes, noise_px)
         if handedness is not None:
-            frame["mirrored"] = handedness.mirrored_in(rectified(views.own))
+            frame["mirrored"] = handedness.is_mirrored(rectified(views.own))
 
 
 def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:

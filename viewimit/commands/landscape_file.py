@@ -8,7 +8,7 @@ import numpy as np
 from ..analysis.landscape import Landscape
 from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
-from ..drawing.plots import described
+from ..drawing.plots import describe_settings
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 
@@ -39,4 +39,4 @@ def write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) ->
     else:
         picture = LandscapePicture(landscape, scene, snapshot, contours="E in px²")
         drawing = picture.draw_alone(snapshot.settings)
-        figures.write(path, figures.standalone(drawing, TITLE, described(snapshot.settings)))
+        figures.write(path, figures.standalone(drawing, TITLE, describe_settings(snapshot.settings)))

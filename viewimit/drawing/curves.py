@@ -198,5 +198,5 @@ def describe_errors(errors_deg: Sequence[float]) -> str:
     recent = np.array(errors_deg[1:][-RECENT:])
     if len(recent) == 0:
         return ""
-    count = "1 motion" if len(recent) == 1 else f"{len(recent)} motions"
-    return f"{svg.number(recent[-1])}° off, rms {svg.number(np.sqrt(np.mean(recent**2)))}° over {count}"
+    rms = svg.number(np.sqrt(np.mean(recent**2)))
+    return f"{svg.number(recent[-1])}° off, rms {rms}° over {svg.count_motions(len(recent))}"

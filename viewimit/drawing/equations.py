@@ -1,5 +1,8 @@
-"""The paper's equations with the numbers of this moment, as cards of MathML. Its conversion is cached, the numbers are
-put in; Eqs. (1) and (6) are said here, all others by the transfer and the servo that run."""
+"""The paper's equations with the numbers of a snapshot, as cards of MathML.
+
+Eqs. (1) and (6) are written here, all others by the transfer and the servo. The conversion of LaTeX is cached; only the
+numbers are filled in.
+"""
 
 from functools import cache
 
@@ -12,20 +15,19 @@ from ..estimation.rectification import RectifiedTransfer
 from ..geometry.rectification import Rectification
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion
-from . import svg
 
 
 def draw_equations(snapshot: Snapshot, chosen: int | None = None) -> str:
-    """HTML of `equations_of`."""
+    """Draw `equations_of` a snapshot as HTML."""
     return _cards(*equations_of(snapshot, chosen))
 
 
 def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equation, ...]:
-    """chosen: the point that Eqs. (1) and (4) are shown for, by default the one with the largest residual."""
+    """List a snapshot's equations. chosen: the point of Eqs. (1), (4); None for the one with the largest residual."""
     recovery: tuple[Equation, ...] = ()
     if snapshot.transfer is not None:
         point = _shown_point(snapshot, chosen)
-        demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], svg.point_name(point)
+        demo, own, name = snapshot.views.demo[point], snapshot.views.own[point], str(point)
         method, fitted = snapshot.method, snapshot.transfer
         if isinstance(fitted, RectifiedTransfer):
             demo, own = map(fitted.rectification.apply, (demo, own))
@@ -35,12 +37,12 @@ def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equatio
 
 
 def draw_conflict(snapshot: Snapshot) -> str:
-    """HTML of Eq. (6) alone, for the room under the images of a wide window."""
+    """Draw Eq. (6) alone as HTML."""
     return _cards(_conflict(snapshot))
 
 
 def draw_law(snapshot: Snapshot) -> str:
-    """HTML of the servo's law alone, for the room under the landscape of a wide window."""
+    """Draw the servo's law alone as HTML."""
     return _cards(*_law(snapshot))
 
 
@@ -54,7 +56,7 @@ _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_
 
 
 def _conflict(snapshot: Snapshot) -> Equation:
-    """Eq. (6), or what stands in its place."""
+    """Write Eq. (6), or the equation that the transfer has instead."""
     if snapshot.transfer is None:
         note = "too few points are seen in all images"
         return Equation("(6)", "", f"{_CONFLICT}={HOLE}", (MISSING,), note)
@@ -68,7 +70,7 @@ def _conflict(snapshot: Snapshot) -> Equation:
 
 
 def _constraint(snapshot: Snapshot, demo: NDArray, own: NDArray, name: str) -> Equation:
-    """Eq. (1), of a point's images in [l] and [L]. demo, own: (4,) px, rectified if all else is."""
+    """Write Eq. (1) for a point's images in l and L. demo, own: (4,) px, rectified if the transfer is."""
     f, f33 = _fundamental(snapshot)
     u = np.concatenate([demo[:2], own[:2]])
     terms = "".join(signed(factor, 3) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
@@ -79,7 +81,7 @@ def _constraint(snapshot: Snapshot, demo: NDArray, own: NDArray, name: str) -> E
 
 
 def _rectification(by: Rectification) -> Equation:
-    """The homographies of the left and the right images."""
+    """Write the homographies that rectify the left and the right images."""
     latex = rf"𝐇_l={matrix(3, 3)},\;𝐇_r={matrix(3, 3)}"
     note = "Images are rectified by what all matches tell of the cameras: below, px are of rectified images."
     numbers = [
@@ -92,14 +94,14 @@ def _rectification(by: Rectification) -> Equation:
 
 
 def _fundamental(snapshot: Snapshot) -> tuple[NDArray, float]:
-    """f: (4,) and f33 px of the pair (l, L)."""
+    """Return f, (4,), and f33, px, of the pair (l, L)."""
     pairs = snapshot.fundamental
     assert pairs is not None  # there is a transfer, so there are enough points
     return pairs.f[0], float(pairs.f33[0])
 
 
 def _law(snapshot: Snapshot) -> tuple[Equation, ...]:
-    """Of the servo that runs."""
+    """Write the law of the servo."""
     moment = LastMotion(
         E=snapshot.E,
         seen=snapshot.views.visible[:, 2:],
@@ -121,19 +123,19 @@ def _card(equation: Equation) -> str:
 
 
 def mathml(latex: str) -> str:
-    """Of LaTeX without holes."""
+    """Convert LaTeX without holes."""
     return _mathml(latex)[0]
 
 
 def filled(equation: Equation) -> str:
-    """MathML, with its numbers."""
+    """Convert an equation to MathML and fill in its numbers."""
     pieces = _mathml(equation.latex)
-    told = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))
+    text = "".join(piece + value for piece, value in zip(pieces, [*equation.numbers, ""], strict=True))
     classes = "vi-long" if equation.long else "vi-broad" if equation.wide else ""
-    return told.replace("<math ", f'<math class="{classes}" ', 1) if classes else told
+    return text.replace("<math ", f'<math class="{classes}" ', 1) if classes else text
 
 
 @cache
 def _mathml(latex: str) -> tuple[str, ...]:
-    """The conversion, cut at its holes."""
+    """Convert LaTeX and cut the result at its holes."""
     return tuple(convert(latex, display="block").replace(f"<mtext>{MARK}</mtext>", f"<mn>{MARK}</mn>").split(MARK))

@@ -1,7 +1,7 @@
-"""The landscape of E over two joints, and the path of the learner on it.
+"""The landscape of E over two joints, and the learner's path on it.
 
-The picture with shading and contours is made once a landscape; the path and all labels, which keep off it, are an
-element of its own that lies over it, so that a motion resends only that.
+The picture with shading and contours is drawn once per landscape. Path and labels are a separate element over it, so
+that a motion resends only these.
 """
 
 from bisect import bisect_right
@@ -21,18 +21,37 @@ from .plots import figure
 from .posture_plane import NOW, PathLabels, PosturePlane
 from .theme import OBSERVED
 
-CLOSE_DEG, INSET = 6.0, 74  # when demonstrator and smallest E are nearer than that: an inset of ±CLOSE_DEG, px wide
-PATH_LIMIT, DOT_LIMIT = 180, 60  # vertices of the path; motions up to which each has a dot
+CLOSE_DEG, INSET = 6.0, 74  # if demonstrator and smallest E are closer: an inset of ±CLOSE_DEG, INSET px wide
+MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
+SMALL_WIDTH = 207  # px of a small landscape
+SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
 
 
 class LandscapePicture:
-    """html: the picture; draw_path: what lies over it. landscape: None while it is computed, or if `problem` says why
-    there is none.
+    """A landscape as a drawing. The learner does not know the demonstrator's mark in it.
 
-    The demonstrator's mark is the truth, for the viewer. contours: what they are of, in place of CONTOURS.
+    Parameters
+    ----------
+    landscape
+        E over the postures; None while it is computed, or if `problem` says why there is none.
+    scene
+        Gives the joints and their ranges.
+    snapshot
+        Gives start, demonstrator's posture and kind of camera.
+    problem
+        Words instead of a landscape.
+    std_per_px
+        Standard error of each joint per px of noise, (m,) rad/px, for the note below; None for no note.
+    contours
+        The quantity whose contours are drawn, instead of CONTOURS.
+
+    Attributes
+    ----------
+    html : str
+        The picture; `draw_path` returns what lies over it.
     """
 
     def __init__(
@@ -41,16 +60,16 @@ class LandscapePicture:
         scene: Scene,
         snapshot: Snapshot,
         problem: str = "computing …",
-        spread: NDArray | None = None,
+        std_per_px: NDArray | None = None,
         contours: str | None = None,
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks, over the path
-        self._labels: list[Label] = []  # of marks and contours, where there is room
+        self._labels: list[Label] = []  # of marks and contours
         self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
-        if not plane.has_plane and spread is not None:
-            self.html = plane.wrap(draw_observability(joints, spread))
+        if not plane.has_plane and std_per_px is not None:
+            self.html = plane.wrap(draw_observability(joints, std_per_px))
             return
         if landscape is None:
             inside = plane.message(problem)
@@ -58,25 +77,25 @@ class LandscapePicture:
             inside = plane.message("nowhere are five points seen in all four images")
         else:
             inside = self._draw(landscape, snapshot)
-        note = describe_costs(joints, spread) if spread is not None else ""
+        note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
         self._ground = (
             plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
         )
         self.html = plane.wrap(self._ground)
-        self._over = PathLabels(plane, self._labels)
+        self._path_labels = PathLabels(plane, self._labels)
 
     def draw_alone(self, settings: Settings) -> str:
-        """The picture without a path, with the words of what it was made."""
+        """Draw the picture without a path, captioned with its settings."""
         labels = self._plane.labels.copy().draw(self._labels)
         inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
-        """The motions up to the cursor, later ones faint. theta: (m,) rad, where the arm is seen while it moves."""
+        """Draw the motions up to the cursor, later ones faint. theta: (m,) rad, shown while the arm moves."""
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
-        kept = svg.thinned_between(len(history), PATH_LIMIT, cursor)
-        moments = history[:]  # a list, of which each is found sooner
+        kept = svg.thinned_between(len(history), MAX_VERTICES, cursor)
+        moments = history[:]  # a list gives single moments faster
         points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
         done = bisect_right(kept, cursor)
         shown = history[cursor].theta if theta is None else theta
@@ -86,12 +105,12 @@ class LandscapePicture:
         if done < len(points):
             parts.append(f'<path class="vi-line-own vi-later" d="{svg.path(points[done - 1 :])}"/>')
         parts.append(f'<path class="vi-line-own" d="{svg.path(line)}"/>')
-        if len(history) <= DOT_LIMIT:
+        if len(history) <= MAX_DOTS:
             probe = np.array([snapshot.probe for snapshot in history[: done - 1]], bool)
             parts.append(f'<path class="vi-dot-own" d="{svg.dots(points[: done - 1][~probe])}"/>')
             if probe.any():
                 parts.append(f'<path class="vi-probe-own" d="{svg.circles(points[: done - 1][probe], 2.6)}"/>')
-        words = self._over.words(history, cursor, theta, points)
+        words = self._path_labels.draw(history, cursor, theta, points)
         parts += [_dot(now), self._in_inset(line), self._above, words]
         return self._plane.wrap("".join(parts), "vi-over")
 
@@ -118,7 +137,7 @@ class LandscapePicture:
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
-        """What lies around both marks, enlarged, in the corner of the plot farthest from busy px."""
+        """Enlarge the surroundings of both marks in the corner of the plot farthest from `busy` places, px."""
         side, (x, y, w, h) = INSET / 2, self._plane.box
         corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
         middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))
@@ -141,7 +160,7 @@ class LandscapePicture:
         return self._clipped(frame + contours + note)
 
     def _in_inset(self, line: NDArray) -> str:
-        """The last motions where the inset shows them. line: (k, 2) px of the plot."""
+        """Draw the last motions in the inset. line: (k, 2) px of the plot."""
         if self._zoom is None:
             return ""
         near = self._zoomed(line[-INSET_MOTIONS:])
@@ -154,8 +173,8 @@ class LandscapePicture:
         return INSET / (2 * CLOSE_DEG * self._plane.scale)
 
     def _zoomed(self, points: NDArray) -> NDArray:
-        """px of the plot → px of the inset"""
-        assert self._zoom is not None  # only asked for with an inset
+        """Convert px of the plot to px of the inset."""
+        assert self._zoom is not None
         middle, centre = self._zoom
         return middle + (points - self._plane.place(centre)) * self._enlargement
 
@@ -171,29 +190,33 @@ def _dot(place: NDArray) -> str:
 
 
 def _marks(points: NDArray) -> str:
-    """The demonstrator's diamond and the cross of the smallest E, larger so that neither hides the other."""
-    x, y = points[1]
-    return (
-        f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>'
-        f'<path class="vi-cross" d="M{x - 6:.1f} {y:.1f}h12M{x:.1f} {y - 6:.1f}v12"/>'
-    )
+    """Draw the demonstrator's diamond and the cross of the smallest E, of sizes that do not hide each other."""
+    return f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>' + svg.cross(points[1], 6)
 
 
-# Small landscapes of E, to be seen beside each other: one a transfer, of the same demonstrator.
-
-WIDTH = 207  # px
-MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
-
-
-def small_plane(scene: Scene, most_high: float) -> PosturePlane:
-    """most_high: px."""
-    return PosturePlane(scene, WIDTH, most_high, MARGINS)
+def small_plane(scene: Scene, max_height: float) -> PosturePlane:
+    """Make the plane of a small landscape. max_height: of the plot, px."""
+    return PosturePlane(scene, SMALL_WIDTH, max_height, SMALL_MARGINS)
 
 
 def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_demo: NDArray) -> str:
-    """Relief, axes, the demonstrator's diamond and a cross at the smallest E, smaller ones at other minima.
+    """Draw a small landscape with the demonstrator's diamond and a cross at each minimum.
 
-    minima: (k, 2) rad, the lowest first; theta_demo: (2,) rad.
+    Parameters
+    ----------
+    plane
+        From `small_plane`.
+    found
+        E over the postures.
+    minima
+        (k, 2) rad, the lowest first, whose cross is larger.
+    theta_demo
+        (2,) rad.
+
+    Returns
+    -------
+    str
+        Inside of an `<svg>`.
     """
     parts = [plane.frame("vi-plane")]
     E = found.E

@@ -1,4 +1,7 @@
-"""The plane of two joints' angles as a plot: the second joint to the right, the first upwards, one scale."""
+"""The plane of two joints' angles as a plot, and the labels of a path that grows in it.
+
+The second joint's angle points to the right, the first's upwards, with one scale.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,27 +14,67 @@ from numpy.typing import NDArray
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
-from .labels import CHARACTER, Label, Labels, Put, Rectangle, beside, line_taken, meet, places_beside, text_at
+from .labels import (
+    CHARACTER,
+    Label,
+    Labels,
+    PlacedLabel,
+    Rectangle,
+    beside,
+    line_rectangles,
+    overlap,
+    places_beside,
+    text_at,
+)
 from .plots import Axes, angle_ticks
 
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
-MOST_HIGH = 212  # px of the plot
-ASKED = 18  # px behind the note, for a "?"
-TICK = 38, 26  # px that the numbers at an axis are apart at least, side by side and above each other
+MAX_HEIGHT = 212  # px of the plot
+NOTE_MARGIN = 18  # px behind the note, for a "?"
+TICK_SPACING = 38, 26  # px between numbers at least, horizontally and vertically
 GAP = 8  # px between words in a line
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
+NOW = 5.8  # px, radius of the dot at the path's end
+MAX_KEPT = 100  # motions for which labels keep their places while none is covered
+CLEARANCE = 3.0  # px that labels leave free on both sides of the path
+MIN_DISTANCE = 20.0  # px between start and learner for each to have a label
+AHEAD = 4.0  # px around the dot that newly placed labels leave free for the next motions
 
 
 class PosturePlane:
-    """scale: px a degree. box: (x, y, w, h) px of the plot. labels: what is taken of it. width: px, with its axes;
-    range_deg: of the two joints, in place of the scene's."""
+    """A plot over the angles of two joints.
+
+    Parameters
+    ----------
+    scene
+        Gives the moving joints and their ranges; without two of them the plot stays empty.
+    width
+        Of the drawing with its axes, px.
+    max_height
+        Of the plot, px.
+    margins
+        Left, right, top and bottom of the plot, px.
+    range_deg
+        Ranges of the two joints instead of the scene's.
+
+    Attributes
+    ----------
+    has_plane : bool
+        Whether two joints move.
+    scale : float
+        px per degree.
+    box : tuple
+        x, y, width and height of the plot, px.
+    labels : Labels
+        The occupied rectangles.
+    """
 
     def __init__(
         self,
         scene: Scene,
         width: float = WIDTH,
-        most_high: float = MOST_HIGH,
+        max_height: float = MAX_HEIGHT,
         margins: tuple[float, float, float, float] = MARGINS,
         range_deg: Sequence[tuple[float, float]] | None = None,
     ):
@@ -42,50 +85,49 @@ class PosturePlane:
         self._joints = [svg.joint_symbol(joint) for joint in scene.moving_joints] if self.has_plane else ["", ""]
         self._low, self._high = np.array(ranges, float).T
         span = self._high - self._low
-        self.scale = float(min((width - left - right) / span[1], most_high / span[0]))
+        self.scale = float(min((width - left - right) / span[1], max_height / span[0]))
         w, h = span[1] * self.scale, span[0] * self.scale
         self.box = float(left + (width - left - right - w) / 2), self._top, float(w), float(h)
         edges = self.box[0], self._top, self.box[0] + self.box[2], self._top + self.box[3]
         up, across = zip(self._low.tolist(), self._high.tolist())
         self._axes = Axes(edges, across, up)
-        self._slope = (
-            np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]
-        )  # px a degree, to the right, down
+        self._slope = np.array([edges[2] - edges[0], edges[1] - edges[3]]) / span[::-1]  # px per degree
         self._origin = np.array([edges[0], edges[3]]) - self._slope * self._low[::-1]
         self.labels = Labels(*edges)
 
     @property
     def height(self) -> float:
-        """px, with its axes"""
+        """Height with the axes, px."""
         return self._top + self.box[3] + self._bottom
 
     def place(self, degrees: NDArray) -> NDArray:
-        """(..., 2) degrees → px, in one step: it is asked for several times a motion"""
+        """Convert postures, (..., 2) degrees, to px. Called several times per motion, hence in one step."""
         return degrees[..., ::-1] * self._slope + self._origin
 
     def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
-        """px of the columns and of the rows of a grid over axes, rad"""
+        """Return the px of a grid's columns and rows. axes: of both joints, rad."""
         first, second = (np.degrees(axis) for axis in axes)
         return self._axes.x_px(second), self._axes.y_px(first)
 
     def wrap(self, inside: str, over: str = "") -> str:
-        """A drawing of the plane's size. over: class of an element that lies over another."""
+        """Wrap a drawing of the plane's size in HTML. over: class of an element that lies over another."""
         drawing = (
             f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {self._width} {self.height:.1f}">{inside}</svg></div>'
         )
         return f'<div class="{over}">{drawing}</div>' if over else drawing
 
     def frame(self, classes: str) -> str:
+        """Draw the edges of the plot."""
         x, y, w, h = self.box
         return f'<rect class="{classes}" x="{x:.1f}" y="{y:.1f}" width="{w:.1f}" height="{h:.1f}"/>'
 
     def message(self, words: str) -> str:
-        """A sentence in the middle of an empty plot."""
+        """Draw a sentence in the middle of an empty plot."""
         x, y, w, h = self.box
         return svg.text(x + w / 2, y + h / 2, words, "vi-2nd vi-mid")
 
     def ends(self) -> str:
-        """The frame with the ends of its sides and their names: axes for a small plot."""
+        """Draw the axes of a small plot: the frame, names, and only the ends of the ranges."""
         left, top, w, h = self.box
         bottom, low, high = top + h, self._low.tolist(), self._high.tolist()
         degrees = lambda angle: svg.number(angle, 0) + "°"
@@ -102,18 +144,21 @@ class PosturePlane:
         )
 
     def axes(self, note: str = "", contours: str = "E in px²", named: bool = True) -> str:
-        """The frame with ticks and names. note: below, at the right; contours: what they are of; named: as contours."""
+        """Draw the axes: frame, ticks and names.
+
+        note: words below, at the right; contours: the quantity; named: whether "contours" stands before it.
+        """
         left, top, w, h = self.box
         bottom = top + h
         parts, ticks = [self.frame("vi-axis")], []
         across, up = [], [top, bottom]  # px of the numbers
-        for angle, words in angle_ticks(self._low[1], self._high[1], TICK[0] / self.scale):
+        for angle, words in angle_ticks(self._low[1], self._high[1], TICK_SPACING[0] / self.scale):
             x = float(self._axes.x_px(angle))
             ticks.append(f"M{x:.1f} {bottom:.1f}v4")
             across.append(x)
             anchor = "vi-2nd vi-end" if x > self._width - 16 else "vi-2nd vi-mid"
             parts.append(svg.text(min(x, self._width - 2), bottom + 15, words, anchor))
-        for angle, words in angle_ticks(self._low[0], self._high[0], TICK[1] / self.scale):
+        for angle, words in angle_ticks(self._low[0], self._high[0], TICK_SPACING[1] / self.scale):
             y = float(self._axes.y_px(angle))
             ticks.append(f"M{left:.1f} {y:.1f}h-4")
             up.append(y)
@@ -123,10 +168,12 @@ class PosturePlane:
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
 
     def _below(self, bottom: float, contours: str, note: str, numbers: list[float]) -> list[str]:
-        """The line under the numbers: contours at the left, the note at the right, and in the middle the axis' name,
-        which goes aside or up between the numbers where they meet. numbers: px."""
+        """Draw the line under the numbers: contours, name of the axis, note. numbers: their px.
+
+        The name moves sideways, or up between the numbers, if the line has no room in the middle.
+        """
         left, _, w, _ = self.box
-        end = self._right - ASKED if note else self._right
+        end = self._right - NOTE_MARGIN if note else self._right
         begin = min(left, max(0.0, end - _length(note) - GAP - _length(contours)))
         free = begin + _length(contours) + GAP, end - _length(note) - GAP
         half, x, y = _length(self._joints[1]) / 2, left + w / 2, bottom + 29
@@ -139,169 +186,179 @@ class PosturePlane:
 
 
 def _length(words: str) -> float:
-    """px at most"""
+    """Return the width of words at most, px."""
     return CHARACTER * len(words)
 
 
 def _widest_gap(places: list[float]) -> float:
-    """The middle of the first of the widest between neighbours."""
+    """Return the middle of the first of the widest gaps between neighbours."""
     places = sorted(places)
     k = int(np.argmax(np.diff(places).round(3)))
     return (places[k] + places[k + 1]) / 2
 
 
-# Labels over a path that grows: they keep off it, and stay where they are as long as it keeps off them.
-
-NOW = 5.8  # px, radius of the big dot
-STAYS = 100  # motions for which labels that nothing covers stay; what a path takes of the plot grows with each
-CLEAR = 3.0  # px on both sides of the path that labels leave free
-APART = 20.0  # px from the start to the learner, from which on each has a label
-AHEAD = 4.0  # px around the big dot that labels leave free for the next motions when they are placed
+# Labels of a path
 
 
-class End(NamedTuple):
-    """Of a path: how many moments there are, the one that is shown, and the learner's posture there, (m,) rad."""
+class _PathEnd(NamedTuple):
+    n_moments: int
+    cursor: int  # index of the shown moment
+    theta: NDArray  # (m,) rad, the learner's posture there
 
-    moments: int
-    cursor: int
-    theta: NDArray
-
-    def same(self, other: "End") -> bool:
+    def is_same(self, other: "_PathEnd") -> bool:
         return self[:2] == other[:2] and self.theta is other.theta
 
 
 @dataclass
-class Placed:
-    """since: the motion for which all were placed; end: of the path; line: what the path, the marks and the big dot,
-    wherever it has been since, take; labels: all but the learner's own, the start's first; own: that one as it is
-    drawn; away: whether the learner is where both have room."""
+class _Placement:
+    """Labels as they were placed for one path."""
 
-    since: int
-    end: End
-    line: Labels
-    labels: list[Put]
-    own: str
-    away: bool
+    since: int  # motion at which all labels were placed
+    end: _PathEnd
+    line: Labels  # occupied by the path, the marks, and the dot wherever it has been since
+    labels: list[PlacedLabel]  # without the learner's; the start's first
+    own: str  # drawing of the learner's label
+    away: bool  # whether start and learner have a label each
+    _free: Labels | None = None
 
-    @cached_property
+    @property
     def free(self) -> Labels:
-        """With the line and the labels taken. Mostly the next motion covers one before it is asked for."""
-        free = self.line.copy()
-        for label in self.labels:
-            free.take(*label.takes)
-        return free
+        """Occupied by the line and the labels. Made late: often the next motion covers a label before it is needed."""
+        if self._free is None:
+            self._free = self.line.copy()
+            for label in self.labels:
+                self._free.take(*label.occupies)
+        return self._free
 
     @cached_property
     def places(self) -> Labels:
-        """Where the labels stand, without what leads to them."""
+        """Occupied by the labels' words alone."""
         places = Labels(*self.line.bounds)
         places.take(*[label.place for label in self.labels if label.place is not None])
         return places
 
     @cached_property
     def words(self) -> str:
-        """The drawings of these labels."""
+        """Drawing of the labels."""
         return "".join([label.drawn for label in self.labels])
 
-    def take(self, rectangles: Sequence[Rectangle]) -> None:
-        """By the line."""
+    def extend_line(self, rectangles: Sequence[Rectangle]) -> None:
+        """Occupy what further motions take."""
         self.line.take(*rectangles)
-        if "free" in vars(self):
-            self.free.take(*rectangles)
+        if self._free is not None:
+            self._free.take(*rectangles)
 
 
 class PathLabels:
-    """In a plane. labels: of marks and contours, where there is room."""
+    """Labels beside a path that grows. They stay in place as long as the path does not cover them.
+
+    Parameters
+    ----------
+    plane
+        The plot, with its occupied rectangles.
+    labels
+        Of marks and contours; those that find no free place are left out.
+    """
 
     def __init__(self, plane: PosturePlane, labels: Sequence[Label]):
         self._plane, self._labels = plane, labels
-        self._placed: Placed | None = None
+        self._placement: _Placement | None = None
 
-    def words(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
-        """All labels; those but the learner's own stay while the arm is on its way. theta: (m,) rad, where it is seen
-        then; points: (k, 2) px of the path as it is drawn."""
-        placed = self._placed
-        if placed is None or not placed.end.same(_end(history, cursor)):
-            placed = self._placed = self._follow(history, cursor, points)
-        return placed.words + (placed.own if theta is None else self._own(placed.free, theta, cursor)[0])
+    def draw(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
+        """Draw all labels.
 
-    def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> Placed:
-        """Go on with more motions, or with another path."""
-        placed, new = self._placed, self._since(history, cursor)
-        if placed is None or new is None or cursor - placed.since > STAYS:
-            return self._place(history, cursor, points)
-        return self._gone_on(placed, history, cursor, new)
+        Parameters
+        ----------
+        history, cursor
+            Snapshots, and the index of the shown one.
+        theta
+            Where the arm is shown while it moves, (m,) rad; only the learner's label follows it. None at rest.
+        points
+            The path as it is drawn, (k, 2) px.
+        """
+        placement = self._placement
+        if placement is None or not placement.end.is_same(_end(history, cursor)):
+            placement = self._placement = self._follow(history, cursor, points)
+        return placement.words + (placement.own if theta is None else self._own(placement.free, theta, cursor)[0])
 
-    def _since(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
-        """What the motions since labels were drawn last take; None if the path is another one."""
-        if self._placed is None:
+    def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> _Placement:
+        """Keep the labels if the path has grown; else place all of them."""
+        placement, new = self._placement, self._new_rectangles(history, cursor)
+        if placement is None or new is None or cursor - placement.since > MAX_KEPT:
+            return self._place_all(history, cursor, points)
+        return self._extend(placement, history, cursor, new)
+
+    def _new_rectangles(self, history: Sequence[Snapshot], cursor: int) -> list[Rectangle] | None:
+        """Return what the motions since the last drawing occupy; None if this is another path."""
+        if self._placement is None:
             return None
-        count, before, theta = self._placed.end
+        count, before, theta = self._placement.end
         if not len(history) - 1 == cursor > before == count - 1 or history[before].theta is not theta:
             return None
         since = history[before : cursor + 1]
-        return line_taken(self._plane.place(np.degrees([moment.theta for moment in since])), CLEAR)
+        return line_rectangles(self._plane.place(np.degrees([moment.theta for moment in since])), CLEARANCE)
 
-    def _place(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> Placed:
-        """All labels, off the path. points: (k, 2) px of it as it is drawn."""
+    def _place_all(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> _Placement:
         line, (x, y) = self._plane.labels.copy(), points[0].tolist()
-        line.take_line(points, CLEAR)
+        line.take_line(points, CLEARANCE)
         line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
         labels = beside(x, y, "start", "vi-2nd vi-halo", 8), *self._labels
-        return self._put([Put(label) for label in labels], line, history, cursor, cursor)
+        return self._place([PlacedLabel(label) for label in labels], line, history, cursor, cursor)
 
-    def _put(self, labels: Sequence[Put], line: Labels, history: Sequence[Snapshot], cursor: int, since: int) -> Placed:
-        """The learner's own label, and those that stand nowhere; that of the start only while the learner is away."""
-        theta, away, free = history[cursor].theta, self._away(history, cursor), line.copy()
+    def _place(
+        self, labels: Sequence[PlacedLabel], line: Labels, history: Sequence[Snapshot], cursor: int, since: int
+    ) -> _Placement:
+        """Place the learner's label and those without a place; the start's only while the learner is away from it."""
+        theta, away, free = history[cursor].theta, self._is_away(history, cursor), line.copy()
         for label in labels:
-            free.take(*label.takes)
+            free.take(*label.occupies)
         own, place = self._own(free, theta, cursor)
         if place is not None:
             free.take(place)
-        put = [
+        placed = [
             free.put(label.label) if label.place is None and (k or away) else label for k, label in enumerate(labels)
         ]
-        return Placed(since, _end(history, cursor), line, put, own, away)
+        return _Placement(since, _end(history, cursor), line, placed, own, away)
 
-    def _away(self, history: Sequence[Snapshot], cursor: int) -> bool:
-        """Whether the learner's own label is not the start's."""
+    def _is_away(self, history: Sequence[Snapshot], cursor: int) -> bool:
         start, now = self._plane.place(np.degrees([history[0].theta, history[cursor].theta]))
-        return cursor > 0 and bool(np.abs(now - start).max() > APART)
+        return cursor > 0 and bool(np.abs(now - start).max() > MIN_DISTANCE)
 
-    def _gone_on(self, placed: Placed, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]) -> Placed:
-        """While more motions keep off the labels, these stay: they do not jump, and need not be placed; only those that
-        are met make room. new: what these motions take."""
-        theta, away = history[cursor].theta, self._away(history, cursor)
+    def _extend(
+        self, placement: _Placement, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]
+    ) -> _Placement:
+        """Keep labels in place, but for those that further motions cover. new: what these motions occupy."""
+        theta, away = history[cursor].theta, self._is_away(history, cursor)
         x, y = self._plane.place(np.degrees(theta)).tolist()
         new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]
-        placed.take(new)
-        met = [one for one in new if placed.places.covers(one)]
-        placed.own = "" if met else self._own(placed.free, theta, cursor)[0]
-        if met:
-            gone = [_meet(label.takes[:1], met) for label in placed.labels]
-        elif not placed.own:  # where it has room once others make some
-            place = self._own(placed.line, theta, cursor)[1]
-            gone = [place is not None and _meet(label.takes, [place]) for label in placed.labels]
+        placement.extend_line(new)
+        covering = [one for one in new if placement.places.covers(one)]
+        placement.own = "" if covering else self._own(placement.free, theta, cursor)[0]
+        if covering:
+            moved = [_any_overlap(label.occupies[:1], covering) for label in placement.labels]
+        elif not placement.own:  # where the learner's label finds a place if others move
+            place = self._own(placement.line, theta, cursor)[1]
+            moved = [place is not None and _any_overlap(label.occupies, [place]) for label in placement.labels]
         else:
-            gone = [False] * len(placed.labels)
-        if any(gone) or away != placed.away:
-            gone[0] |= not away
-            labels = [Put(label.label) if goes else label for label, goes in zip(placed.labels, gone)]
-            return self._put(labels, placed.line, history, cursor, placed.since)
-        placed.end = _end(history, cursor)
-        return placed
+            moved = [False] * len(placement.labels)
+        if any(moved) or away != placement.away:
+            moved[0] |= not away
+            labels = [PlacedLabel(label.label) if moves else label for label, moves in zip(placement.labels, moved)]
+            return self._place(labels, placement.line, history, cursor, placement.since)
+        placement.end = _end(history, cursor)
+        return placement
 
     def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
-        """The learner's own label at theta, (m,) rad, and its place, which is not taken."""
+        """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
         place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 
 
-def _end(history: Sequence[Snapshot], cursor: int) -> End:
-    return End(len(history), cursor, history[cursor].theta)
+def _end(history: Sequence[Snapshot], cursor: int) -> _PathEnd:
+    return _PathEnd(len(history), cursor, history[cursor].theta)
 
 
-def _meet(some: Sequence[Rectangle], others: Sequence[Rectangle]) -> bool:
-    return any(meet(one, other) for one in some for other in others)
+def _any_overlap(some: Sequence[Rectangle], others: Sequence[Rectangle]) -> bool:
+    return any(overlap(one, other) for one in some for other in others)

@@ -1,6 +1,6 @@
-"""Relief of a function over a grid: shading as the mask of one colour, and labelled contours.
+"""Relief of E over a grid: shading and labelled contours.
 
-The shading's picture holds opacity only, so that the valley has the paper's colour in light and dark.
+The shading is a picture of opacity only, used as the mask of one colour, so that it serves light and dark.
 """
 
 import base64
@@ -19,25 +19,25 @@ from . import svg
 from .labels import CHARACTER, LINE, Label, Rectangle
 
 LEVELS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
-MOST_LEVELS = 9
-FINE = np.array([1, 1.5, 2, 3, 5, 7])
-DARKEST = 0.78
-FLOOR = 2000  # E below the largest divided by that is shaded as the valley's floor
-FINE_GRID = 40  # postures a joint from which every second is enough for the shading
+MAX_LEVELS = 9
+FINE = np.array([1, 1.5, 2, 3, 5, 7])  # levels of fine contours, times powers of ten
+MAX_OPACITY = 0.78
+MAX_RATIO = 2000  # E below the largest divided by this is shaded as the valley's floor
+FINE_GRID = 40  # postures per joint from which the shading uses every second one
 SPACING = 2.6  # px between vertices of a contour
-AWAY = np.radians(40)  # a label may stand off its ray by that
-_OWN, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes meet in one page
+MAX_DEVIATION = np.radians(40)  # between a label and its ray
+_PROCESS, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes are shown on one page
 
 Grid = tuple[NDArray, NDArray]
 
 
 def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
-    """E: (rows, columns) at px grid = (x of columns, y of rows); box: x, y, w, h px of the plot."""
-    every = 2 if min(E.shape) >= FINE_GRID else 1  # whoever shows it interpolates
+    """Draw the shading of E, (rows, columns). grid: px of its columns and rows; box: x, y, w, h of the plot, px."""
+    every = 2 if min(E.shape) >= FINE_GRID else 1  # browsers interpolate
     alpha, blind = _alpha(E[::every, ::every])
     parts = [_masked(grid, every, alpha, box, "vi-hills")]
     if blind.any():
-        name = f"vi-h{_OWN}-{next(_ids)}"
+        name = f"vi-h{_PROCESS}-{next(_ids)}"
         parts.append(
             f'<pattern id="{name}" width="6" height="6" patternUnits="userSpaceOnUse">'
             '<path class="vi-blind" d="M0 6L6 0"/></pattern>'
@@ -47,8 +47,7 @@ def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> s
 
 
 def shades(E: NDArray, shape: tuple[int, int]) -> bytes:
-    """E: (rows, columns) → a coarser grid of that shape, a byte each, row for row: 0 valley … 255, and where E is not
-    known 0, too."""
+    """Shade a coarser grid: a byte per posture, row by row, from 0 for the valley to 255; 0 where E is unknown."""
     rows, columns = (np.rint(np.linspace(0, count - 1, few)).astype(int) for count, few in zip(E.shape, shape))
     coarse = E[np.ix_(rows, columns)]
     if np.isnan(coarse).all():
@@ -58,17 +57,17 @@ def shades(E: NDArray, shape: tuple[int, int]) -> bytes:
 
 
 def _alpha(E: NDArray) -> tuple[NDArray, NDArray]:
-    """Opacity, 0 … 255, and where E is not known."""
+    """Return the opacity, 0 … 255, and where E is unknown."""
     top = np.nanmax(E)
-    bottom = max(np.nanmin(E), top / FLOOR, 1e-12)
+    bottom = max(np.nanmin(E), top / MAX_RATIO, 1e-12)
     with np.errstate(invalid="ignore"):
         height = np.log(np.maximum(E, bottom) / bottom) / max(np.log(top / bottom), 1e-9)
     blind = np.isnan(height)
-    return np.where(blind, 0, 255 * DARKEST * np.clip(height, 0, 1) ** 0.85), blind
+    return np.where(blind, 0, 255 * MAX_OPACITY * np.clip(height, 0, 1) ** 0.85), blind
 
 
 def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:
-    """A rectangle of one colour through a grey picture whose pixels are centred on grid points, `every` apart."""
+    """Draw a rectangle of one colour, masked by a picture with a pixel at every `every`-th grid point."""
     x, y = grid
     buffer = io.BytesIO()
     Image.fromarray(np.rint(alpha[::-1]).astype(np.uint8)).save(buffer, "PNG")
@@ -77,7 +76,7 @@ def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, flo
     dx, dy = every * (x[1] - x[0]), every * (y[0] - y[1])
     top = y[every * (rows - 1)]
     left, upper, w, h = box
-    name, place = f"vi-m{_OWN}-{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
+    name, place = f"vi-m{_PROCESS}-{next(_ids)}", f'x="{left:.1f}" y="{upper:.1f}" width="{w:.1f}" height="{h:.1f}"'
     return (
         f'<mask id="{name}" maskUnits="userSpaceOnUse" {place}><image x="{x[0] - dx / 2:.2f}" y="{top - dy / 2:.2f}"'
         f' width="{columns * dx:.2f}" height="{rows * dy:.2f}" preserveAspectRatio="none"'
@@ -86,15 +85,17 @@ def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, flo
 
 
 def contours(grid: Grid, E: NDArray) -> str:
-    """Contours at levels 1, 2, 5 …"""
+    """Draw contours at levels 1, 2, 5 …"""
     generator = _generator(grid, E)
     lines = [_thin(line) for level in _levels(E) for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
 def level_labels(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArray) -> list[Label]:
-    """Of the contours: each level on two rays from `lowest`, (2,) px, to the plot's far corners, and beside these.
-    bounds: left, top, right, bottom px."""
+    """Make labels of the contours near two opposite rays from `lowest`, (2,) px, to the plot's far corner.
+
+    bounds: left, top, right and bottom of the plot, px.
+    """
     generator, found = _generator(grid, E), []
     rays = _rays(bounds, lowest)
     for level in _levels(E):
@@ -113,7 +114,7 @@ def _level_label(line: NDArray, words: str, lowest: NDArray, ray: float) -> Labe
 
 
 def fine_contours(grid: Grid, E: NDArray) -> str:
-    """Contours without labels, closer to each other."""
+    """Draw narrowly spaced contours without labels."""
     if np.isnan(E).all():
         return ""
     low, high = max(np.nanmin(E), np.nanmax(E) / 100, 1e-9), np.nanmax(E)
@@ -125,32 +126,32 @@ def fine_contours(grid: Grid, E: NDArray) -> str:
 
 
 def _levels(E: NDArray) -> list[float]:
-    """The MOST_LEVELS highest."""
+    """Return the highest levels, at most MAX_LEVELS."""
     top = np.nanmax(E)
-    return [level for level in LEVELS if max(np.nanmin(E), top / FLOOR) < level < top][-MOST_LEVELS:]
+    return [level for level in LEVELS if max(np.nanmin(E), top / MAX_RATIO) < level < top][-MAX_LEVELS:]
 
 
 def _generator(grid: Grid, E: NDArray) -> ContourGenerator:
-    """Of log E, which is nearly linear between grid points."""
+    """Contour log E, which is nearly linear between grid points."""
     with np.errstate(invalid="ignore"):
         z = np.log(np.maximum(E, 1e-12))
     return contour_generator(*grid, np.ma.masked_invalid(z))
 
 
 def _lines(generator: ContourGenerator, level: float) -> list[NDArray]:
-    """Where E has that value, px."""
-    return cast(list[NDArray], generator.lines(np.log(level)))  # arrays of points, as the default type of line is
+    """Return the lines on which E has this value, px."""
+    return cast(list[NDArray], generator.lines(np.log(level)))  # of the default type
 
 
 def _thin(line: NDArray) -> NDArray:
-    """Every so many vertices, the first and the last among them."""
+    """Keep vertices about SPACING px from each other, with the first and the last."""
     steps = np.diff(line, axis=0)
     length = np.sqrt((steps * steps).sum(1)).sum()
     return line[svg.thinned(len(line), max(int(length / SPACING) + 1, 8))]
 
 
 def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
-    """Directions towards the corner farthest from `lowest`, and away from it."""
+    """Return the directions towards the corner farthest from `lowest` and away from it, rad."""
     left, top, right, bottom = bounds
     corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)]) - lowest
     farthest = corners[np.argmax((corners * corners).sum(1))]
@@ -159,10 +160,10 @@ def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
 
 
 def _places(points: NDArray, words: str, lowest: NDArray, ray: float) -> list[Rectangle]:
-    """On a contour through (n, 2) px, where it crosses the ray, then beside that."""
+    """List places on a contour, (n, 2) px, the nearest to the ray first."""
     x, y = (points - lowest).T
     off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)
     nearest = np.argsort(off)[:120:3]
-    middle = points[nearest[off[nearest] <= AWAY]]
+    middle = points[nearest[off[nearest] <= MAX_DEVIATION]]
     half = np.array([CHARACTER * len(words) + 8, LINE + 2]) / 2
     return np.concatenate([middle - half, middle + half], 1).tolist()

@@ -1,7 +1,4 @@
-"""The strip over the scene: what the learner says, and, for the viewer only, what is true.
-
-Only what the learner itself knows goes into what it says.
-"""
+"""The strip over the scene: the learner's status in its own words, and the truth, which it does not know."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -22,9 +19,9 @@ from .glossary import ask, glossary
 from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
-EXACT = np.radians(0.05)  # off, which reads as 0.0°
-WHOLE = np.radians(1.0)  # from which a room is told in whole degrees
-ANY = np.radians(90.0)  # a pixel's cost, or a room, that says no more than "any posture"
+EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
+WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
+ANY = np.radians(90.0)  # larger angles say no more than "any posture"
 TITLES = {
     ServoStatus.READY: "Ready",
     "paused": "Paused",
@@ -42,7 +39,7 @@ TITLES = {
     "see-through": "See-through arm",
     "editing": "Editing points",
 }
-BY_PAGE = {"message", "recording", "replaying", "see-through", "editing"}  # which the learner knows nothing of
+BY_PAGE = {"message", "recording", "replaying", "see-through", "editing"}  # said by the page, not by the learner
 DOT = (
     '<circle cx="11" cy="11" r="10" fill="var(--{0})" fill-opacity=".28"/>'
     '<circle cx="11" cy="11" r="6" fill="var(--{0})"/>'
@@ -86,24 +83,24 @@ BETWEEN = (
 
 
 @dataclass(frozen=True)
-class Said:
-    """What the learner says: state, of TITLES; of: what the title is about; doubt: what makes it unsure; probe: whether
-    it moves to learn."""
+class StatusMessage:
+    """What the learner says of itself."""
 
-    state: str
+    state: str  # of TITLES
     sentence: str
-    of: str = ""
-    doubt: str = ""
-    probe: bool = False
+    subject: str = ""  # of the title, such as names of joints
+    doubt: str = ""  # what makes the learner unsure
+    probe: bool = False  # whether it moves to learn how its images change
 
     @property
     def word(self) -> str:
-        """Of the glossary, "" if it needs none."""
+        """Key of the glossary's entry; "" for none."""
         return "probe" if self.probe else self.state if self.state in glossary() else ""
 
     @property
     def title(self) -> str:
-        return f"{TITLES[self.state]} {self.of}".strip()
+        """State and subject."""
+        return f"{TITLES[self.state]} {self.subject}".strip()
 
 
 def describe(
@@ -113,19 +110,34 @@ def describe(
     assessment: Assessment | None = None,
     joints: Sequence[int] = (),
     advises: bool = True,
-) -> Said:
-    """previous: the snapshots before this one, the latest last. assessment: of this one, if it rests; joints: numbers
-    from 1 of those that move; advises: whether it says what to do next, which nobody can in a replay."""
+) -> StatusMessage:
+    """Describe a snapshot in the learner's words.
+
+    Parameters
+    ----------
+    snapshot
+        The present one.
+    previous
+        Those before it, the latest last.
+    playing
+        Whether further motions follow.
+    assessment
+        What the learner knows about its posture, if it rests.
+    joints
+        Numbers of the moving joints, from 1.
+    advises
+        Whether to say what a visitor can do next, which is not possible in a replay.
+    """
     if snapshot.pending_postures is not None and snapshot.is_rehearsing:
         left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
-        return Said(ServoStatus.MOVING if playing else "paused", sentence)
+        return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence)
     if snapshot.transfer is None:
-        return Said("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _exchanged(snapshot) or _ill_conditioned(snapshot)
+        return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
+    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
         advice = "; reset to go on" if advises else ""
-        return Said(
+        return StatusMessage(
             ServoStatus.MAX_MOTIONS, f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt
         )
     if snapshot.status.is_at_rest:
@@ -133,36 +145,40 @@ def describe(
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
         advice = "; press space, or drag the demonstrator" if advises else ""
-        return Said(ServoStatus.READY, f"{E}{advice}.", doubt=doubt)
+        return StatusMessage(ServoStatus.READY, f"{E}{advice}.", doubt=doubt)
     state, doing = ServoStatus.MOVING if playing else "paused", _says(snapshot)
     trend = "" if snapshot.probe else _trend(snapshot, previous)
-    return Said(state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe)
+    return StatusMessage(
+        state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe
+    )
 
 
-def _resting(snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool) -> Said:
-    says, after = _says(snapshot), f"after {_motions(snapshot.motion)}"
+def _resting(
+    snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
+) -> StatusMessage:
+    says, after = _says(snapshot), f"after {svg.count_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
             why = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off."
-        return Said("arrived", f"{E} {after}{why}")
-    untold = [] if known is None else known.reportable_joints(snapshot.status)
-    if known is not None and untold:
-        names = " and ".join(svg.joint_symbol(joints[k]) for k in untold)
-        return Said(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
+        return StatusMessage("arrived", f"{E} {after}{why}")
+    unobservable = [] if known is None else known.reportable_joints(snapshot.status)
+    if known is not None and unobservable:
+        names = " and ".join(svg.joint_symbol(joints[k]) for k in unobservable)
+        return StatusMessage(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
     if assessment is not None and assessment.at_local_minimum:
-        return Said(
+        return StatusMessage(
             "least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.max_displacement)}."
         )
     if snapshot.status == ServoStatus.SETTLED:
-        return Said(ServoStatus.SETTLED, f"{E} {after}{why}")
+        return StatusMessage(ServoStatus.SETTLED, f"{E} {after}{why}")
     advice = "; move an arm or reset" if advises else ""
-    return Said(ServoStatus.NO_PROGRESS, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
+    return StatusMessage(ServoStatus.NO_PROGRESS, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:
-    """What makes joints untold: the cost of noise, or that E was seen not to rise."""
+    """Say why joints are unobservable: the cost of noise, or that E did not rise."""
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     by = "by " if len(costly) == 1 else ""
     each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(known.std_per_px[k])}" for k in costly]
@@ -184,14 +200,14 @@ def _too_few(used: int) -> str:
     return f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
 
 
-def _exchanged(snapshot: Snapshot) -> str:
-    """Which of the demonstrator's points the learner takes for each other, "" for none."""
-    pairs = ", ".join(f"{svg.point_name(i)} and {svg.point_name(j)}" for i, j in snapshot.exchanged)
+def _swapped(snapshot: Snapshot) -> str:
+    """Say which of the demonstrator's points seem to be swapped; "" for none."""
+    pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
     return f"The demonstrator's points {pairs} seem to be exchanged." if pairs else ""
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:
-    """What speaks against the transfer, "" if nothing does."""
+    """Say why the transfer is ill-conditioned; "" if it is not."""
     assert snapshot.transfer is not None
     condition, method = float(snapshot.transfer.condition), snapshot.method
     if snapshot.flatness >= RED > condition:
@@ -203,7 +219,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:
-    """How far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
+    """Say how far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
     is_at, should_be = theta.tolist(), theta_demo.tolist()
     off = [abs(own - demo) for own, demo in zip(is_at, should_be)]
     k = off.index(max(off))
@@ -213,15 +229,15 @@ def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -
     return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
 
 
-def draw_status(said: Said, truth: str, choices: str = "") -> str:
-    """The strip. truth: for the viewer; choices: links, in HTML."""
-    words = f"<b>{svg.escape(said.title)}</b> · {svg.escape(with_minus(said.sentence))}"
-    if said.doubt:
-        words += f" <i>{svg.escape(said.doubt)}</i>"
-    known, true = ask(said.word) if said.word else "", svg.escape(truth)
-    who = "Page" if said.state in BY_PAGE else "Learner"
+def draw_status(message: StatusMessage, truth: str, choices: str = "") -> str:
+    """Draw the strip as HTML. truth: what the learner does not know; choices: links, in HTML."""
+    words = f"<b>{svg.escape(message.title)}</b> · {svg.escape(with_minus(message.sentence))}"
+    if message.doubt:
+        words += f" <i>{svg.escape(message.doubt)}</i>"
+    known, true = ask(message.word) if message.word else "", svg.escape(truth)
+    who = "Page" if message.state in BY_PAGE else "Learner"
     return (
-        f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(said.state, IDLE))}'
+        f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(message.state, IDLE))}'
         f'<em>{who} says</em><p role="status">{words}{choices}</p>{known}</div>'
         f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )
@@ -232,7 +248,7 @@ def _icon(shape: str) -> str:
 
 
 def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
-    """Change of E a motion, over the last motions that were no probes; "" from or to an E that nobody sees."""
+    """Write the change of E per motion over the last motions without probes; "" if E is too small to be seen."""
     recent = [s for s in previous[-TREND:] if not s.probe and s.E >= svg.UNSEEN_E and s.motion < snapshot.motion]
     if not recent or not snapshot.E >= svg.UNSEEN_E:
         return ""
@@ -243,10 +259,6 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
 
 
 def _says(snapshot: Snapshot) -> str:
-    """The servo's own words, "" without any."""
+    """Return the servo's own words, "" without any."""
     state = snapshot.servo_state
     return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)
-
-
-def _motions(count: int) -> str:
-    return "1 motion" if count == 1 else f"{count} motions"

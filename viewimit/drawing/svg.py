@@ -1,4 +1,7 @@
-"""Text of drawings: numbers with a real minus, and paths from arrays of points."""
+"""SVG as text: numbers with a real minus sign, path data from arrays of points, marks and labels.
+
+Arrays of points are (k, 2) px, with y downwards. Coordinates are written with one decimal.
+"""
 
 import math
 from collections.abc import Sequence
@@ -13,37 +16,39 @@ from numpy.typing import NDArray
 from ..estimation.equations import MISSING as MISSING
 from ..estimation.equations import number
 
+UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict
+SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # templates of lines, dots and arrow heads
+MAX_TENTHS = 9_999  # a table holds the texts of numbers up to this many tenths
+BYTE = np.uint64(8)  # bits
+
 
 def short(value: float, one_digit_to: float = 1000) -> str:
-    """Fewer digits the larger the number: two below 10, one below `one_digit_to`, then none."""
+    """Write a number with two decimals below 10, one below `one_digit_to`, and none above."""
     return number(value, 2 if value < 10 else 1 if value < one_digit_to else 0)
 
 
-UNSEEN_E = 0.01  # px²: a conflict below it nobody could see
-
-
 def short_E(E: float, one_digit_to: float = 1000) -> str:
-    """px²"""
+    """Write E, px², as `short` does, or that it is below UNSEEN_E."""
     return f"< {UNSEEN_E:g}" if E < UNSEEN_E else short(E, one_digit_to)
 
 
 def degrees(rad: float, digits: int = 1) -> str:
-    """An angle in rad as degrees."""
+    """Write an angle in rad as degrees."""
     return number(math.degrees(rad), digits) + "°"
 
 
+def count_motions(count: int) -> str:
+    """Write a number of motions."""
+    return "1 motion" if count == 1 else f"{count} motions"
+
+
 def joint_symbol(joint: int) -> str:
-    """θ with the joint's number, from 1, as subscript"""
+    """Write θ with the joint's number, from 1, as subscript."""
     return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))
 
 
-def point_name(i: int) -> str:
-    """How the page calls body point i."""
-    return str(i)
-
-
 def path(points: NDArray) -> str:
-    """points: (k, 2) px → one open line; NaN interrupts it."""
+    """Write an open line through points; NaN interrupts it."""
     broken = np.isnan(points[:, 1])
     if not broken.any():
         return _line(points)
@@ -52,7 +57,7 @@ def path(points: NDArray) -> str:
 
 
 def paths(points: NDArray) -> list[str]:
-    """points: (views, k, 2) px → an open line a view; NaN interrupts them."""
+    """Write an open line per view through (views, k, 2) px; NaN interrupts it."""
     if np.isnan(points).any():
         return [path(view) for view in points]
     return [_written(view) for view in points.reshape(len(points), -1).round(1).tolist()]
@@ -63,50 +68,47 @@ def _line(points: NDArray) -> str:
 
 
 def _written(numbers: list[float]) -> str:
-    """Long lines are frequent: msgspec writes numbers twice as fast as formatting does."""
+    # long lines are frequent, and msgspec writes numbers twice as fast as formatting does
     return f"M{_as_json(numbers)[1:-1].decode()}"
 
 
 _as_json = msgspec.json.Encoder().encode
 
 
-SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # forms of what the next functions draw
-
-
 def segments(start: NDArray, end: NDArray) -> str:
-    """start, end: (k, 2) px → k separate lines."""
+    """Write k separate lines from start to end."""
     return filled(SEGMENT * len(start), np.concatenate([start, end], 1))
 
 
 def dots(points: NDArray) -> str:
-    """points: (k, 2) px → filled circles, as wide as the stroke."""
+    """Write dots as wide as the stroke."""
     return filled(DOT * len(points), points)
 
 
 def circles(points: NDArray, radius: float) -> str:
-    """points: (k, 2) px → circles, to be stroked."""
+    """Write circles of a radius in px."""
     r, d = f"{radius:g}", f"{2 * radius:g}"
     return filled(f"M%s %sm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0" * len(points), points)
 
 
 def diamond(radius: float) -> str:
-    """The form of one, to be filled with its centre."""
+    """Return the template of a diamond, to be filled with its centre. radius: half its diagonal, px."""
     r = f"{radius:g}"
     return f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
 
 
 def diamonds(points: NDArray, radius: float) -> str:
-    """points: (k, 2) px, their centres."""
+    """Write diamonds centred on points. radius: half the diagonal, px."""
     return filled(diamond(radius) * len(points), points)
 
 
 def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
-    """Filled heads of arrows from start to end, (views, k, 2) px → a path a view. Short arrows have shorter heads."""
+    """Write per view the heads of k arrows from start to end, (views, k, 2) px; short arrows have shorter heads."""
     return [filled(TIP * end.shape[1], view) for view in arrow_corners(start, end, size)]
 
 
 def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
-    """Of these heads: (views, k, 6) px, their points first."""
+    """Return the corners of the heads of `arrow_tips`, tip first: (views, k, 6) px."""
     tips = end.view(complex)  # x + iy: a quarter turn is a product
     along = tips - start.view(complex)
     length = np.abs(along)
@@ -116,54 +118,50 @@ def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
 
 
 def polygons(corners: NDArray) -> list[str]:
-    """corners: (views, k, c, 2) px of closed polygons → a path a view.
-
-    A corner that would be written as its predecessor is left out.
-    """
+    """Write per view k polygons of c corners, (views, k, c, 2) px, without corners that repeat their predecessor."""
     views, k, c, _ = corners.shape
     if k == 0:
         return [""] * views
     tenths = np.rint(corners * 10)  # of a px, so that relative steps add up exactly
     steps = tenths.copy()
     steps[:, :, 1:] -= tenths[:, :, :-1]
-    form = _polygons(views, k, c)
-    if not np.abs(steps).max() <= FAR_OUT:
-        return filled(form, steps / 10).split("|")
-    known = form_of(form)
+    template = _polygon_template(views, k, c)
+    if not np.abs(steps).max() <= MAX_TENTHS:
+        return filled(template, steps / 10).split("|")
+    known = _template(template)
     texts = known.texts(steps.ravel())
-    texts[1::2] >>= BYTE * (steps[..., 1].ravel() < 0)  # a minus parts two numbers as well as a blank
-    stays = steps.view(complex).ravel() == 0
-    stays[::c] = False  # where each begins
-    texts.reshape(-1, 2)[stays] = 0
-    return known.written(texts).split("|")
+    texts[1::2] >>= BYTE * (steps[..., 1].ravel() < 0)  # a minus sign separates two numbers without a blank
+    repeated = steps.view(complex).ravel() == 0
+    repeated[::c] = False  # first corners
+    texts.reshape(-1, 2)[repeated] = 0
+    return known.fill(texts).split("|")
 
 
 @lru_cache(64)
-def _polygons(views: int, k: int, c: int) -> str:
-    """The form of that many."""
+def _polygon_template(views: int, k: int, c: int) -> str:
     return "|".join([("M%s %s" + "l%s %s" * (c - 1) + "z") * k] * views)
 
 
 def cross(place: NDArray, size: float) -> str:
-    """An upright cross at (2,) px; size: px from its middle to its ends."""
+    """Draw an upright cross at a point, (2,) px. size: from its middle to its ends, px."""
     x, y = place
     return f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
 
 
 def saltire(place: NDArray) -> str:
-    """The mark of what the paper says, at (2,) px."""
+    """Draw the mark of the paper's own result at a point, (2,) px."""
     x, y = place
     return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
 
 
 def text(x: float, y: float, content: str, classes: str = "") -> str:
-    """One label; content is escaped."""
+    """Draw a label with its baseline at (x, y) px; content is escaped."""
     attribute = f' class="{classes}"' if classes else ""
     return f'<text x="{x:.1f}" y="{y:.1f}"{attribute}>{escape(content)}</text>'
 
 
 def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int]:
-    """Indices of at most `limit` of `count` items, evenly spaced; the first, the last and `keep` are among them."""
+    """Choose at most `limit` of `count` indices, evenly spaced; the first, the last and `keep` are among them."""
     if count <= limit:
         return range(count)
     kept = set(range(0, count, -(-count // (limit - 2))))
@@ -171,78 +169,75 @@ def thinned(count: int, limit: int, keep: int = 0) -> Sequence[int]:
 
 
 def thinned_between(count: int, limit: int, keep: int) -> Sequence[int]:
-    """As `thinned`, but all next to the first and to `keep`, and ever fewer the farther from both: thousands of motions
-    begin with a few long ones, and go on with those that are made now."""
+    """Choose indices as `thinned` does, but densely near the first and `keep`: a path's long motions are its first."""
     if count <= limit:
         return range(count)
     families = (0, 1), (keep, -1), (keep, 1)
     room = [max(count - 1 - end if way > 0 else end, 0) for end, way in families]
     each = (limit - 2) // sum(map(bool, room))
-    kept = [end + way * _ever_farther(most, each) for (end, way), most in zip(families, room)]
+    kept = [end + way * _geometric_steps(most, each) for (end, way), most in zip(families, room)]
     return np.unique(np.concatenate([*kept, [0, keep]])).tolist()
 
 
-@lru_cache(1024)  # a class has paths about as long as each other
-def _ever_farther(most: int, count: int) -> NDArray:
-    """Whole numbers from 1 to most, `count` or fewer, in ever larger steps; none if most is 0."""
+@lru_cache(1024)  # the pages of a class show paths of similar lengths
+def _geometric_steps(most: int, count: int) -> NDArray:
+    """Return at most `count` integers from 1 to most, geometrically spaced; none if most is 0."""
     return np.unique(np.geomspace(1, most, count).astype(int)) if most else np.empty(0, int)
 
 
-# Text with many numbers in it, all of which are put in their places at once.
-
-FAR_OUT = 9_999  # tenths: few numbers of a drawing are larger
-BYTE = np.uint64(8)  # bits
+# Templates with many numbers
 
 
-@cache
-def _texts() -> NDArray:
-    """(2 FAR_OUT + 1,) uint64: numbers with one decimal as bytes, filled up with 0 behind and by a byte for their lead
-    before, by how many tenths they are, those below 0 counted from the end. 0 is written in one way."""
-    counts = np.roll(np.arange(-FAR_OUT, FAR_OUT + 1), -FAR_OUT)
-    return np.array([f"{count / 10:.1f}" for count in counts.tolist()], "S8").view("<u8") << BYTE
+def filled(template: str, values: NDArray) -> str:
+    """Fill a number with one decimal into each %s of a template.
+
+    A table gives the texts of all numbers at once, in a quarter of the time that formatting hundreds of them takes.
+    """
+    tenths = np.rint(values * 10).ravel()
+    if not (np.abs(tenths) <= MAX_TENTHS).all():
+        return template % tuple(f"{count / 10 + 0.0:.1f}" for count in tenths.tolist())
+    known = _template(template)
+    return known.fill(known.texts(tenths))
 
 
-class Form(NamedTuple):
-    """A form cut in pieces of eight bytes, filled up with 0, so that numbers are put in their places at once. places:
-    (n,), of the numbers; leads: (n,), the byte before each."""
+class _Template(NamedTuple):
+    """A template cut into words of eight bytes, padded with 0, so that numpy can fill in all numbers at once."""
 
-    pieces: NDArray
-    places: NDArray
-    leads: NDArray
+    words: NDArray  # uint64
+    places: NDArray  # (n,) indices of the numbers' words
+    leads: NDArray  # (n,) the byte before each number, which shares its word
 
-    def written(self, texts: NDArray) -> str:
-        """texts: (n,), of numbers with their leads."""
-        pieces = self.pieces.copy()
-        pieces[self.places] = texts
-        return pieces.tobytes().translate(None, b"\0").decode()
+    def fill(self, texts: NDArray) -> str:
+        words = self.words.copy()
+        words[self.places] = texts
+        return words.tobytes().translate(None, b"\0").decode()
 
     def texts(self, tenths: NDArray) -> NDArray:
-        """Of so many tenths, (n,), at most FAR_OUT, each with its lead."""
-        return _texts()[tenths.astype(np.intp)] | self.leads
+        """Look up the words of n numbers, given in tenths, with their leads."""
+        return _number_words()[tenths.astype(np.intp)] | self.leads
 
 
 @lru_cache(512)
-def form_of(form: str) -> Form:
-    """form: with %s where a number stands"""
-    *before, last = [part.encode() for part in form.split("%s")]
-    pieces, places = b"", []
+def _template(text: str) -> _Template:
+    *before, last = [part.encode() for part in text.split("%s")]
+    words, places = b"", []
     for part in before:
-        pieces += _padded(part[:-1])
-        places.append(len(pieces) // 8)
-        pieces += _padded(part[-1:] or b"\0")
+        words += _padded(part[:-1])
+        places.append(len(words) // 8)
+        words += _padded(part[-1:] or b"\0")
     leads = np.array([part[-1] if part else 0 for part in before], "<u8")
-    return Form(np.frombuffer(pieces + _padded(last), "<u8"), np.array(places, np.intp), leads)
+    return _Template(np.frombuffer(words + _padded(last), "<u8"), np.array(places, np.intp), leads)
+
+
+@cache
+def _number_words() -> NDArray:
+    """Return the words of all numbers of the table, indexed by their tenths, negative ones from the end.
+
+    The first byte of a word is free for the lead. -0 is written as 0.
+    """
+    counts = np.roll(np.arange(-MAX_TENTHS, MAX_TENTHS + 1), -MAX_TENTHS)
+    return np.array([f"{count / 10:.1f}" for count in counts.tolist()], "S8").view("<u8") << BYTE
 
 
 def _padded(text: bytes) -> bytes:
     return text + b"\0" * (-len(text) % 8)
-
-
-def filled(form: str, values: NDArray) -> str:
-    """A form with a number of one decimal in place of each %s. Texts of all numbers are taken from a table at once,
-    which takes a quarter of what it takes to write hundreds of them one by one."""
-    tenths = np.rint(values * 10).ravel()
-    if not (np.abs(tenths) <= FAR_OUT).all():
-        return form % tuple(f"{count / 10 + 0.0:.1f}" for count in tenths.tolist())
-    known = form_of(form)
-    return known.written(known.texts(tenths))

@@ -1,7 +1,7 @@
-"""Colours and shapes of what is drawn, and the stylesheet of the drawings' classes.
+"""Colours and sizes of marks, and the stylesheet of the drawings' classes.
 
-A role has one colour a colour scheme and one shape, everywhere the same. Drawings name roles only, as CSS
-variables or classes, so that one drawing serves light and dark.
+A role has one shape, and one colour per colour scheme. Drawings name roles only, as CSS variables or classes, so that
+one drawing serves light and dark.
 """
 
 import base64
@@ -38,36 +38,36 @@ DRAWING_CSS, WORDS_CSS = (
 
 
 def rgb(role: str, dark: bool = False) -> tuple[int, int, int]:
-    """0 … 255 each."""
+    """Return the red, green and blue of a role, 0 … 255 each."""
     colour = ROLES[role][dark]
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def half_white(role: str) -> tuple[int, int, int]:
-    """The role's hue mixed half with white: the arms in 3-D, whose points have the full hue."""
+    """Mix a role's colour half with white, as for the arms in 3-D, whose points have the full colour."""
     red, green, blue = rgb(role)
     return (red + 255) // 2, (green + 255) // 2, (blue + 255) // 2
 
 
 def faint(role: str, dark: bool = False, strength: float = 0.35) -> tuple[int, int, int]:
-    """The role's colour as it is on paper where it is drawn with this opacity."""
+    """Return a role's colour as it looks on paper with this opacity."""
     red, green, blue = (round(strength * c + (1 - strength) * p) for c, p in zip(rgb(role, dark), rgb("paper", dark)))
     return red, green, blue
 
 
 def variables(dark: bool) -> str:
-    """CSS declarations of the roles' colours."""
+    """Return the CSS declarations of the roles' colours."""
     return "".join(f"--{role}:{colours[dark]};" for role, colours in ROLES.items())
 
 
 def font_faces() -> str:
-    """CSS rules with the fonts inside: Inter, and Minus, in which a hyphen is a real minus."""
+    """Return CSS rules with embedded fonts: Inter, and Minus, in which a hyphen is a real minus sign."""
     faces = ("Inter", "font-weight:400 700;font-display:block;"), ("Minus", "unicode-range:U+2D;")
     rule = '@font-face{{font-family:{0};{1}src:url("{2}") format("woff2")}}'
     return "".join(rule.format(name, more, _packed(name)) for name, more in faces)
 
 
 def _packed(font: str) -> str:
-    """A font's file as an address."""
+    """Return a font's file as a data URL."""
     data = base64.b64encode((ROOT / "fonts" / f"{font}.woff2").read_bytes()).decode()
     return f"data:font/woff2;base64,{data}"

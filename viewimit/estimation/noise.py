@@ -19,8 +19,8 @@ Two models of Σ_i are in use, and only here:
   `HomographyResiduals`. f = 4N - 15. A point that one camera alone sees has the two coordinates of that image, with
   their block of Σ_i (the marginal distribution; its inverse is the Schur complement in Σ_i⁻¹), so f is 2 less.
 
-Σ_i is evaluated at one own image and then held constant. Evaluated anew at each posture it would create minima of its
-own; far from that image it may be nearly singular.
+Σ_i is evaluated at one own image and then held constant. Evaluated at each posture, it would create minima of its own.
+Far from that image it may be nearly singular.
 
 References
 ----------
@@ -224,12 +224,12 @@ class _Frame:
 def _fit(z: Array, t: Array, weight: Array, frame: _Frame) -> Array:
     """Fit G, (..., 4, 4) in the frame, by Gauss and Newton. z: (N, 4), t: (..., N, 3) rectified px."""
     h = _homogeneous((t - frame.own_mean) / frame.own_scale)
-    target = (z @ TO_TRIPLE.T - frame.demo_mean) / frame.demo_scale
-    wanted = (z - TO_PAIR @ frame.demo_mean) / frame.demo_scale
+    triple = (z @ TO_TRIPLE.T - frame.demo_mean) / frame.demo_scale
+    target = (z - TO_PAIR @ frame.demo_mean) / frame.demo_scale
     hh = (h[..., :, None] * h[..., None, :]).reshape(*h.shape[:-1], 16)
     A = weight @ TO_PAIR  # (N, 4, 3): derivative by ẑ's three coordinates
     # Start: with the depth taken as 1 and ẑ in its place as observed, the equations are linear in G
-    M = _normal(np.concatenate([A, -(A @ target[:, :, None])], -1), hh, None)
+    M = _normal(np.concatenate([A, -(A @ triple[:, :, None])], -1), hh, None)
     G = np.zeros(M.shape[:-1])
     G[..., 15] = 1.0
     G[..., :15] = np.linalg.solve(_damped(M[..., :15, :15]), -M[..., :15, 15:])[..., 0]
@@ -238,7 +238,7 @@ def _fit(z: Array, t: Array, weight: Array, frame: _Frame) -> Array:
         q = h @ np.swapaxes(G, -1, -2)
         depth = np.maximum(q[..., 3], MIN_DENOMINATOR)
         found = q[..., :3] / depth[..., None]
-        e = np.einsum("nij,...nj->...ni", weight, wanted - found @ TO_PAIR.T)
+        e = np.einsum("nij,...nj->...ni", weight, target - found @ TO_PAIR.T)
         B = np.concatenate([np.broadcast_to(A, found.shape[:-1] + (4, 3)), -(A @ found[..., None])], -1)
         M = _normal(B, hh, depth)
         gauge = G.reshape(*G.shape[:-2], 16)

@@ -18,8 +18,17 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS
 from ..geometry.handedness import Handedness, principal_axes
-from ..geometry.rectification import Rectification, rectification_of
-from ..geometry.robust_fit import FEWEST, FEWEST_OF_F, Fit, agree, contradicting, geometry_of, rows_of, spread
+from ..geometry.rectification import Rectification, fit_rectification
+from ..geometry.robust_fit import (
+    MIN_MATCHES,
+    MIN_MATCHES_F,
+    GeometryFit,
+    all_inliers,
+    detect_outliers,
+    fit_geometry,
+    fit_row_geometry,
+    inlier_std,
+)
 from .noise import views_rounding_std
 from .rectification import fit_transfer
 from .residuals import conflict
@@ -66,10 +75,10 @@ def reject_outliers(
     """
     now = views.matches
     matches = np.concatenate(now)
-    if agree(*_rectified_sides(matches, rectification), noise_px):
+    if all_inliers(*_rectified_sides(matches, rectification), noise_px):
         return views
     sides = _rectified_sides(np.concatenate([matches, unique_matches(past[-PAST_LOOKS:])]), rectification)
-    wrong = contradicting(*sides, noise_px, np.random.default_rng(seed))[: len(matches)]
+    wrong = detect_outliers(*sides, noise_px, np.random.default_rng(seed))[: len(matches)]
     if not wrong.any():
         return views
     visible = views.visible.copy()
@@ -144,16 +153,17 @@ def find_outliers(views: FourViews, seed: int = 0, rounding_px: float | None = N
         rounding_px = views_rounding_std(views)
     geometry = _geometry(select_matches(views, seed), rounding_px, np.random.default_rng(seed))
     if geometry is None:
-        few = f"misplaced points: they need {FEWEST_OF_F} matches of left and right, or {FEWEST} that lie in equal rows"
-        return OutlierReport((), (few, "swapped points: they need to know the noise, which the same matches tell"))
+        needed = f"{MIN_MATCHES_F} matches of left and right, or {MIN_MATCHES} that lie in equal rows"
+        few = f"misplaced points: they need {needed}"
+        return OutlierReport((), (few, "swapped points: they need the noise, which is estimated from the same matches"))
     misplaced, visible = [], views.visible.copy()
     for body, (images, seen) in enumerate(views.bodies):
         found, wrong = _misplaced(images, np.asarray(seen.all(-1)), geometry, BODIES[body])
         misplaced += found
         visible[..., 2 * body : 2 * body + 2] &= ~wrong[..., None]
-    swapped, reason = _swapped(replace(views, visible=visible), geometry.deviation)
+    swapped, reason = _swapped(replace(views, visible=visible), geometry.std_px)
     by_score = sorted(misplaced, key=lambda one: -one.score)
-    return OutlierReport((*by_score, *swapped), (reason,) if reason else (), geometry.deviation)
+    return OutlierReport((*by_score, *swapped), (reason,) if reason else (), geometry.std_px)
 
 
 def select_matches(views: FourViews, seed: int = 0) -> NDArray[np.float64]:
@@ -167,28 +177,28 @@ def select_matches(views: FourViews, seed: int = 0) -> NDArray[np.float64]:
     return matches[np.sort(np.random.default_rng(seed).choice(len(matches), MAX_MATCHES, replace=False))]
 
 
-def _geometry(matches: NDArray[np.float64], rounding_px: float, rng: np.random.Generator) -> Fit | None:
+def _geometry(matches: NDArray[np.float64], rounding_px: float, rng: np.random.Generator) -> GeometryFit | None:
     """Fit the geometry of the inliers among matches (M, 4) px; None with too few of them."""
     left, right = matches[:, :2], matches[:, 2:]
-    if len(matches) < FEWEST:
+    if len(matches) < MIN_MATCHES:
         return None
-    if len(matches) < FEWEST_OF_F:
-        return rows_of(left, right, rounding_px)
-    wrong = contradicting(left, right, max(spread(left, right, rng), rounding_px), rng)
-    return geometry_of(left[~wrong], right[~wrong], rounding_px) if (~wrong).sum() >= FEWEST else None
+    if len(matches) < MIN_MATCHES_F:
+        return fit_row_geometry(left, right, rounding_px)
+    wrong = detect_outliers(left, right, max(inlier_std(left, right, rng), rounding_px), rng)
+    return fit_geometry(left[~wrong], right[~wrong], rounding_px) if (~wrong).sum() >= MIN_MATCHES else None
 
 
 def _misplaced(
-    images: NDArray[np.float64], seen: NDArray[np.bool_], geometry: Fit, views: tuple[str, ...]
+    images: NDArray[np.float64], seen: NDArray[np.bool_], geometry: GeometryFit, views: tuple[str, ...]
 ) -> tuple[list[Outlier], NDArray[np.bool_]]:
     """Outliers of one body, and in which frames they are: (T, N) bool. images: (T, N, 4) px; seen: (T, N)."""
     distance = np.zeros(seen.shape)
-    distance[seen] = geometry.distance(images[seen][:, :2], images[seen][:, 2:]) / geometry.deviation
-    wrong = np.abs(distance) > geometry.gross
+    distance[seen] = geometry.distance(images[seen][:, :2], images[seen][:, 2:]) / geometry.std_px
+    wrong = np.abs(distance) > geometry.threshold
     rest = seen & ~wrong
     n_frames = np.maximum(rest.sum(0), 1)
     rms = np.sqrt(np.square(distance).sum(0, where=rest) / n_frames)
-    wrong |= rest & (rms > geometry.gross * np.maximum(n_frames**-0.5, MIN_PERSISTENT))
+    wrong |= rest & (rms > geometry.threshold * np.maximum(n_frames**-0.5, MIN_PERSISTENT))
     found = []
     for point in np.flatnonzero(wrong.any(0)):
         frames = np.flatnonzero(wrong[:, point])
@@ -215,8 +225,8 @@ def _swapped(views: FourViews, noise_px: float) -> tuple[list[Outlier], str]:
     E_swapped = trial.median_E(pairs)
     least = E_swapped.min()
     if least > explained or E < MIN_FALL * least:
-        whoever = f"E of the projective transfer is {E:.3g} px², and {least:.3g} px² at least whoever is exchanged"
-        return [], f"swapped points: {whoever}, where it must not reflect; arms in one posture would tell"
+        found_E = f"E of the projective transfer is {E:.3g} px², and at least {least:.3g} px² with any pair swapped"
+        return [], f"swapped points: {found_E}, where it must not reflect; they show only with arms in one posture"
     names = np.flatnonzero(points)
     found = []
     for k in np.argsort(E_swapped):
@@ -252,10 +262,10 @@ class _Permutations:
     def of(cls, views: FourViews, noise_px: float) -> "_Permutations":
         """noise_px: standard deviation of an image coordinate."""
         matches = unique_matches(_frames(views, k) for k in range(len(views.demo)))
-        by = rectification_of(*np.split(matches, 2, axis=1))  # which no permutation changes
+        by = fit_rectification(*np.split(matches, 2, axis=1))  # which no permutation changes
         demo = views.demo if by is None else by.apply(views.demo)
         axes = principal_axes(matches if by is None else by.apply(matches))
-        return cls(views, by, [Handedness.of(one, axes, noise_px) for one in demo])
+        return cls(views, by, [Handedness.from_images(one, axes, noise_px) for one in demo])
 
     def candidates(self) -> list[Pairs]:
         """All pairs of the points with the largest residuals."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..geometry.affine import MIN_POINTS, image_unit
 from ..geometry.handedness import Handedness, principal_axes
-from ..geometry.rectification import AFFINE_FREEDOM, Rectification, affine_squares, level
+from ..geometry.rectification import AFFINE_DEGREES_OF_FREEDOM, Rectification, affine_squared_error, rectify_affine
 from .noise import DemonstratorResiduals, affine_whitening
 from .rectification import fit_transfer
 from .residuals import NoiseReference, ResidualFunction
@@ -20,7 +20,7 @@ VELOCITY_LOOKS = 3  # two displacements
 AT_REST = np.zeros(())
 HOMOGRAPHY_MIN_POINTS = 8  # five determine a homography of space; more are needed to show their noise
 AFFINE_RMS = 1.5  # rms distance from an affine geometry, over the noise, of matches that fit one
-MIN_NOISE = 1e-3  # image units, in place of a smaller noise
+MIN_NOISE = 1e-3  # image units: a smaller noise counts as this
 
 
 def target_velocity(looks: Sequence[FourViews]) -> NDArray[np.float64]:
@@ -51,7 +51,7 @@ class PredictedResiduals:
     Residuals are whitened as `DemonstratorResiduals` if the head's geometry is known, and otherwise as affine cameras
     propagate noise. Own images that fit only a mirror image of the demonstrator have further columns: what a fit that
     may not reflect would leave. Behind a demonstrator that moves and is seen with noise, the transfer of the last
-    convergence is used (Section 5.4): fitted anew at postures far apart, it would add its own noise to theirs.
+    convergence is used (Section 5.4): refitted at distant postures, it would add its own noise to theirs.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class PredictedResiduals:
         key = points.tobytes()
         if key not in self._handedness:
             axes = principal_axes(self._rectified(np.concatenate(self.views.matches)))
-            self._handedness[key] = Handedness.of(self._rectified(self.demo[points]), axes, self.noise_px)
+            self._handedness[key] = Handedness.from_images(self._rectified(self.demo[points]), axes, self.noise_px)
         handedness = self._handedness[key]
         return None if handedness is None else handedness.mirror_residual(self._rectified(own))
 
@@ -138,8 +138,8 @@ class PredictedResiduals:
         matches = unique_matches([*self._past, self.views])
         left, right = matches[:, :2], matches[:, 2:]
         max_rms = AFFINE_RMS * max(self.noise_px, MIN_NOISE * image_unit(matches))
-        fits = affine_squares(left, right) < (len(left) - AFFINE_FREEDOM) * max_rms**2
-        return level(left, right) if fits else None
+        fits = affine_squared_error(left, right) < (len(left) - AFFINE_DEGREES_OF_FREEDOM) * max_rms**2
+        return rectify_affine(left, right) if fits else None
 
     def _residual(
         self,
@@ -201,7 +201,7 @@ class PredictedResiduals:
             self._rigs[rig] = PredictedResiduals(
                 self.views,
                 self.method,
-                self.rectification.others[rig - 1],
+                self.rectification.perturbed[rig - 1],
                 noise_px=self.noise_px,
                 velocity=self._velocity,
                 converged=self._converged,
@@ -218,8 +218,8 @@ class PartialPointResiduals:
 
     def __init__(self, complete: PredictedResiduals):
         self._complete, self._visible = complete, complete.views.visible
-        head = complete.rectification or level(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
-        self._by_rig = [DemonstratorResiduals(one, complete.noise_px) for one in (head, *head.others)]
+        head = complete.rectification or rectify_affine(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
+        self._by_rig = [DemonstratorResiduals(one, complete.noise_px) for one in (head, *head.perturbed)]
 
     def __call__(
         self,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.rectification import Rectification, rectification_of
+from ..geometry.rectification import Rectification, fit_rectification
 from .residuals import conflict
 from .transfers.registry import TransferMethod
 from .transfers.transfer import FittedTransfer
@@ -86,7 +86,7 @@ def rectify_views(views: FourViews, rectification: Rectification) -> FourViews:
 
 
 def update_rectification(
-    views: FourViews, past: Sequence[FourViews], current: Rectification | None, motion: int, anew: bool = False
+    views: FourViews, past: Sequence[FourViews], current: Rectification | None, motion: int, refresh: bool = False
 ) -> Rectification | None:
     """Estimate the rectification that the head needs, if any, from the matches of all looks.
 
@@ -103,8 +103,8 @@ def update_rectification(
         The last estimate.
     motion : int
         How many motions were made before the last of the past looks.
-    anew : bool
-        Estimate it whatever the motion, as after a change of the cameras.
+    refresh : bool
+        Estimate it at any motion, as after a change of the cameras.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def update_rectification(
         None if images stay as they are.
     """
     settled = motion >= MAX_LOOKS if current is not None else motion not in ESTIMATED_AT
-    if settled and not anew:
+    if settled and not refresh:
         return current
     matches = unique_matches([*past[-MAX_LOOKS:], views])
-    return rectification_of(matches[:, :2], matches[:, 2:])
+    return fit_rectification(matches[:, :2], matches[:, 2:])

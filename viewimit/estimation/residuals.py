@@ -27,7 +27,7 @@ def conflict(e: NDArray[np.float64]) -> NDArray[np.float64]:
 class NoiseReference:
     """Own images about which the noise of residuals is propagated, so that residuals can be whitened.
 
-    With these weights, the sum of squares of a residual at the true posture is that of the noise, whatever the scene.
+    Whitened residuals at the true posture have the variance of the noise, in every scene.
     """
 
     own: NDArray[np.float64] | None = None  # (N, 4) px; None: not known yet, so points weigh alike
@@ -51,7 +51,7 @@ class ResidualFunction(Protocol):
         own : (..., N, 4) array
             Predicted points in [L, R] [px]; NaN for points that the servo cannot predict.
         transfer : str, optional
-            Name of a transfer to use in place of the chosen one.
+            Name of a transfer to use instead of the chosen one.
         noise_reference : NoiseReference, optional
             Whiten the residuals by the noise about these images; by default they are not weighted.
         rig : int, optional

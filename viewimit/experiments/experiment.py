@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..analysis.trajectory import Imitation
 from ..drawing.export import figures
-from ..drawing.plots import described
+from ..drawing.plots import describe_settings
 from ..loop.settings import Settings
 from ..simulation.scene import Scene, load_scene
 from .paper.claims import Claim, Claims, verdict
@@ -109,7 +109,7 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
             written.append(folder / f"{name}-{table}.csv")
             write_csv(written[-1], columns)
     if experiment.draw is not None:
-        drawing = figures.standalone(experiment.figure(result), experiment.title, described(result.settings))
+        drawing = figures.standalone(experiment.figure(result), experiment.title, describe_settings(result.settings))
         for suffix in (".svg", ".png") if figures.can_render() else (".svg",):
             written.append(folder / f"{name}{suffix}")
             figures.write(written[-1], drawing)

@@ -1,8 +1,13 @@
-"""Rectification of a stereo pair by its fundamental matrix: Hartley's homographies (1999), after which matches lie in
-equal rows, as those of cameras with parallel optical axes do.
+"""Rectification of a stereo pair by its fundamental matrix, after Hartley (1999): matches get equal rows.
 
-No camera is known: the right homography sends the epipole to infinity along the rows and changes least about the middle
-of the matches; the left one makes its rows the same, and the disparities least.
+Rectified images are like those of cameras with parallel optical axes. No camera is known: the right homography sends
+the epipole to infinity along the rows, and changes least about the middle of the matches. The left one makes its rows
+the same, and the disparities least.
+
+References
+----------
+Hartley, "Theory and practice of projective rectification", IJCV 35(2), 1999.
+Hartley and Zisserman, Multiple View Geometry, 2nd ed. 2004, section 11.12.
 """
 
 from collections.abc import Callable
@@ -14,36 +19,34 @@ from numpy.typing import NDArray
 
 from .affine import centred, image_unit
 from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, perturbed_fundamentals
-from .robust_fit import affine_distance, fundamental_distance
+from .robust_fit import MIN_F_RATIO, affine_distance, fundamental_distance
 
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
-LEAST_PX = 1e-3  # for images of the typical size: rms distance from any affine geometry that needs no rectification
-FEWEST = 16  # matches
-AFFINE_FREEDOM = 4  # parameters of an affine geometry
-TRIMMED, FAR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
-TELLING = 12.0  # F-ratio of what the three further parameters of F explain to what they leave
-MOST = 3000.0  # times that: rms distance from F beyond which matches are wrong, and tell nothing
+MIN_RMS_PX = 1e-3  # of images of typical size: smaller rms distance from an affine geometry needs no rectification
+MIN_MATCHES = 16
+AFFINE_DEGREES_OF_FREEDOM = 4  # parameters of an affine geometry
+N_TRIMMINGS, TRIM_FACTOR = 4, 6.0  # rounds; times the median distance, beyond which a match is wrong
+MAX_RMS_FACTOR = 3000.0  # times MIN_RMS_PX: rms distance from F beyond which the matches are wrong
 
 
 @dataclass(frozen=True)
 class Rectification:
-    """left, right: (3, 3), of image points (x, y, 1) px; others: what it would be if F were one standard deviation
-    elsewhere, along each of its independent directions, () of matches without noise."""
+    """Homographies that rectify a stereo pair."""
 
-    left: NDArray
-    right: NDArray
-    others: tuple["Rectification", ...] = ()
+    left: NDArray[np.float64]  # (3, 3): of image points (x, y, 1) px
+    right: NDArray[np.float64]  # (3, 3)
+    perturbed: tuple["Rectification", ...] = ()  # if F were one standard deviation off, along each direction
 
-    def apply(self, images: NDArray) -> NDArray:
-        """(..., N, 4) px in [l, r] or [L, R] → rectified px, which are those of the right image in its middle."""
-        return _both(images, self.left, self.right)
+    def apply(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Rectify images (..., N, 4) px in [l, r] or [L, R]; pixels are as large as in the right image's middle."""
+        return _map_both(images, self.left, self.right)
 
-    def restore(self, images: NDArray) -> NDArray:
-        """The inverse: rectified (..., N, 4) px → px."""
-        return _both(images, *self._inverses)
+    def restore(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Map rectified images (..., N, 4) px back."""
+        return _map_both(images, *self._inverses)
 
     def in_units(self, unit_px: float) -> "Rectification":
-        """Return the same for images in units of so many pixels; the same object for the same unit."""
+        """Return the rectification of images in units of unit_px pixels; the same object for the same unit."""
         if unit_px not in self._by_unit:
             self._by_unit[unit_px] = self._in_units(unit_px)
         return self._by_unit[unit_px]
@@ -51,11 +54,10 @@ class Rectification:
     def _in_units(self, unit_px: float) -> "Rectification":
         scale = np.diag([unit_px, unit_px, 1.0])
         left, right = (np.linalg.inv(scale) @ H @ scale for H in (self.left, self.right))
-        return Rectification(left, right, tuple(other._in_units(unit_px) for other in self.others))
+        return Rectification(left, right, tuple(other._in_units(unit_px) for other in self.perturbed))
 
     @cached_property
     def _by_unit(self) -> dict[float, "Rectification"]:
-        """Of the units that were asked for."""
         return {}
 
     @cached_property
@@ -63,8 +65,43 @@ class Rectification:
         return np.linalg.inv(self.left), np.linalg.inv(self.right)
 
 
-def rectify(F: NDArray, left: NDArray, right: NDArray) -> Rectification:
-    """F: (3, 3); left, right: (M, 2) px, the matches in whose middle the images are to change least."""
+def fit_rectification(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification | None:
+    """Fit the rectification that matches ask for, (M, 2) px each; None if they ask for none.
+
+    Cameras with parallel optical axes have an affine geometry, even unlike ones: both epipoles are at infinity. Matches
+    ask for rectification if F fits them and no affine geometry does, by an F-test. Neither fits noise or wrong matches.
+    """
+    if not _needs_rectification(left, right):
+        return None
+    for distance in (affine_distance, fundamental_distance):
+        left, right = _trim(distance, left, right)
+    distances = fundamental_distance(left, right)
+    squares_affine, squares_F = affine_squared_error(left, right), float(distances @ distances)
+    count, min_px = len(left), _min_rms(left, right)
+    if squares_affine < count * min_px**2 or squares_F > count * (MAX_RMS_FACTOR * min_px) ** 2:
+        return None
+    if not (squares_affine - squares_F) / 3 > MIN_F_RATIO * squares_F / (count - 7):
+        return None
+    F = fit_fundamental(left, right)
+    found = rectify(F, left, right)
+    if squares_F < count * min_px**2:
+        return found
+    perturbed = tuple(rectify(other, left, right) for other in perturbed_fundamentals(F, left, right))
+    return replace(found, perturbed=perturbed)
+
+
+def fit_rectification_with_prior(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification | None:
+    """Fit the rectification of few matches, (M, 2) px each, none of them wrong, without testing whether it is needed.
+
+    None if the matches are too few, or an affine geometry fits them exactly.
+    """
+    if not _needs_rectification(left, right):
+        return None
+    return rectify(fit_fundamental_with_prior(left, right), left, right)
+
+
+def rectify(F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification:
+    """Rectify by F, (3, 3); the images change least in the middle of the matches, (M, 2) px each."""
     middle = right.mean(0)
     epipole = epipoles(F)[1]
     x, y = epipole[:2] - epipole[2] * middle
@@ -78,18 +115,21 @@ def rectify(F: NDArray, left: NDArray, right: NDArray) -> Rectification:
     to_infinity = np.array([[1, 0, 0], [0, 1, 0], [-epipole[2] / along, 0, 1]])
     back = np.array([[1, 0, middle[0]], [0, 1, middle[1]], [0, 0, 1]])
     H_right = back @ to_infinity @ to_row
-    rows = H_right @ _cross(epipole) @ F  # a point of the epipolar line of each left point; its first row is free
+    rows = H_right @ _cross_matrix(epipole) @ F  # a point of the epipolar line of each left point; row 0 is free
     l = homogeneous(left)
     H_left = rows / (l.mean(0) @ rows[2])
-    found = _mapped(right, H_right)[:, 0]
+    target = _map(right, H_right)[:, 0]
     depth = np.maximum(l @ H_left[2], MIN_DENOMINATOR)
-    H_left[0] = np.linalg.lstsq(l / depth[:, None], found, rcond=None)[0]
+    H_left[0] = np.linalg.lstsq(l / depth[:, None], target, rcond=None)[0]
     return Rectification(H_left, H_right)
 
 
-def level(left: NDArray, right: NDArray) -> Rectification:
-    """Of cameras with parallel optical axes: the images turned so that their affine epipolar lines, Eq. (2), are rows,
-    the right ones as far apart as the left ones. left, right: (M, 2) px"""
+def rectify_affine(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification:
+    """Rectify images of cameras with parallel optical axes by similarities. left, right: (M, 2) px.
+
+    The images are turned so that their affine epipolar lines, Eq. (2), are rows, and the right rows are scaled to be as
+    far apart as the left ones.
+    """
     mean, matches = centred(np.concatenate([left, right], 1))
     normal = np.linalg.eigh(matches.T @ matches)[1][:, 0]
     normal = normal * np.copysign(1.0, normal[1]) / np.hypot(*normal[:2])
@@ -99,90 +139,52 @@ def level(left: NDArray, right: NDArray) -> Rectification:
     return Rectification(H_left, H_right)
 
 
-def rectification_of(left: NDArray, right: NDArray) -> Rectification | None:
-    """The matches' own, (M, 2) px each; None if they ask for none.
-
-    Cameras with parallel optical axes, also unlike ones, have an affine geometry: both epipoles are at infinity. What
-    no affine geometry fits, but F does, asks for rectification; noise and wrong matches are fitted by neither.
-    """
-    if not _needed(left, right):
-        return None
-    for distance in (affine_distance, fundamental_distance):
-        left, right = _most(distance, left, right)
-    affine, left_over = affine_squares(left, right), _squares(fundamental_distance(left, right))
-    count, least_px = len(left), _least(left, right)
-    if affine < count * least_px**2 or left_over > count * (MOST * least_px) ** 2:
-        return None
-    told = (affine - left_over) / 3 > TELLING * left_over / (count - 7)
-    if not told:
-        return None
-    F = fit_fundamental(left, right)
-    found = rectify(F, left, right)
-    if left_over < count * least_px**2:
-        return found
-    return replace(found, others=tuple(rectify(other, left, right) for other in perturbed_fundamentals(F, left, right)))
+def has_equal_rows(left: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
+    """Whether equal rows fit the matches, (M, 2) px each, as of most heads: then an affine geometry does, too."""
+    difference = right[:, 1] - left[:, 1]  # √2 times the distance from that geometry
+    return bool(difference @ difference < 2 * len(difference) * _min_rms(left, right) ** 2)
 
 
-def rectification_with_prior(left: NDArray, right: NDArray) -> Rectification | None:
-    """Rectification by few matches, (M, 2) px each, none of them wrong, without a test of whether images ask for it.
-
-    None if the matches are too few, or an affine geometry fits them exactly.
-    """
-    if not _needed(left, right):
-        return None
-    return rectify(fit_fundamental_with_prior(left, right), left, right)
+def affine_squared_error(left: NDArray[np.float64], right: NDArray[np.float64]) -> float:
+    """Sum of squared distances [px²] from the nearest affine geometry: the smallest eigenvalue of W, Eq. (2)."""
+    _, matches = centred(np.concatenate([left, right], 1))
+    return float(np.linalg.eigvalsh(matches.T @ matches)[0])
 
 
-def _needed(left: NDArray, right: NDArray) -> bool:
-    """Whether matches are enough, and no affine geometry fits them exactly."""
-    if len(left) < FEWEST or in_equal_rows(left, right):
+def _needs_rectification(left: NDArray, right: NDArray) -> bool:
+    """Whether the matches are enough, and no affine geometry fits them exactly."""
+    if len(left) < MIN_MATCHES or has_equal_rows(left, right):
         return False
-    return not affine_squares(left, right) < len(left) * _least(left, right) ** 2
+    return not affine_squared_error(left, right) < len(left) * _min_rms(left, right) ** 2
 
 
-def _most(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:
-    """The matches without those that are far from the geometry of the others; all, if these would be too few."""
-    for _ in range(TRIMMED):
-        away = np.abs(distance(left, right))
-        near = away <= np.maximum(FAR * np.median(away), _least(left, right))
-        if near.all() or near.sum() < FEWEST:
+def _trim(distance: Callable, left: NDArray, right: NDArray) -> tuple[NDArray, NDArray]:
+    """Remove matches that are far from the geometry of the others, unless too few would remain."""
+    for _ in range(N_TRIMMINGS):
+        distances = np.abs(distance(left, right))
+        near = distances <= np.maximum(TRIM_FACTOR * np.median(distances), _min_rms(left, right))
+        if near.all() or near.sum() < MIN_MATCHES:
             break
         left, right = left[near], right[near]
     return left, right
 
 
-def in_equal_rows(left: NDArray, right: NDArray) -> bool:
-    """Whether equal rows are an affine geometry near enough, as of most heads: then the nearest one is, too."""
-    apart = right[:, 1] - left[:, 1]
-    return bool(apart @ apart < 2 * len(apart) * _least(left, right) ** 2)  # √2 times as far as from that geometry
+def _min_rms(left: NDArray, right: NDArray) -> float:
+    """MIN_RMS_PX, scaled to matches of these sizes [px]."""
+    return MIN_RMS_PX * image_unit(np.concatenate([left, right], 1))
 
 
-def _least(left: NDArray, right: NDArray) -> float:
-    """px: LEAST_PX of matches of these sizes."""
-    return LEAST_PX * image_unit(np.concatenate([left, right], 1))
+def _map_both(images: NDArray, left: NDArray, right: NDArray) -> NDArray:
+    return np.concatenate([_map(images[..., :2], left), _map(images[..., 2:], right)], -1)
 
 
-def affine_squares(left: NDArray, right: NDArray) -> float:
-    """px², of all distances from the nearest affine geometry: the least eigenvalue of the matches' scatter, Eq. (2)."""
-    _, matches = centred(np.concatenate([left, right], 1))
-    return float(np.linalg.eigvalsh(matches.T @ matches)[0])
-
-
-def _squares(distance: NDArray) -> float:
-    return float(distance @ distance)
-
-
-def _both(images: NDArray, left: NDArray, right: NDArray) -> NDArray:
-    return np.concatenate([_mapped(images[..., :2], left), _mapped(images[..., 2:], right)], -1)
-
-
-def _mapped(points: NDArray, H: NDArray) -> NDArray:
-    """(..., 2) → (..., 2)"""
+def _map(points: NDArray, H: NDArray) -> NDArray:
+    """Map points (..., 2) by a homography."""
     mapped = points @ H[:, :2].T + H[:, 2]
     return mapped[..., :2] / np.maximum(mapped[..., 2:], MIN_DENOMINATOR)
 
 
-def _cross(v: NDArray) -> NDArray:
+def _cross_matrix(v: NDArray) -> NDArray:
     """[v]×"""
     x, y, z = v
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

@@ -239,8 +239,8 @@ class Session:
         views = reject_outliers(views, past, last.rectification, self.observer.image_noise_std(settings), look)
         rectification = None
         if settings.rectify != "off":
-            anew = last.settings != settings
-            rectification = update_rectification(views, past, last.rectification, last.motion, anew)
+            changed = last.settings != settings
+            rectification = update_rectification(views, past, last.rectification, last.motion, refresh=changed)
         seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
@@ -271,13 +271,13 @@ class Session:
             upper=self.workspace[1] - start,
             motion=now.motion,
             noise_px=noise_px if known is None else max(noise_px, known.noise_px),
-            rehearsed=() if known is None else known.seen_from(self.embodiment.lower - start),
-            shown=now.shown,
-            half_shown=now.half_shown,
-            heads=0 if now.rectification is None else len(now.rectification.others),
+            calibration=() if known is None else known.seen_from(self.embodiment.lower - start),
+            n_visible=now.shown,
+            n_partial=now.half_shown,
+            n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
             rectification=now.rectification,
             max_step=now.settings.max_step,
-            restarts=now.settings.restarts,
+            max_restarts=now.settings.restarts,
         )
 
     def predicted_residuals(self, now: Snapshot) -> ResidualFunction:

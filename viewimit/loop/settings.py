@@ -18,7 +18,7 @@ from ..geometry.distortion import RadialDistortion
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..servo import SERVOS
-from ..servo.observation import RESTARTS
+from ..servo.observation import DEFAULT_MAX_RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
 
@@ -87,7 +87,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     rectify: str = "auto"
     camera: str = "points"
     max_step_deg: float | None = None
-    restarts: int = RESTARTS
+    restarts: int = DEFAULT_MAX_RESTARTS
     workspace_deg: tuple[Range, ...] | None = None
 
     @classmethod

@@ -14,7 +14,7 @@ from .broyden import Broyden
 from .gradient import Gradient
 from .observation import Observation
 from .recursive import GaussNewton, Kalman
-from .registry import SERVOS, ServoMethod, Servos, servo_method, trust_region
+from .registry import SERVOS, ServoMethod, Servos, servo_method, trust_region_method
 from .servo import LastMotion, Retargetable, Servo, ServoState
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
@@ -41,5 +41,5 @@ __all__ = [
     "TrustRegion",
     "TrustRegionOptions",
     "servo_method",
-    "trust_region",
+    "trust_region_method",
 ]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..estimation.residuals import ResidualFunction, conflict
 from .image_jacobian import MIN_STEP_RAD, BroydenModel
 from .least_squares import minimise
-from .observation import Observation, Visit, probe_of
+from .observation import Observation, Visit, probe_motion
 from .status import ServoStatus
 
 INITIAL_RADIUS, MAX_RADIUS, MIN_RADIUS = np.radians((25.0, 45.0, 0.02))
@@ -119,4 +119,4 @@ def _known_images(model: BroydenModel, own: NDArray) -> NDArray:
 def _probe(state: BroydenState, observation: Observation) -> tuple[BroydenState, NDArray]:
     joint, *rest = state.joints_to_probe
     state = replace(state, joints_to_probe=tuple(rest), predicted_reduction=None, status=ServoStatus.MOVING, probe=True)
-    return state, probe_of(joint, observation)
+    return state, probe_motion(joint, observation)

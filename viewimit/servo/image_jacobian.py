@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
-from .observation import Observation, Visit, by_coordinate
+from .observation import Observation, Visit, repeat_xy
 
 MIN_WELL_SEEN = 12  # points: if as many are seen often enough, rarely seen ones are left out
 SOFT_RAD = np.radians(0.2)  # motions up to about this size teach less, as they are mostly noise
@@ -58,11 +58,11 @@ class BroydenModel:
         """Learn from the last motion. soft: rad, 0 to learn from tiny motions as well as from others."""
         moved = observation.displacement - self.last.displacement
         length = moved @ moved
-        now = by_coordinate(observation.seen)
+        now = repeat_xy(observation.seen)
         expected = self.last.own + self.jacobian @ moved
         jacobian, n_updates = self.jacobian, self.n_updates
         if length > 0:
-            both = now & by_coordinate(self.last.seen)
+            both = now & repeat_xy(self.last.seen)
             innovation = np.where(both, observation.own - expected, 0.0)
             n_updates = n_updates + both.all(-1)
             jacobian = jacobian + innovation[..., None] * moved / (length + soft**2)
@@ -90,7 +90,7 @@ class BroydenModel:
         wanted : (N,) bool array
             Points to bring there.
         """
-        used = by_coordinate(observation.seen) & wanted[:, None] & np.isfinite(target)
+        used = repeat_xy(observation.seen) & wanted[:, None] & np.isfinite(target)
         J, error = self.jacobian[used], (target - observation.own)[used]
         normal = J.T @ J
         normal = normal + np.eye(len(normal)) * (DAMPING * np.trace(normal) + 1e-12)
@@ -124,7 +124,7 @@ class RecursiveJacobian:
     ) -> "RecursiveJacobian":
         """Learn from the last motion. r, q, forgetting: see the module; r in the unit of hᵀPh."""
         h = observation.displacement - self.last.displacement
-        now = by_coordinate(observation.seen)
+        now = repeat_xy(observation.seen)
         expected = self.last.own + self.jacobian @ h
         here = Visit(observation.displacement, np.where(now, observation.own, expected), observation.seen)
         if not h.any():
@@ -133,7 +133,7 @@ class RecursiveJacobian:
         P = self.covariance + q * np.eye(len(h))
         Ph = P @ h
         k = Ph / (r + Ph @ h)[..., None]
-        innovation = np.where(by_coordinate(both), observation.own - expected, 0.0)
+        innovation = np.where(repeat_xy(both), observation.own - expected, 0.0)
         jacobian = self.jacobian + np.repeat(k, 2, axis=1) * innovation[..., None]
         updated = (P - k[..., None] * Ph[..., None, :]) / forgetting
         covariance = np.where(both[..., None, None], updated, P)

@@ -1,6 +1,8 @@
-"""What a servo is told at each motion, and what it may ask."""
+"""What a servo observes at each motion, and the visits that it remembers."""
 
+import warnings
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,75 +11,83 @@ from ..estimation.residuals import NoiseReference, ResidualFunction
 from ..geometry.affine import image_unit
 from ..geometry.rectification import Rectification
 
-PROBE = np.radians(15.0)
-RESTARTS = 4  # far from where it has been, after which a servo has stalled
+PROBE_RAD = np.radians(15.0)  # rad: images change visibly, and nearly linearly
+DEFAULT_MAX_RESTARTS = 4
+EARLIER_NAMES = {  # fields of `Observation` in earlier versions → today's
+    "rehearsed": "calibration",
+    "shown": "n_visible",
+    "half_shown": "n_partial",
+    "heads": "n_rig_hypotheses",
+    "restarts": "max_restarts",
+}
 
 
 @dataclass(frozen=True)
 class Visit:
-    """A posture really visited: displacement (m,) rad, own (N, 4) px, seen (N, 2) bool in [L], [R].
+    """A posture that the arm has been at, and the images seen there."""
 
-    Points not seen there are where the model expects them, NaN until they have been seen once.
-    """
-
-    displacement: NDArray
-    own: NDArray
-    seen: NDArray
+    displacement: NDArray[np.float64]  # (m,) rad, from the start
+    own: NDArray[np.float64]  # (N, 4) px in [L, R]; NaN where a point is not seen
+    seen: NDArray[np.bool_]  # (N, 2) in [L], [R]
 
     @classmethod
-    def of(cls, displacement: NDArray, own: NDArray, seen: NDArray) -> "Visit":
-        """Of images as they come, in which coordinates of points not seen mean nothing; kept in C order, so that sums
-        do not depend on how the images lay in memory."""
+    def of(cls, displacement: NDArray[np.float64], own: NDArray[np.float64], seen: NDArray[np.bool_]) -> "Visit":
+        """Make a visit of images in which the coordinates of hidden points are arbitrary.
+
+        Arrays are kept in C order, so that sums do not depend on their layout in memory.
+        """
         seen = np.ascontiguousarray(seen)
-        return cls(displacement, np.where(by_coordinate(seen), np.ascontiguousarray(own), np.nan), seen)
+        return cls(displacement, np.where(repeat_xy(seen), np.ascontiguousarray(own), np.nan), seen)
 
 
-def by_coordinate(seen: NDArray) -> NDArray:
-    """(..., N, 2) of [L], [R] → (..., N, 4) of x_L, y_L, x_R, y_R."""
+def repeat_xy(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Repeat values for [L], [R] as for x_L, y_L, x_R, y_R: (..., N, 2) → (..., N, 4)."""
     return np.repeat(seen, 2, axis=-1)
 
 
 @dataclass(frozen=True)
 class Observation:
-    """own: (N, 4) px, the learner's points in [L, R]; seen: (N, 2) bool in L, in R; E: px².
+    """What a servo observes: image points and its own displacements, never a posture, a body or a camera."""
 
-    displacement: (m,) rad, made since the start; lower, upper: (m,) rad, what the joint limits leave of it.
-    motion: how many motions were made; noise_px: of an image coordinate, standard deviation, as measured at rest.
-    rehearsed: what was seen of the own body before, with nobody to imitate, () if it never was rehearsed. shown: how
-    many of the demonstrator's points are in sight; half_shown: and how many more in one image alone that can be asked.
-    heads: how many other heads than it seems to be might be in its place, each one standard deviation off in another
-    respect. rectification: of the images, None if they need none. max_step: rad, a joint, as far as the arm goes at
-    once: a longer motion is made in several, and the servo asked after the last. restarts: how often the servo may look
-    for something lower far from where it has been.
+    own: NDArray[np.float64]  # (N, 4) px, the learner's points in [L, R]
+    seen: NDArray[np.bool_]  # (N, 2), which of them are visible in L, in R
+    E: float  # px², the conflict
+    displacement: NDArray[np.float64]  # (m,) rad, commanded since the start
+    lower: NDArray[np.float64]  # (m,) rad, joint limits of the displacement
+    upper: NDArray[np.float64]  # (m,) rad
+    motion: int  # number of motions made
+    noise_px: float = 0.0  # px, standard deviation of an image coordinate, as measured at rest
+    calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, with nobody to imitate
+    n_visible: int = 0  # points of the demonstrator that both cameras see
+    n_partial: int = 0  # further ones that one camera alone sees, and that residuals can use
+    n_rig_hypotheses: int = 0  # other stereo heads that fit the matches: each one standard deviation off
+    rectification: Rectification | None = None  # of the images; None: they need none
+    max_step: float = np.inf  # rad per joint: a longer motion is made in several, and the servo asked after the last
+    max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a field by its name in an earlier version."""
+        if name not in EARLIER_NAMES:
+            raise AttributeError(f"an Observation has no {name!r}")
+        today = EARLIER_NAMES[name]
+        warnings.warn(f"Observation.{name} is {today} now", DeprecationWarning, stacklevel=2)
+        return getattr(self, today)
+
+    def with_origin(self, offset: NDArray[np.float64]) -> "Observation":
+        """Return it for an arm that is `offset`, (m,) rad, behind where it was sent."""
+        return replace(
+            self, displacement=self.displacement - offset, lower=self.lower - offset, upper=self.upper - offset
+        )
+
+
+def probe_motion(joint: int, observation: Observation) -> NDArray[np.float64]:
+    """Return a motion of one joint that shows how the images depend on it: (m,) rad.
+
+    It turns by 15°, or by `max_step`, towards the side where the limits leave more room.
     """
-
-    own: NDArray
-    seen: NDArray
-    E: float
-    displacement: NDArray
-    lower: NDArray
-    upper: NDArray
-    motion: int
-    noise_px: float = 0.0
-    rehearsed: tuple[Visit, ...] = ()
-    shown: int = 0
-    half_shown: int = 0
-    heads: int = 0
-    rectification: Rectification | None = None
-    max_step: float = np.inf
-    restarts: int = RESTARTS
-
-    def displaced(self, by: NDArray) -> "Observation":
-        """Of an arm that stands so far, (m,) rad, before where it was sent; it can be sent as far as before."""
-        return replace(self, displacement=self.displacement - by, lower=self.lower - by, upper=self.upper - by)
-
-
-def probe_of(joint: int, seen: Observation) -> NDArray:
-    """(m,) rad, a motion to learn how the images move, not to arrive: one joint turned by 15°, or as far as the arm
-    goes at once, towards where its limits leave more room."""
-    above = seen.upper[joint] - seen.displacement[joint]
-    below = seen.displacement[joint] - seen.lower[joint]
-    step, far = np.zeros_like(seen.displacement), min(PROBE, seen.max_step)
+    above = observation.upper[joint] - observation.displacement[joint]
+    below = observation.displacement[joint] - observation.lower[joint]
+    step, far = np.zeros_like(observation.displacement), min(PROBE_RAD, observation.max_step)
     step[joint] = min(far, above) if above >= min(far, below) else -min(far, below)
     return step
 
@@ -86,36 +96,43 @@ def probe_of(joint: int, seen: Observation) -> NDArray:
 # that are not standard deviations of noise are in these units. A unit stays the same during a run.
 
 
-def unit_of(seen: Observation) -> float:
-    """Return how many pixels one unit is, for an own body as it is seen first."""
-    return image_unit(seen.own[seen.seen.all(-1)])
+def unit_of(observation: Observation) -> float:
+    """Return the pixels of one image unit, by the own body in the first observation."""
+    return image_unit(observation.own[observation.seen.all(-1)])
 
 
-def in_units(seen: Observation, unit_px: float) -> Observation:
-    """Return what is seen with all images, E and noise in units of so many pixels."""
+def in_units(observation: Observation, unit_px: float) -> Observation:
+    """Convert images, E and noise from px to image units."""
+    rectification = observation.rectification
     return replace(
-        seen,
-        own=seen.own / unit_px,
-        E=seen.E / unit_px**2,
-        noise_px=seen.noise_px / unit_px,
-        rehearsed=tuple(Visit.of(visit.displacement, visit.own / unit_px, visit.seen) for visit in seen.rehearsed),
-        rectification=None if seen.rectification is None else seen.rectification.in_units(unit_px),
+        observation,
+        own=observation.own / unit_px,
+        E=observation.E / unit_px**2,
+        noise_px=observation.noise_px / unit_px,
+        calibration=tuple(Visit.of(one.displacement, one.own / unit_px, one.seen) for one in observation.calibration),
+        rectification=None if rectification is None else rectification.in_units(unit_px),
     )
 
 
 @dataclass(frozen=True)
 class ScaledResiduals:
-    """The conflict of own images that are in units of so many pixels, in the same units."""
+    """Residuals in image units, of own images in image units."""
 
     residuals: ResidualFunction
-    unit_px: float
+    unit_px: float  # pixels of one unit
 
     def __call__(
-        self, own: NDArray, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
-    ) -> NDArray:
+        self,
+        own: NDArray[np.float64],
+        transfer: str | None = None,
+        noise_reference: NoiseReference | None = None,
+        rig: int = 0,
+    ) -> NDArray[np.float64]:
+        """Compute residuals, as `ResidualFunction`."""
         if noise_reference is not None and noise_reference.own is not None:
             noise_reference = replace(noise_reference, own=noise_reference.own * self.unit_px)
         return self.residuals(own * self.unit_px, transfer, noise_reference, rig) / self.unit_px
 
     def with_partially_visible(self) -> ResidualFunction:
+        """Include points that only one camera sees."""
         return ScaledResiduals(self.residuals.with_partially_visible(), self.unit_px)

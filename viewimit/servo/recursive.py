@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
 from .image_jacobian import MIN_STEP_RAD, RecursiveJacobian
-from .observation import Observation, probe_of
+from .observation import Observation, probe_motion
 from .status import ServoStatus
 
 MAX_STEP_RAD = np.radians(25.0)  # of a joint, in one motion
@@ -141,7 +141,7 @@ def _next_motion(state: S, observation: Observation, residuals: ResidualFunction
     """A probe, or the law's motion within bounds and limits; no motion where it settles or makes no progress."""
     if state.joints_to_probe:
         joint, *rest = state.joints_to_probe
-        return replace(state, joints_to_probe=tuple(rest), probe=True), probe_of(joint, observation)
+        return replace(state, joints_to_probe=tuple(rest), probe=True), probe_motion(joint, observation)
     e, J = state.model.linearise(residuals)
     if not np.isfinite(e).all() or not state.has_patience:
         return replace(state, status=ServoStatus.NO_PROGRESS), np.zeros_like(observation.displacement)

@@ -225,7 +225,7 @@ def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
     )
 
 
-def trust_region(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
+def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
     """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
     return ServoMethod(
         servo=TrustRegion(options),
@@ -283,6 +283,6 @@ SERVOS = Servos(
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),
-        "trust-region": trust_region(),
+        "trust-region": trust_region_method(),
     }
 )

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing.export.citation import motions
+from viewimit.drawing.svg import count_motions
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
@@ -66,7 +66,7 @@ class Undo(Command):
         else:
             model.undoable.bring_back(left)
             points = f", {len(model.session.world.body)} points" if model.points.on else ""
-            what = f"{left.preset.name}, {motions(left.motions)}{points}"
+            what = f"{left.preset.name}, {count_motions(left.motions)}{points}"
             model.say(f"Back is what was here before: {what}.", now + BACK_STAYS)
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.drawing.export.citation import motions
+from viewimit.drawing.svg import count_motions
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
@@ -45,7 +45,7 @@ class Rehearsal:
             return f"{remembers}, which do not hold here: it probes."
         if self.holds is None:
             return f"{remembers}; Play imitates with them."
-        return f"{remembers}, which hold. {'Imitated in' if self.rests else 'Imitates:'} {motions(self.motions)}."
+        return f"{remembers}, which hold. {'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
 
 
 def rehearsal_of(session: Session) -> Rehearsal:

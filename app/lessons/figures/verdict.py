@@ -62,7 +62,7 @@ def _truth(stage: Stage, moment: Snapshot, names: Sequence[str]) -> list[str]:
 
 
 def _of(pairs: Pairs) -> str:
-    return "points " + ", ".join(f"{svg.point_name(i)} and {svg.point_name(j)}" for i, j in pairs)
+    return "points " + ", ".join(f"{i} and {j}" for i, j in pairs)
 
 
 FIGURES: Mapping[str, FigureKind] = {"verdict": FigureKind(_verdict, verdict.LAYERS, works=("races",))}

@@ -9,7 +9,7 @@ from ...loop.session import Session
 from ...loop.settings import Settings
 from ...sensing.files import file_name
 from ...servo import SERVOS
-from ..plots import described
+from ..plots import describe_settings
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
 
@@ -74,11 +74,7 @@ def title_of(settings: Settings) -> str:
 
 def conditions_of(settings: Settings) -> str:
     frames = f" · {settings.frames} frames" if settings.frames > 1 else ""
-    return f"{described(settings)}{frames} · seed {settings.seed}"
-
-
-def motions(count: int) -> str:
-    return "1 motion" if count == 1 else f"{count} motions"
+    return f"{describe_settings(settings)}{frames} · seed {settings.seed}"
 
 
 def software() -> str:

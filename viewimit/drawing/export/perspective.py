@@ -18,7 +18,6 @@ from ...simulation.scene_geometry import FOV, fitted_view
 from ...simulation.world import World
 from .. import svg
 from ..theme import ROLES, half_white, rgb
-from .citation import motions
 from .figures import WIDTH, Figure
 
 SUN = np.array([-2.0, -3.0, 5.0]) / np.sqrt(38.0)
@@ -93,7 +92,7 @@ def draw_space(world: World, moment: Snapshot, eye: Eye | None = None, rays: boo
         f'<g fill="{ROLES["ink"][0]}" opacity=".13">{shadows}</g>'
         f'<g stroke-width=".3" stroke-linejoin="round">{painted}</g>{names}</svg>'
     )
-    title = f"Both arms in 3-D after {motions(moment.motion)}, which the learner does not see"
+    title = f"Both arms in 3-D after {svg.count_motions(moment.motion)}, which the learner does not see"
     return Figure(inside, WIDTH, height, title)
 
 

@@ -15,9 +15,10 @@ import msgspec
 from ...loop.session import Session
 from ..curves import paired_axis
 from ..glossary import cards
+from ..svg import count_motions
 from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from .bundle import bundle, packed
-from .citation import Citation, cite, motions
+from .citation import Citation, cite
 from .panels import draw_panels, kept_motions, largest_residual
 from .space import describe_space
 
@@ -66,7 +67,7 @@ def _page(title: str, citation: Citation, told: dict[str, Any], meshes: bytes) -
         title=html.escape(title or citation.title),
         conditions=html.escape(citation.conditions),
         motions=last,
-        made=motions(last),
+        made=count_motions(last),
         software=html.escape(citation.software),
         repeated=_repeated(citation),
         line=html.escape(citation.repeated_by or citation.software),

@@ -43,7 +43,7 @@ def stands(stage: int | None, crossed: bool, what: str) -> bool:
 
 def describe(construction: Construction | None, point: int, stage: int | None, crossed: bool) -> str:
     """HTML: the words of a stage, or what all of it says."""
-    name = f"<b>{svg.point_name(point)}</b>"
+    name = f"<b>{point}</b>"
     if stage is not None:
         words = (CROSSED if crossed else CARRIED)[stage][1]
         return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(name)}"

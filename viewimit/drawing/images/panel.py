@@ -180,7 +180,7 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: t
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
     length = svg.number(math.hypot(*e.tolist()))
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
-    return svg.text(x, size[1] - READOUT_UP, f"{svg.point_name(chosen)}: {length} px", f"vi-chosen vi-halo{end}")
+    return svg.text(x, size[1] - READOUT_UP, f"{chosen}: {length} px", f"vi-chosen vi-halo{end}")
 
 
 def _epipolar_lines(
@@ -244,7 +244,7 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
         (f'<path class="vi-seen" d="{diamond(OBSERVED)}"/>', "demonstrator"),
     ]
     if chosen is not None:
-        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5.5"/>', f"point {svg.point_name(chosen)}, its"))
+        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5.5"/>', f"point {chosen}, its"))
     if chosen is not None and crossed:
         entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
         entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
@@ -274,7 +274,7 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
     if known:
         each = lengths.ravel().tolist()  # few are soon added up: each call of numpy takes as long
         mean, largest = sum(each) / len(each), max(each)
-        where = f" px at {svg.point_name(int(snapshot.usable.nonzero()[0][each.index(largest) // 2]))}"
+        where = f" px at {snapshot.usable.nonzero()[0][each.index(largest) // 2]}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)

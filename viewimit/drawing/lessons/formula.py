@@ -32,7 +32,7 @@ def draw_formula(moment: Snapshot, in_narrow: bool = False) -> str:
                 f'<rect class="vi-square" x="{x:.1f}" y="{y - width:.1f}" width="{width:.1f}" height="{width:.1f}"/>'
             )
             if width > 12:
-                parts.append(svg.text(x + width / 2, y + 15, svg.point_name(int(i)), "vi-2nd vi-mid"))
+                parts.append(svg.text(x + width / 2, y + 15, str(int(i)), "vi-2nd vi-mid"))
             x += width + GAP
         total = svg.short(float(squares[:, k].sum()))
         parts.append(svg.text(size[0] - (2 if in_narrow else 12), y, f"together {total} px²", "vi-b vi-end"))

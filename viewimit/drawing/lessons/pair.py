@@ -27,5 +27,5 @@ def _pair(ends: NDArray, names: tuple[int, int], size: tuple[float, float]) -> s
     drawn += f'<path class="vi-pair-ring" d="{svg.circles(ends, RING)}"/>'
     for at, way, name in zip(ends, (-unit, unit), names):
         x, y = np.clip(at + NAME * way, EDGE, np.array(size) - EDGE).tolist()
-        drawn += svg.text(x, y + 4.5, svg.point_name(name), "vi-pair-name vi-halo vi-mid")
+        drawn += svg.text(x, y + 4.5, str(name), "vi-pair-name vi-halo vi-mid")
     return drawn

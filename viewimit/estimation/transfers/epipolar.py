@@ -29,23 +29,22 @@ SINGULAR = 1e-3  # determinant of two unit-norm epipolar lines below which all f
 
 @dataclass(frozen=True)
 class EpipolarTransfer(AffineTransfer):
-    """f: (4, 5, ...), the five fundamental matrices f13, f23, f31, f32 of the pairs (l,L), (r,L), (l,R), (r,R), (L,R)
-    about the centroids."""
+    """The paper's transfer, fitted."""
 
-    f: NDArray
+    f: NDArray[np.float64]  # (4, 5, ...): f13, f23, f31, f32 of the pairs (l,L), (r,L), (l,R), (r,R), (L,R), centred
 
     @property
-    def fundamentals(self) -> NDArray | None:
+    def fundamentals(self) -> NDArray[np.float64] | None:
         return self.f.T if self.f.ndim == 2 else None
 
     @cached_property
-    def condition(self) -> NDArray:
+    def condition(self) -> NDArray[np.float64]:
         """cond(A): (...), inf where it is singular."""
         return condition(self.f.reshape(4, 5, -1)).reshape(self.matrix.shape[:-2])
 
 
 def fit(views: FourViews) -> EpipolarTransfer:
-    """Eqs. (2)-(4) for N ≥ 5 points. `condition` is cond(A)."""
+    """Fit Eqs. (2)-(4) to N ≥ 5 points. The condition is cond(A)."""
     require_points(views.own.shape[-2])
     demo_mean, demo = centred(views.demo)
     own_mean, own = centred(views.own)
@@ -55,9 +54,9 @@ def fit(views: FourViews) -> EpipolarTransfer:
     return EpipolarTransfer(solved, demo_mean, own_mean, f.reshape((4, 5) + batch))
 
 
-def constraints(demo: NDArray, own: NDArray) -> NDArray:
-    """The five fundamental matrices f: (4, 5, G) from centred points demo: (..., N, 4) or (N, 4), own: (..., N, 4)."""
-    if own.ndim == 2:  # one posture, whose price is the number of steps
+def constraints(demo: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fit the five fundamental matrices, (4, 5, G), to centred points demo (..., N, 4) or (N, 4), own (..., N, 4)."""
+    if own.ndim == 2:  # for one posture, the cost is the number of calls
         return pair_fundamentals(np.concatenate([demo, own], 1), CROSSED).T[..., None]
     P, M, Q = (np.empty((2, 2, 5, math.prod(own.shape[:-2]))) for _ in range(3))
     to_P, to_M, to_Q = (block[:, :, :4].reshape(2, 2, 2, 2, -1) for block in (P, M, Q))  # views: i, j, o, d
@@ -69,8 +68,8 @@ def constraints(demo: NDArray, own: NDArray) -> NDArray:
     return smallest_eigenpair(P, M, Q)[1]
 
 
-def solve(f: NDArray) -> NDArray:
-    """The least-squares solution of Eq. (4) as a map of centred points, [l; r] to [L; R]. f: (4, 5, G) → (4, 4, G)."""
+def solve(f: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Solve Eq. (4) by least squares, as a map of centred points from [l; r] to [L; R]: (4, 5, G) → (4, 4, G)."""
     G = f.shape[2]
     of_demo = f[:2, :4].reshape(2, 2, 2, G).transpose(1, 2, 0, 3)  # o, d, j
     lines = f[2:, :4].reshape(2, 2, 2, G)  # k, o, d
@@ -97,8 +96,8 @@ def solve(f: NDArray) -> NDArray:
     return matrix
 
 
-def linear_system(f: NDArray) -> tuple[NDArray, NDArray]:
-    """A (G, 5, 4) and B (G, 5, 4) of Eq. (4) for centred points. f: (4, 5, G)."""
+def linear_system(f: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Build A and B, (G, 5, 4) each, of Eq. (4) for centred points, from f (4, 5, G)."""
     A, B = np.zeros((2, f.shape[2], 5, 4))
     for row, (d, o) in enumerate(((0, 0), (1, 0), (0, 1), (1, 1))):
         A[:, row, 2 * o : 2 * o + 2] = f[2:, row].T
@@ -107,9 +106,9 @@ def linear_system(f: NDArray) -> tuple[NDArray, NDArray]:
     return A, B
 
 
-def condition(f: NDArray) -> NDArray:
-    """cond(A). f: (4, 5, G) → (G,). Of one from its singular values, of many from the eigenvalues of AᵀA."""
-    if f.shape[2] == 1:  # one posture, whose price is the number of steps
+def condition(f: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute cond(A), (4, 5, G) → (G,): for one posture by singular values, for many by eigenvalues of AᵀA."""
+    if f.shape[2] == 1:  # for one posture, the cost is the number of calls
         of_p, of_q, x, y = f[..., 0].tolist()
         own = [of_p[4], of_q[4], x[4], y[4]]
         A = [[x[0], y[0], 0, 0], [x[1], y[1], 0, 0], [0, 0, x[2], y[2]], [0, 0, x[3], y[3]], own]
@@ -123,6 +122,6 @@ def condition(f: NDArray) -> NDArray:
         return np.sqrt(largest / np.maximum(smallest, 0.0))
 
 
-def _by_view(S: NDArray) -> NDArray:
+def _by_view(S: NDArray[np.float64]) -> NDArray[np.float64]:
     """(4, 4, G) → (2 views, 2 coordinates, 2 views, 2 coordinates, G)"""
     return S.reshape((2, 2, 2, 2) + S.shape[2:])

@@ -1,4 +1,4 @@
-"""The transfers by name, and what is said about each: title, prose, LaTeX and storage.
+"""The transfers by name, with the description of each: title, prose, LaTeX and storage.
 
 The mathematics of a transfer is in its own module. Only `fit` is required of an entry; all other fields have defaults.
 """
@@ -29,7 +29,7 @@ Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple
 
 @dataclass(kw_only=True)
 class TransferMethod:
-    """A transfer with everything that is said about it. Calling it with `FourViews` calls `fit`."""
+    """A transfer with its description. Calling it with `FourViews` calls `fit`."""
 
     fit: Callable[[FourViews], FittedTransfer]  # views of points visible in all four, (..., N, 4) px, N ≥ 5
     title: str = ""  # in dropdowns; by default the name of `fit`
@@ -106,13 +106,13 @@ def _epipolar_equations(
 def _affine_equations(
     fitted: AffineTransfer | Rank3Transfer, demo: NDArray[np.float64], own: NDArray[np.float64], name: str
 ) -> tuple[Equation, ...]:
-    """One 4 x 4 map of points about their centroids, in place of Eq. (4)."""
+    """One 4 x 4 map of points about their centroids replaces Eq. (4)."""
     centred = demo - fitted.demo_mean
     recovered = fitted.own_mean + fitted.matrix @ centred
     return (
         Equation(
             "",
-            f"in place of (4), point {name}: centroid + map · (c − its centroid), px",
+            f"replaces (4), point {name}: centroid + map · (c − its centroid), px",
             rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{matrix(4, 4)}{column(4)}={column(4)}",
             (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
             wide=True,
@@ -132,12 +132,12 @@ def _projective_equations(
     )
     depth = number(float(1 + u @ fitted.p), 3)
     numbers = (name, name, name, *each(fitted.own_mean, 0), *each(shape, 1), depth, *each(recovered, 1))
-    return (Equation("", f"in place of (4), point {name}: one depth for L and R, px", latex, numbers, wide=True),)
+    return (Equation("", f"replaces (4), point {name}: one depth for L and R, px", latex, numbers, wide=True),)
 
 
 def _rank3_conflict(E: float) -> Equation:
     latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
-    return Equation("", "in place of (6): what all four images leave beyond rank 3", latex, (short(E),))
+    return Equation("", "replaces (6): what all four images leave beyond rank 3", latex, (short(E),))
 
 
 TRANSFERS = Transfers(

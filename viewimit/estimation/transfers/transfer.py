@@ -143,8 +143,8 @@ class _FunctionTransfer(Transfer):
             return np.array([self.recover(*each) for each in zip(left, right)])
         found = np.asarray(self.fitted.recover(left, right), float)
         if found.shape != (len(left), 4):
-            wanted = f"({len(left)}, 4) px in [L, R]"
-            raise ValueError(f"transfer {self.title!r}: recover must return {wanted}, got shape {found.shape}")
+            expected = f"({len(left)}, 4) px in [L, R]"
+            raise ValueError(f"transfer {self.title!r}: recover must return {expected}, got shape {found.shape}")
         return found
 
     def residual(self, views: FourViews) -> NDArray[np.float64]:

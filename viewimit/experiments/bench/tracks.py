@@ -17,7 +17,7 @@ from ...estimation.outliers import find_outliers, select_matches
 from ...estimation.rectification import fit_transfer
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
-from ...geometry.rectification import Rectification, rectification_of
+from ...geometry.rectification import Rectification, fit_rectification
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ...simulation.camera import Camera, Cameras, Lens
 from .benchmark import CaseOptions, Context, RunOptions, Share, as_json, run_cases
@@ -108,7 +108,7 @@ def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Ru
     tracked, test = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
     inliers = find_outliers(tracked).corrected(tracked)
     chosen = leave_one_out(inliers).rectification
-    by_matches = rectification_of(*np.split(select_matches(tracked), 2, axis=1))
+    by_matches = fit_rectification(*np.split(select_matches(tracked), 2, axis=1))
     error_px, raw_px, always_px = (_errors(tracked, test, by) for by in (chosen, None, by_matches))
     return Run(chosen is not None, by_matches is not None, error_px, raw_px, always_px)
 

@@ -34,7 +34,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...estimation.residuals import ResidualFunction
-from ..observation import Observation, ScaledResiduals, in_units, probe_of, unit_of
+from ..observation import Observation, ScaledResiduals, in_units, probe_motion, unit_of
 from ..status import ServoStatus
 from .correspondences import find_swapped_matches, with_swapped
 from .image_models import ImageData
@@ -110,7 +110,7 @@ class TrustRegion:
     ) -> tuple[TrustRegionState, Displacement]:
         """Return the next state and the displacement to make, (m,) rad; 0 to rest."""
         tracking, options = state.is_tracking, self.options
-        observation = in_units(replace(observation, rehearsed=()), state.unit_px)
+        observation = in_units(replace(observation, calibration=()), state.unit_px)
         state, observation = record_visit(state, observation, options)
         residuals = ScaledResiduals(residuals, state.unit_px)
         residuals = residuals.with_partially_visible() if state.search.partial_points else residuals
@@ -137,7 +137,7 @@ def probe(state: TrustRegionState, look: Look) -> Outcome:
     """Move the next joint alone."""
     joint, *rest = state.joints_to_probe
     state = replace(state, joints_to_probe=tuple(rest), status=ServoStatus.MOVING)
-    return Phase.PROBE, state, probe_of(joint, look.observation)
+    return Phase.PROBE, state, probe_motion(joint, look.observation)
 
 
 def match(state: TrustRegionState, look: Look) -> Outcome:
@@ -199,7 +199,7 @@ def search(state: TrustRegionState, look: Look) -> Outcome:
         return Phase.SEARCH, *restart(state, look, goal_with_other_points(state, look), look.plan.n_points + 1)
     if state.search.rung + 1 < len(options.ladder):
         return Phase.MATCH, on_rung(state, look, 0 if state.exchanged else state.search.rung + 1), None
-    if state.search.n_restarts < observation.restarts:
+    if state.search.n_restarts < observation.max_restarts:
         goal = maximin(state.known, sample_box(observation, options.restart_candidates))
         return Phase.SEARCH, *restart(state, look, goal, 0)
     if 0 < state.search.min_points <= look.plan.n_points:  # rest where fewer points determine E

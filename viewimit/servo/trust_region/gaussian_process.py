@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..image_jacobian import MIN_WELL_SEEN
-from ..observation import Visit, by_coordinate
+from ..observation import Visit, repeat_xy
 
 OFFSET_PX, SLOPE_PX, BEND_PX = 30.0, 200.0, 100.0  # prior standard deviations: px, px/rad, px
 LENGTH_RAD = float(np.radians(100.0))  # over which images deviate from linear functions
@@ -49,7 +49,7 @@ class GaussianProcessImages:
             at_centre = own[distance.argmin()]
             weights = np.linalg.solve(K, (own - at_centre).reshape(len(visits), -1))
         else:
-            at_centre, weights = _fit_partial(own, by_coordinate(seen), distance, K, min_visits=offsets.shape[1] + 1)
+            at_centre, weights = _fit_partial(own, repeat_xy(seen), distance, K, min_visits=offsets.shape[1] + 1)
         return cls(displacement[centre], at_centre, offsets, weights.reshape(own.shape), noise_px, np.all(seen, -1))
 
     def predict(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..observation import Visit, by_coordinate
+from ..observation import Visit, repeat_xy
 from .gaussian_process import GaussianProcessImages, gram_matrix, kernel
 
 TOL_PX = 0.3  # error of a coordinate that is always accepted
@@ -44,7 +44,7 @@ def is_consistent(calibration: Sequence[Visit], visits: Sequence[Visit], noise_p
     displacements = np.array([visit.displacement for visit in calibration])
     centre = displacements.mean(0)
     offsets = displacements - centre
-    seen = by_coordinate(np.array([visit.seen for visit in calibration])).reshape(len(offsets), -1).T  # (4N, K)
+    seen = repeat_xy(np.array([visit.seen for visit in calibration])).reshape(len(offsets), -1).T  # (4N, K)
     own = np.array([visit.own for visit in calibration]).reshape(len(offsets), -1).T
     mean = np.where(seen, own, 0.0).sum(1) / np.maximum(seen.sum(1), 1)
     K = np.where(seen[:, :, None] & seen[:, None, :], gram_matrix(offsets, noise_px), np.eye(len(offsets)))
@@ -100,7 +100,7 @@ def localise(visits: Sequence[Visit], commanded: Visit, noise_px: float) -> tupl
     if len(same):
         return Visit(visits[same[-1]].displacement, commanded.own, commanded.seen), True
     model, start = GaussianProcessImages.fit(visits, len(visits) - 1, noise_px), commanded.displacement
-    weight = by_coordinate(commanded.seen) / np.hypot(model.prediction_std(start[None])[0], MIN_STD_PX)[:, None]
+    weight = repeat_xy(commanded.seen) / np.hypot(model.prediction_std(start[None])[0], MIN_STD_PX)[:, None]
     theta, prior = start, np.eye(len(start)) / PRIOR_STD_RAD**2
     for _ in range(MAX_ITER):
         residuals = np.nan_to_num(weight * (model.predict(theta) - commanded.own)).ravel()
@@ -112,7 +112,7 @@ def localise(visits: Sequence[Visit], commanded: Visit, noise_px: float) -> tupl
 def _shows_same_image(visits: Sequence[Visit], here: Visit, noise_px: float) -> NDArray:
     """(n,) bool: visits whose images equal those here up to noise, in the coordinates seen in both."""
     own, seen = np.array([visit.own for visit in visits]), np.array([visit.seen for visit in visits])
-    both = by_coordinate(seen & here.seen)
+    both = repeat_xy(seen & here.seen)
     square, count = np.where(both, own - here.own, 0.0) ** 2, both.sum((1, 2))
     bound = (SAME_IMAGE_SIGMA * max(noise_px, MIN_STD_PX)) ** 2
     return (count > 0) & (square.sum((1, 2)) <= bound * count)

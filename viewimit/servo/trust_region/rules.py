@@ -178,9 +178,7 @@ def with_verification(state: TrustRegionState) -> TrustRegionState:
 def partial_points_help(state: TrustRegionState, look: Look) -> bool:
     """Whether points that one camera alone sees may determine a joint that the others do not."""
     return bool(
-        state.certificate.unobservable_at_minimum
-        and not state.search.partial_points
-        and look.observation.half_shown > 0
+        state.certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
     )
 
 
@@ -189,9 +187,9 @@ def more_points_elsewhere(state: TrustRegionState, look: Look) -> bool:
     certificate, observation = current_certificate(state, look), look.observation
     if certificate is None or not certificate.unobservable_at_minimum:
         return False
-    visible = observation.shown + (observation.half_shown if state.search.partial_points else 0)
+    visible = observation.n_visible + (observation.n_partial if state.search.partial_points else 0)
     learns = certificate.needs_more_data and may_verify(state, look)
-    return not learns and look.plan.n_points < visible and state.search.n_restarts < observation.restarts
+    return not learns and look.plan.n_points < visible and state.search.n_restarts < observation.max_restarts
 
 
 def goal_with_other_points(state: TrustRegionState, look: Look) -> Displacement:

@@ -130,9 +130,9 @@ class TrustRegionState:
 
 def initial_state(observation: Observation, unit_px: float, options: TrustRegionOptions) -> TrustRegionState:
     """Return the state before the first motion. observation: in image units."""
-    probes = () if observation.rehearsed else tuple(range(len(observation.displacement)))
-    region = first_region(observation.rehearsed, options)
-    return TrustRegionState((visit_of(observation),), probes, region, unit_px, calibration=observation.rehearsed)
+    probes = () if observation.calibration else tuple(range(len(observation.displacement)))
+    region = first_region(observation.calibration, options)
+    return TrustRegionState((visit_of(observation),), probes, region, unit_px, calibration=observation.calibration)
 
 
 def first_region(calibration: tuple[Visit, ...], options: TrustRegionOptions) -> Region:
@@ -211,7 +211,7 @@ def _localise_from_images(
     A step that led to a posture visited before gains nothing more. If the arm did not move at all and the region
     limited the step, the step may have been too short for an arm that moves in steps: then the region grows.
     """
-    last, sent = state.visits[-1].displacement, visit_of(observation.displaced(mismatch.offset))
+    last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch.offset))
     if np.abs(sent.displacement - last).max() < options.same_posture:
         here, been = replace(sent, displacement=last), False
     else:
@@ -232,7 +232,7 @@ def _localise_from_images(
         region=region,
         mismatch=Mismatch(offset, stuck),
     )
-    return state, replace(observation.displaced(offset), displacement=here.displacement)
+    return state, replace(observation.with_origin(offset), displacement=here.displacement)
 
 
 def without_calibration(state: TrustRegionState, options: TrustRegionOptions) -> TrustRegionState:

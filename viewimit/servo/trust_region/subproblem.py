@@ -247,7 +247,7 @@ def solve_subproblem(
         observation=observation,
         residuals=whitened,
         E_of_visits=visited.E if reference is None else None,
-        residuals_per_rig=tuple(partial(whitened, rig=k) for k in range(1, observation.heads + 1)),
+        residuals_per_rig=tuple(partial(whitened, rig=k) for k in range(1, observation.n_rig_hypotheses + 1)),
         residuals_single=None
         if reference is None
         else partial(residuals, transfer=None, noise_reference=replace(reference, own_variance_ratio=1.0)),

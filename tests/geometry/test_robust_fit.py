@@ -5,10 +5,17 @@ import pytest
 from stereo_heads import UNLIKE, fundamental_of, head, matches
 
 from viewimit.geometry.fundamental import sampson_distance
-from viewimit.geometry.robust_fit import GROSS, LEAST_PX, agree, contradicting, geometry_of, rows_of
+from viewimit.geometry.robust_fit import (
+    MIN_THRESHOLD_PX,
+    OUTLIER_SIGMA,
+    all_inliers,
+    detect_outliers,
+    fit_geometry,
+    fit_row_geometry,
+)
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
-CLEAR = 4 * GROSS  # times the noise: nothing between GROSS and that is judged here
+CLEAR = 4 * OUTLIER_SIGMA  # times the noise: nothing between OUTLIER_SIGMA and that is judged here
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.25, 1.0])
@@ -20,9 +27,9 @@ def test_a_fifth_of_wrong_matches_is_found_and_nothing_else(stereo, noise_px):
         wrong = rng.random(len(left)) < 0.2
         right = right + wrong[:, None] * rng.uniform(-60, 60, right.shape)
         away = np.abs(sampson_distance(fundamental_of(cameras), left, right))
-        found = contradicting(left, right, noise_px, rng)
+        found = detect_outliers(left, right, noise_px, rng)
         assert not (found & ~wrong).any()
-        assert found[away > max(5 * LEAST_PX, CLEAR * noise_px)].all()
+        assert found[away > max(5 * MIN_THRESHOLD_PX, CLEAR * noise_px)].all()
 
 
 @pytest.mark.parametrize("stereo", HEADS.values(), ids=HEADS)
@@ -30,27 +37,27 @@ def test_with_few_matches_of_which_none_is_wrong_none_is_found(stereo):
     for seed in range(10):
         rng = np.random.default_rng(seed)
         left, right, _ = matches(stereo, rng, 20, 0.25)
-        assert not contradicting(left, right, 0.25, rng).any()
-        assert not contradicting(left[:8], right[:8], 0.25, rng).any()
+        assert not detect_outliers(left, right, 0.25, rng).any()
+        assert not detect_outliers(left[:8], right[:8], 0.25, rng).any()
 
 
 def test_where_no_geometry_fits_nothing_is_told():
     rng = np.random.default_rng(0)
     left, right = rng.uniform(0, 300, (2, 60, 2))
-    assert not contradicting(left, right, 0.25, rng).any() and not agree(left, right, 0.25)
+    assert not detect_outliers(left, right, 0.25, rng).any() and not all_inliers(left, right, 0.25)
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.25])
 def test_matches_of_parallel_cameras_agree_until_one_is_moved_out_of_its_row(noise_px):
     left, right, _ = matches(HEADS["parallel, unlike"], np.random.default_rng(1), 40, noise_px)
-    assert agree(left, right, noise_px) and agree(left[:5], right[:5] + 20, noise_px)
+    assert all_inliers(left, right, noise_px) and all_inliers(left[:5], right[:5] + 20, noise_px)
     along, across = right.copy(), right.copy()
     along[3, 0] += 20
     across[3, 1] += 20
-    assert agree(left, along, noise_px) and not agree(left, across, noise_px)
+    assert all_inliers(left, along, noise_px) and not all_inliers(left, across, noise_px)
 
 
-@pytest.mark.parametrize("count, geometry", [(20, rows_of), (200, geometry_of)])
+@pytest.mark.parametrize("count, geometry", [(20, fit_row_geometry), (200, fit_geometry)])
 def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count, geometry):
     """Whole pixels of parallel cameras: rows differ by -1, 0 or 1, mostly 0, whose deviation is at least rounding's."""
     rounding_px = 1 / np.sqrt(12)
@@ -60,11 +67,11 @@ def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count
         rows = right[:, 1] - left[:, 1]
         assert np.median(rows) == 0 and np.abs(rows).max() <= 1
         fit = geometry(left, right, rounding_px)
-        assert fit.deviation >= rounding_px
-        assert np.abs(fit.distance(left, right)).max() < fit.gross * fit.deviation
-        assert not contradicting(left, right, rounding_px, np.random.default_rng(seed)).any()
+        assert fit.std_px >= rounding_px
+        assert np.abs(fit.distance(left, right)).max() < fit.threshold * fit.std_px
+        assert not detect_outliers(left, right, rounding_px, np.random.default_rng(seed)).any()
         wrong = right[:1] + [0, 20]
-        assert np.abs(fit.distance(left[:1], wrong))[0] > fit.gross * fit.deviation
+        assert np.abs(fit.distance(left[:1], wrong))[0] > fit.threshold * fit.std_px
 
 
 def test_of_few_matches_what_is_far_from_all_others_is_held_to_the_noise_that_it_would_add():
@@ -75,6 +82,6 @@ def test_of_few_matches_what_is_far_from_all_others_is_held_to_the_noise_that_it
         left, right, _ = matches(HEADS["both"], np.random.default_rng(seed), 40, 0.3)
         order = np.argsort(np.linalg.norm(left - np.median(left, 0), axis=1))
         near, far = order[:26], order[26:]
-        fit = geometry_of(left[near], right[near])
-        deviations.append(fit.distance(left[far], right[far]) / fit.deviation)
+        fit = fit_geometry(left[near], right[near])
+        deviations.append(fit.distance(left[far], right[far]) / fit.std_px)
     assert 0.9 < np.sqrt(np.mean(np.square(deviations))) < 1.2

@@ -1,0 +1,162 @@
+"""The phases of the trust region: their transitions, the region's radius, and the ends of a run."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from linear_world import LinearWorld
+
+from viewimit import Session, Settings
+from viewimit.servo import ServoStatus, TrustRegion, TrustRegionOptions, trust_region_method
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region import algorithm, subproblem
+from viewimit.servo.trust_region.algorithm import PHASES
+from viewimit.servo.trust_region.convergence import certify
+from viewimit.servo.trust_region.rules import updated_region
+from viewimit.servo.trust_region.state import Destination, Phase, Region, TrustRegionState
+
+OPTIONS = TrustRegionOptions()
+DEG = np.radians(1.0)
+
+
+def visit(*posture_deg):
+    return Visit(np.radians(posture_deg), np.zeros((5, 4)), np.ones((5, 2), bool))
+
+
+def state_with(*visits, **fields):
+    return TrustRegionState(visits, (), fields.pop("region", Region(25 * DEG)), 1.0, **fields)
+
+
+def test_phases_follow_each_other_as_the_table_says_and_each_is_reached(monkeypatch):
+    made = set()
+
+    def recorded(phase, run):
+        def phase_recorded(state, look):
+            outcome = run(state, look)
+            made.add((phase, outcome[0] if outcome[2] is None else "motion"))
+            return outcome
+
+        return phase_recorded
+
+    table = {phase: (recorded(phase, run), after) for phase, (run, after) in PHASES.items()}
+    monkeypatch.setattr(algorithm, "PHASES", table)
+    cases = {}, {"swapped": 0.2}, {"noise_px": 0.5}, {"transfer": "linear"}, {"points": 16, "missing": 0.4, "frames": 1}
+    for changes in cases:
+        Session(Settings(servo="trust-region", seed=2, **changes)).run(40)
+    assert {phase for phase, _ in made} == set(Phase)
+    assert all(after == "motion" or after in PHASES[phase][1] for phase, after in made)
+    assert {phase for phase, after in made if after == "motion"} == set(Phase) - {Phase.MATCH}
+
+
+@pytest.mark.parametrize(
+    "step_deg, actual, radius_deg, rejected",
+    [
+        (22, 1.0, 50, 0),  # as predicted, by a full step: the region grows
+        (20, 0.5, 25, 0),  # half of what was predicted: it stays
+        (20, 0.2, 8, 0),  # little: 0.4 of the step
+        (20, -0.5, 8, 0),  # E rose
+        (5, 1.0, 25, 0),  # as predicted, well inside the region
+        (0.9, -0.5, 0.5, 1),  # a short step did not reduce E: the smallest region, and one rejection
+        (0.9, 0.2, 0.5, 0),
+    ],
+)
+def test_the_radius_follows_actual_over_predicted_reduction(step_deg, actual, radius_deg, rejected):
+    """Nocedal and Wright, Algorithm 4.1."""
+    state = state_with(visit(0, 0), visit(step_deg, 0), region=Region(25 * DEG, predicted_reduction=2.0))
+    region = updated_region(state, np.array([10.0, 10.0 - 2.0 * actual]), replace(OPTIONS, max_radius=60 * DEG))
+    assert np.degrees(region.radius) == pytest.approx(radius_deg) and region.n_rejected == rejected
+    assert region.predicted_reduction is None
+
+
+def test_the_region_never_grows_beyond_its_largest_radius():
+    state = state_with(visit(0, 0), visit(24, 0), region=Region(30 * DEG, predicted_reduction=2.0))
+    assert updated_region(state, np.array([10.0, 8.0]), OPTIONS).radius == OPTIONS.max_radius
+
+
+class Looks:
+    """What `rest` needs of a look: it is at the first posture, and is to rest at the second one."""
+
+    def __init__(self, here_deg, place_deg):
+        limits = np.full(2, 9.0)
+        self.observation = LinearWorld(2, np.random.default_rng(0), 5).seen(np.radians(here_deg))
+        self.observation = replace(self.observation, lower=-limits, upper=limits)
+        self.place, self.status, self.options = np.radians(place_deg), ServoStatus.SETTLED, OPTIONS
+        self.plan = type("Plan", (), {"minimum": type("Minimum", (), {"theta": self.place})})
+
+
+@pytest.mark.parametrize("times, stops", [(2, False), (3, True)])
+def test_between_two_postures_that_are_best_by_turns_it_stops_at_the_third_return(times, stops):
+    """Each return makes the other posture the best one, by noise: without an end it would go on for ever."""
+    visits = (visit(10, 0), visit(20, 0)) * (times - 1) + (visit(10, 0),)
+    state = state_with(*visits, destination=Destination(status=ServoStatus.SETTLED))
+    _, after, displacement = algorithm.rest(state, Looks((10, 0), (20, 0)))
+    assert displacement.any() != stops
+    assert after.status == (ServoStatus.SETTLED if stops else ServoStatus.MOVING)
+
+
+def test_a_run_that_has_not_gone_to_rest_before_is_not_cut_off_by_returns():
+    state = state_with(*(visit(10, 0), visit(20, 0)) * 2, visit(10, 0))
+    assert algorithm.rest(state, Looks((10, 0), (20, 0)))[2].any()
+
+
+def driven(servo, world, motions, moving=False):
+    theta, state, steps = np.zeros(len(world.aim)), None, []
+    for motion in range(motions):
+        seen = world.observe(theta, motion)
+        state = servo.start(seen) if state is None else state
+        state = servo.retarget(state, seen) if moving and motion else state
+        state, step = servo.step(state, seen, world.residuals)
+        steps.append(step)
+        if moving:
+            world.aim = world.aim + 0.002
+        elif not step.any():
+            break
+        theta = theta + step
+    return state, np.array(steps)
+
+
+def test_options_are_those_of_the_servo_that_was_given_them():
+    world = LinearWorld(2, np.random.default_rng(1), 9)
+    servo = TrustRegion(options=replace(OPTIONS, first_radius=0.2, fit_kinematics_at=()))
+    state = servo.start(world.observe(np.zeros(2), 0))
+    assert state.region.radius == 0.2
+    visits = np.array([one.displacement for one in driven(servo, world, 3)[0].visits])
+    steps = driven(servo, world, 3)[1]
+    assert np.abs(visits[-1] + steps[-1] - visits).max(1).min() <= 0.2 + 1e-12  # of a region about the best visit
+    assert trust_region_method(servo.options).servo == servo
+
+
+def test_without_kinematics_no_motion_is_longer_than_images_are_predicted():
+    """Far beyond the visits a Gaussian process predicts nothing: a restart goes there in several motions."""
+    world = LinearWorld(2, np.random.default_rng(1), 9, limit=2.0)
+    world.least[0, 0] = 30.0  # so that it searches elsewhere
+    short = replace(OPTIONS, fit_kinematics_at=(), max_step=0.3)
+    state, steps = driven(TrustRegion(short), world, 40)
+    assert state.search.n_restarts > 0 and np.abs(steps).max() <= 0.3 + 1e-12
+
+
+def test_while_the_demonstrator_keeps_moving_it_makes_no_motion_aside():
+    """A verification would only leave the learner behind."""
+    state, _ = driven(TrustRegion(), LinearWorld(2, np.random.default_rng(1), 9), 14, moving=True)
+    assert state.search.n_verifications == 0 and state.phase is Phase.DESCEND
+    still, _ = driven(TrustRegion(), LinearWorld(2, np.random.default_rng(1), 9), 14)
+    assert still.search.n_verifications > 0 and still.status == ServoStatus.CONVERGED
+
+
+def test_a_swap_that_did_not_make_E_small_is_undone():
+    look = Looks((0, 0), (0, 0))
+    images = np.arange(20.0).reshape(5, 4)
+    look.residuals = lambda own, transfer=None, noise_reference=None, rig=0: own
+    state = state_with(visit(0, 0), matching=algorithm.Matching(((0, 1),), 1))
+    after = algorithm.on_rung(state, look, 0)
+    assert after.exchanged == () and after.matching.n_attempts == 1
+    np.testing.assert_array_equal(look.residuals(images), images[[1, 0, 2, 3, 4]])
+
+
+def test_certify_is_called_with_the_options_of_the_servo(monkeypatch):
+    seen = []
+    recorded = lambda model, options: seen.append(options) or certify(model, options)
+    monkeypatch.setattr(subproblem, "certify", recorded)
+    options = replace(OPTIONS, verification_step=0.05)
+    driven(TrustRegion(options), LinearWorld(2, np.random.default_rng(1), 9), 8)
+    assert seen and all(one is options for one in seen)

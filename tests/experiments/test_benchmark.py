@@ -130,11 +130,11 @@ def test_without_opencv_or_with_few_points_its_row_says_why(
 ):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: object() if installed else None)
     monkeypatch.setattr(baselines, "opencv_loop", None)
-    assert main(["bench", "speed", "--points", str(points), "--json"]) == 0
+    assert main(["bench", "speed", "--n-points", str(points), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["speed"]
     assert told["postures"] == 10 * 19
     assert told["opencv"] is None and told["opencv_why_not"] == said
-    assert main(["bench", "speed", "--points", str(points)]) == 0
+    assert main(["bench", "speed", "--n-points", str(points)]) == 0
     assert capsys.readouterr().out.splitlines().count(f"  {said}") == 2  # over the range, and for one posture
 
 

@@ -153,7 +153,7 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
     E = rng.uniform(1, 200, (6, 12))
     surfaces = {name: fig8.Surface(Landscape(axes, E * (k + 1)), 2.0, axes[0][:2]) for k, name in enumerate("abcdef")}
     usable, sag = rng.integers(5, 17, (6, 12)), np.zeros((6, 12, 2))
-    settings = Settings.paper(demonstrator_deg=(45, -90), camera="rendered")
+    settings = Settings.paper(demonstrator_deg=(45, -90), sensor="rendered")
     found = fig8.Fig8(settings, (2, 4), np.array([45.0, -90]), usable, sag, surfaces)
     written = write("fig8", ON_PICTURES["fig8"], found, tmp_path)
     assert {path.name for path in written} >= {

@@ -265,7 +265,7 @@ def group_lives(group):
 
 
 def test_the_command_runs_what_it_is_asked_for(capsys):
-    words = "bench success --scene iiwa --points 10 --transfer linear --servo broyden --max-motions 4 --json".split()
+    words = "bench success --scene iiwa --n-points 10 --transfer linear --servo broyden --max-motions 4 --json".split()
     assert main([*words, "--grid", "2,2"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["success"]
     iiwa = load_scene("iiwa")

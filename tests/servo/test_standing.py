@@ -60,7 +60,7 @@ def run(k, **disturbed):
 
 
 @pytest.mark.parametrize(
-    "disturbed", [{"quantum_deg": 0.5}, {"quantum_deg": 1.0}, {"quantum_deg": 1.0, "noise_px": 0.2}]
+    "disturbed", [{"encoder_step_deg": 0.5}, {"encoder_step_deg": 1.0}, {"encoder_step_deg": 1.0, "noise_px": 0.2}]
 )
 def test_an_arm_that_moves_in_steps_comes_as_near_as_they_lead_and_knows_how_near_that_is(disturbed):
     """Noise adds to how far off it ends, and now and then leaves it without evidence: nine in ten claim to be there."""
@@ -70,7 +70,7 @@ def test_an_arm_that_moves_in_steps_comes_as_near_as_they_lead_and_knows_how_nea
     off = np.array([np.abs(end.theta - end.theta_demo).max() for end in claims])
     expected = np.array([end.expected_error for end in claims])
     largest = np.sqrt(np.mean(off**2)) if noisy else off.max()
-    assert np.degrees(largest) < disturbed["quantum_deg"]
+    assert np.degrees(largest) < disturbed["encoder_step_deg"]
     assert (off <= 3 * expected).all() and (off <= 2 * expected).mean() > 0.8
     assert any(end.servo_state.mismatch is not None for end in ends)
 

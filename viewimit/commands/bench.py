@@ -83,7 +83,7 @@ def _add_option(
         more |= {"type": {int: number, str: str, Path: Path}.get(kind, _pair_of(number)), "metavar": mark.metavar}
     if mark.group not in groups:
         groups[mark.group] = parser.add_mutually_exclusive_group()
-    groups[mark.group].add_argument(option_name(field.name), **more)
+    groups[mark.group].add_argument(mark.name or option_name(field.name), dest=field.name, **more)
 
 
 def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:
@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> int:
     """Run the benchmarks, and print each result as soon as it is known."""
     kinds = {part: BENCHMARKS[part] for part in PARTS[args.benchmark]}
     if any(issubclass(kind, SceneOptions) for kind in kinds.values()):
-        with naming("--scene, --points"):
+        with naming("--scene, --n-points"):
             scene = load_scene(args.scene)
             args.points = layout(args, scene)
             world = World(scene, args.points)

@@ -24,7 +24,7 @@ from .theme import OBSERVED
 CLOSE_DEG, INSET = 6.0, 74  # if demonstrator and smallest E are closer: an inset of ±CLOSE_DEG, INSET px wide
 MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
-CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+CONTOURS = {"projected": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 SMALL_WIDTH = 207  # px of a small landscape
 SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
@@ -79,7 +79,7 @@ class LandscapePicture:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
         self._ground = (
-            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
+            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.sensor])
         )
         self.html = plane.wrap(self._ground)
         self._path_labels = PathLabels(plane, self._labels)

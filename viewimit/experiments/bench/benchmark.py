@@ -60,6 +60,7 @@ class Option:
     metavar: str = "N"
     choices: Collection[str] | None = None
     group: str = ""  # options of one group exclude each other
+    name: str = ""  # unless it is that of the field
 
 
 MaxMotions = Annotated[int, Option("of a run", 0, MAX_HISTORY)]
@@ -104,7 +105,9 @@ class SceneOptions(Benchmark):
     """Options of benchmarks in one scene."""
 
     scene: Annotated[str, Option("by name or path", metavar="SCENE")] = Settings().scene
-    points: Annotated[int | None, Option(f"layout of the scene ({USUAL_POINTS}, or the nearest)")] = None
+    points: Annotated[
+        int | None, Option(f"layout of the scene ({USUAL_POINTS}, or the nearest)", name="--n-points")
+    ] = None
 
     def load(self) -> tuple[Scene, int]:
         """Load the scene, and return the number of points of its layout, by default the usual one."""

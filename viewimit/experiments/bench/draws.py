@@ -65,10 +65,10 @@ def draw_postures(scene: Scene, rng: np.random.Generator, offset_deg: float | No
     return {"demonstrator_deg": tuple(demo.tolist()), "start_deg": tuple(start.tolist())}
 
 
-def shared_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
+def shared_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
     """Open eyes as `open_eyes`. Those that project points keep nothing of a run, so runs share them."""
-    if camera != "points":
-        return open_eyes(camera, scene, points)
+    if sensor != "projected":
+        return open_eyes(sensor, scene, points)
     return _projected(msgspec.msgpack.encode(scene), points)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import VIEWS
 from ...loop.session import Session
-from ...loop.settings import CAMERAS, Settings
+from ...loop.settings import SENSORS, Settings
 from ...simulation.eyes import require_eyes
 from ...simulation.scene import load_scene
 from .benchmark import (
@@ -68,7 +68,7 @@ CASES = (
     Case("all of these: 0.5 px, 10%, 10%, 25 frames", {"noise_px": 0.5, "missing": 0.1, "outliers": 0.1, "frames": 25}),
     *(Case(f"swapped {share:.0%}", {"swapped": share}) for share in (0.1, 0.2)),
     Case("gain error 5 %", {"gain_error": 0.05}),
-    Case("steps of 0.2°", {"quantum_deg": 0.2}),
+    Case("steps of 0.2°", {"encoder_step_deg": 0.2}),
     *(Case(f"pictures {late} late", {"delay": late}) for late in (1, 3)),
     *(
         Case(f"seven joints, ±{offset:g}°, {points} points", {"joints": SEVEN, "points": points}, offset)
@@ -211,7 +211,7 @@ class PicturesBenchmark(SceneOptions, RunOptions, MethodOptions):
         for transfer in [self.transfer] if self.transfer else TRANSFERS:
             for servo in [self.servo] if self.servo else quick_servos():
                 settings = Settings.paper(scene=self.scene, points=points, transfer=transfer, servo=servo)
-                cases = [Case(f"{transfer}, {servo}, {camera}", {"camera": camera}) for camera in CAMERAS]
+                cases = [Case(f"{transfer}, {servo}, {sensor}", {"sensor": sensor}) for sensor in SENSORS]
                 outcomes += run(settings, cases, self.runs, self.seed, context=context)
         heading = f"{self.runs} random runs, seed {self.seed}, largest joint error to the demonstrator"
         found = {"detection": asdict(detected), "servos": as_json(outcomes)}

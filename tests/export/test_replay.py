@@ -96,16 +96,16 @@ def test_every_point_can_be_chosen_and_costs_little(session, replay):
 
 
 @given(st.lists(st.text("ab<>", max_size=12), max_size=5))
-def test_what_is_woven_comes_out_as_it_was(drawings):
-    woven = dedupe(drawings)
-    assert [woven[k] for k in range(len(drawings))] == drawings and len(set(woven.pieces)) == len(woven.pieces)
+def test_what_is_deduped_comes_out_as_it_was(drawings):
+    deduped = dedupe(drawings)
+    assert [deduped[k] for k in range(len(drawings))] == drawings and len(set(deduped.pieces)) == len(deduped.pieces)
 
 
 def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
     monkeypatch.setattr(panels_module, "MAX_IMAGES", 10)
     small = viewimit.replay(session, chosen=6)
     panels = told(small)["panels"]
-    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["ways"]) == 1 for one in panels["images"])
+    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["indices"]) == 1 for one in panels["images"])
 
 
 def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):

@@ -27,6 +27,7 @@ UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
+    "lab": "The method in the browser: one file that needs no server, to open, send or embed.",
     "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --calibration goes on from that.",
     "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
     "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",

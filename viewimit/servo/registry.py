@@ -185,7 +185,7 @@ def _kalman_equations(state: KalmanState | None, motion: LastMotion) -> tuple[Eq
             Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", "filter: share believed of what was seen", latex, numbers)
+    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
     title = "servo: a share of the residual a motion"
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)

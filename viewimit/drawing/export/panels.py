@@ -111,10 +111,10 @@ class DedupedHTML:
     """Drawings that differ little, as a list of the pieces that they share."""
 
     pieces: list[str]
-    ways: list[list[int]]  # for each drawing, the indices of its pieces
+    indices: list[list[int]]  # for each drawing, the indices of its pieces
 
     def __getitem__(self, k: int) -> str:
-        return "".join(self.pieces[i] for i in self.ways[k])
+        return "".join(self.pieces[i] for i in self.indices[k])
 
 
 def dedupe(drawings: Sequence[str]) -> DedupedHTML:

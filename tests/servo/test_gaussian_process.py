@@ -1,4 +1,4 @@
-"""The surrogate is Gaussian-process regression, knows linear images exactly and takes nothing from points not seen."""
+"""Image prediction by Gaussian-process regression: the textbook's equations, linear images, and hidden points."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def linear():
     return (lambda theta: y + J @ theta), rng
 
 
-def test_predictions_are_those_of_the_textbook_one_coordinate_at_a_time(linear):
+def test_predictions_are_the_textbooks_for_each_coordinate(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (5, 2))
     curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]
@@ -47,7 +47,7 @@ def test_predictions_are_those_of_the_textbook_one_coordinate_at_a_time(linear):
             assert found[k, point, coordinate] == pytest.approx(expected, abs=1e-6)
 
 
-def test_what_is_told_of_a_point_is_as_uncertain_as_the_textbook_has_it(linear):
+def test_prediction_variances_are_the_textbooks(linear):
     images, rng = linear
     places, asked = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, (3, 2))
     seen = np.ones((5, 6, 2), bool)
@@ -63,7 +63,7 @@ def test_what_is_told_of_a_point_is_as_uncertain_as_the_textbook_has_it(linear):
             assert found[k, point] == pytest.approx(np.sqrt(left), rel=1e-6)
 
 
-def test_what_is_not_learned_of_a_points_slopes_is_what_differences_of_the_kernel_leave(linear):
+def test_jacobian_variances_are_differences_of_the_kernels_posterior(linear):
     """The posterior covariance of slopes, as difference quotients have it, less that of a point that is always seen."""
     images, rng = linear
     places, asked, h = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, 2), 1e-4
@@ -85,7 +85,7 @@ def test_what_is_not_learned_of_a_points_slopes_is_what_differences_of_the_kerne
     assert found[0] == 0 and found[1] > 1 and found[4] > 200
 
 
-def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
+def test_a_linear_image_is_predicted_after_one_visit_more_than_joints(linear):
     """The bend's part of the kernel pulls a little away from the line: less than 2 % of the way."""
     images, _ = linear
     visits = visits_of(images, np.array([[0.0, 0], [0.26, 0], [0.26, 0.26]]))
@@ -96,7 +96,7 @@ def test_a_linear_image_is_known_after_one_visit_more_than_joints(linear):
     )
 
 
-def test_visits_are_remembered_and_noise_is_averaged(linear):
+def test_visits_are_interpolated_and_noise_is_averaged(linear):
     images, rng = linear
     places = rng.uniform(-0.1, 0.1, (40, 2))
     exact = GaussianProcessImages.fit(visits_of(images, places), 0, 0.0)
@@ -106,7 +106,7 @@ def test_visits_are_remembered_and_noise_is_averaged(linear):
     assert np.sqrt((error**2).mean()) < 0.4 * 2.0  # a linear map of 12 numbers a point, from 160: √(3/40) = 0.27
 
 
-def test_points_not_seen_have_no_part_and_points_never_seen_are_not_known(linear):
+def test_hidden_points_are_ignored_and_points_never_seen_are_not_predicted(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (6, 2))
     seen = np.ones((6, 6, 2), bool)
@@ -126,7 +126,7 @@ def test_points_not_seen_have_no_part_and_points_never_seen_are_not_known(linear
     )
 
 
-def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(linear):
+def test_a_point_hidden_at_the_centre_starts_from_its_nearest_image(linear):
     images, rng = linear
     places = np.array([[0.0, 0], [0.1, 0], [0.4, 0], [0, 0.3]])
     seen = np.ones((4, 6, 2), bool)
@@ -136,7 +136,7 @@ def test_a_point_hidden_at_the_centre_starts_from_where_it_was_seen_nearest(line
     assert np.abs(found.predict(places[0])[2, 2:] - images(places[0])[2, 2:]).max() < 1.0
 
 
-def test_predicted_images_are_the_sums_of_those_visited_that_it_says(linear):
+def test_predicted_images_are_weighted_sums_of_the_visited_ones(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (6, 2))
     visits = visits_of(lambda theta: images(theta) + 20 * np.sin(3 * theta[0]), places)
@@ -148,7 +148,7 @@ def test_predicted_images_are_the_sums_of_those_visited_that_it_says(linear):
         np.testing.assert_allclose(told, model.predict(theta), atol=1e-6)
 
 
-def test_slopes_are_what_differences_of_predicted_images_come_to(linear):
+def test_the_jacobian_is_the_difference_of_predicted_images(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (5, 2))
     curved = lambda theta: images(theta) + 20 * np.sin(3 * theta[0]) * theta[1]

@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import dataclasses
 import hashlib
+import math
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import BENCHMARKS, Benchmark
-from ..experiments.bench.benchmark import Context, Option, OptionError, Progress, SceneOptions
+from ..experiments.bench.benchmark import Context, OptionError, Progress, SceneOptions
 from ..experiments.executors.cluster import Cluster, code_version
 from ..experiments.executors.executor import LocalPool, StudyError
 from ..experiments.executors.study import Study, StudyFolder
@@ -33,6 +34,7 @@ PARTS = {name: (name,) for name in BENCHMARKS} | {ALL: ("speed", "success")}
 OLD_NAMES = {"claims": "calibration", "following": "tracking"}  # read for one more version
 FLAGS = {"--json", "--full-loop"}  # options without a value
 WITHOUT_EFFECT = {"path", "csv"}  # options that change no result of a study
+EXCLUSIVE = {"runs", "grid"}  # options of which only one can be given
 MILLION, CORES = 1_000_000, 64
 
 
@@ -43,10 +45,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         text = "Speed and success; what `viewimit bench` does alone." if name == ALL else BENCHMARKS[name].__doc__
         one = benchmarks.add_parser(name, help=text, description=text, allow_abbrev=False)
         fields = {field.name: (field, part) for part in parts for field in dataclasses.fields(BENCHMARKS[part])}
-        groups: dict[str, Any] = {"": one}
+        groups: list[Any] = []
         for field, part in fields.values():
             hint = get_type_hints(BENCHMARKS[part], include_extras=True)[field.name]
-            _add_option(one, groups, field, *get_args(hint))
+            _add_option(one, groups, field, hint)
         if name != ALL and BENCHMARKS[name].distributed:
             studies = one.add_argument_group(
                 "large studies", "The same digits as without; what they cost is said on standard error."
@@ -60,30 +62,30 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         add_json_option(one)
 
 
-def _add_option(
-    parser: argparse.ArgumentParser, groups: dict[str, Any], field: dataclasses.Field, kind: Any, *marks: Option
-) -> None:
-    """Add the option of a field of this type; the last mark counts."""
-    mark, default = marks[-1], field.default
+def _add_option(parser: argparse.ArgumentParser, groups: list[Any], field: dataclasses.Field, hint: Any) -> None:
+    """Add the option of a field, made from its `Setting`."""
+    kind, setting = hint.__origin__, hint.__metadata__[-1]
     if get_origin(kind) is not tuple and NoneType in get_args(kind):
         (kind,) = set(get_args(kind)) - {NoneType}
-    has_default = kind is not bool and default not in (None, dataclasses.MISSING)
-    words = mark.help + (f" ({default})" if has_default else "")
-    more: dict[str, Any] = {"default": default, "help": words}
+    default, metavar = field.default, setting.unit.upper() or "NAME"
+    in_words = setting.default or ("" if kind is bool or default in (None, dataclasses.MISSING) else str(default))
+    words = setting.description + (f" ({in_words})" if in_words else "")
     if field.name == "path":
         nargs = None if default is dataclasses.MISSING else "?"
-        parser.add_argument("path", type=Path, nargs=nargs, metavar=mark.metavar, default=None, help=words)
+        parser.add_argument("path", type=Path, nargs=nargs, metavar=metavar, help=words)
         return
+    more: dict[str, Any] = {"dest": field.name, "default": default, "help": words}
     if kind is bool:
         more["action"] = "store_true"
-    elif mark.choices:
-        more["choices"] = mark.choices
+    elif setting.choices:
+        more["choices"] = setting.choices
     else:
-        number = between(int, mark.low, mark.high)
-        more |= {"type": {int: number, str: str, Path: Path}.get(kind, _pair_of(number)), "metavar": mark.metavar}
-    if mark.group not in groups:
-        groups[mark.group] = parser.add_mutually_exclusive_group()
-    groups[mark.group].add_argument(mark.name or option_name(field.name), dest=field.name, **more)
+        number = between(int, *(setting.bounds or (-math.inf, math.inf)))
+        more |= {"type": {int: number, str: str, Path: Path}.get(kind, _pair_of(number)), "metavar": metavar}
+    if field.name in EXCLUSIVE and not groups:
+        groups.append(parser.add_mutually_exclusive_group())
+    target = groups[0] if field.name in EXCLUSIVE else parser
+    target.add_argument(option_name(field.name), **more)
 
 
 def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, field
 from statistics import NormalDist
@@ -11,12 +11,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.transfers import TRANSFERS
 from ...loop.history import MAX_HISTORY
 from ...loop.self_calibration import MIN_POSTURES
-from ...loop.settings import MOST_SEED, USUAL_POINTS, Settings
+from ...loop.settings import FIELDS, MAX_SEED, USUAL_POINTS, Setting, Settings
 from ...loop.snapshot import Snapshot
-from ...servo import SERVOS
 from ...simulation.scene import Scene, load_scene
 from ..executors.executor import LocalPool
 from ..executors.study import Study
@@ -50,26 +48,14 @@ def option(name: str) -> Iterator[None]:
         raise OptionError(f"{name}: {error}") from None
 
 
-@dataclass(frozen=True)
-class Option:
-    """How a field of a benchmark is given on the command line."""
-
-    help: str
-    low: float = -math.inf
-    high: float = math.inf
-    metavar: str = "N"
-    choices: Collection[str] | None = None
-    group: str = ""  # options of one group exclude each other
-    name: str = ""  # unless it is that of the field
-
-
-MaxMotions = Annotated[int, Option("of a run", 0, MAX_HISTORY)]
+RUNS = Setting(description="random starts and demonstrators", unit="N", bounds=(1, MAX_RUNS))
+MaxMotions = Annotated[int, Setting(description="motions of a run, at most", unit="N", bounds=(0, MAX_HISTORY))]
 Rehearsed = Annotated[
     int,
-    Option(
-        "postures in which a servo that can use it calibrates itself first; those motions do not count",
-        MIN_POSTURES,
-        MAX_REHEARSED,
+    Setting(
+        description="postures in which a servo that can use it calibrates itself first; their motions do not count",
+        unit="N",
+        bounds=(MIN_POSTURES, MAX_REHEARSED),
     ),
 ]
 
@@ -92,7 +78,7 @@ class Context:
 class Benchmark:
     """A subcommand of `viewimit bench`: its fields are its options, its docstring is its help."""
 
-    seed: Annotated[int, Option("of all random numbers", 0, MOST_SEED)] = 0
+    seed: Annotated[int, Setting(description="seed of all random numbers", unit="N", bounds=(0, MAX_SEED))] = 0
     distributed: ClassVar[bool] = True  # whether its runs can be made on a cluster and kept in a folder
 
     def run(self, context: Context) -> tuple[Any, str]:
@@ -104,10 +90,8 @@ class Benchmark:
 class SceneOptions(Benchmark):
     """Options of benchmarks in one scene."""
 
-    scene: Annotated[str, Option("by name or path", metavar="SCENE")] = Settings().scene
-    points: Annotated[
-        int | None, Option(f"layout of the scene ({USUAL_POINTS}, or the nearest)", name="--n-points")
-    ] = None
+    scene: Annotated[str, FIELDS["scene"]] = Settings().scene
+    points: Annotated[int | None, FIELDS["points"]] = None
 
     def load(self) -> tuple[Scene, int]:
         """Load the scene, and return the number of points of its layout, by default the usual one."""
@@ -119,15 +103,15 @@ class SceneOptions(Benchmark):
 class RunOptions(Benchmark):
     """Options of benchmarks with random runs."""
 
-    runs: Annotated[int, Option("random starts and demonstrators", 1, MAX_RUNS, group="runs")] = 200
+    runs: Annotated[int, RUNS] = 200
 
 
 @dataclass(frozen=True, kw_only=True)
 class MethodOptions(Benchmark):
     """Options of benchmarks of any method."""
 
-    transfer: Annotated[str | None, Option("this one only", choices=TRANSFERS)] = None
-    servo: Annotated[str | None, Option("this one only", choices=SERVOS)] = None
+    transfer: Annotated[str | None, FIELDS["transfer"]] = None
+    servo: Annotated[str | None, FIELDS["servo"]] = None
 
     def method(self, **changes: Any) -> Settings:
         """Return the best settings with this transfer and servo, and one frame at each posture."""
@@ -139,7 +123,10 @@ class MethodOptions(Benchmark):
 class CaseOptions(Benchmark):
     """Options of benchmarks with several cases."""
 
-    case: Annotated[str | None, Option("the case of this name, or those whose names contain it", metavar="TEXT")] = None
+    case: Annotated[
+        str | None,
+        Setting(description="case of this name, or those whose names contain it", unit="text", default="all"),
+    ] = None
     cases: ClassVar[Sequence[Any]]  # each with a name
 
     def chosen_cases(self) -> list[Any]:

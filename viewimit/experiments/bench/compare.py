@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...loop.session import Session
-from ...loop.settings import Settings
+from ...loop.settings import Setting, Settings
 from ...servo import SERVOS
 from ...servo.status import ServoStatus
 from ...simulation.eyes import ProjectedEyes
@@ -32,7 +32,6 @@ from .benchmark import (
     Interval,
     MaxMotions,
     MethodOptions,
-    Option,
     RunOptions,
     SceneOptions,
     Share,
@@ -53,6 +52,7 @@ from .scenes import open_resized, scene_file
 
 PAPER_LAW = "gradient"
 HIGH_PERCENTILE = 95.0
+COMPARED_SERVO = Setting(description="control law beside the paper's", default="all", choices=SERVOS)
 
 
 @dataclass(frozen=True)
@@ -123,10 +123,12 @@ class Compared:
 class CompareBenchmark(SceneOptions, RunOptions, MethodOptions, CaseOptions):
     """All servo laws side by side, from the same draws."""
 
-    path: Annotated[Path | None, Option("a table of runs that --csv has written, to be judged again")] = None
-    servo: Annotated[str | None, Option("this one and the paper's law only", choices=SERVOS)] = None
+    path: Annotated[
+        Path | None, Setting(description="table of runs that --csv has written, to be judged again", unit="path")
+    ] = None
+    servo: Annotated[str | None, COMPARED_SERVO] = None
     max_motions: MaxMotions = 500
-    csv: Annotated[Path | None, Option("keep every run, a row each", metavar="FILE")] = None
+    csv: Annotated[Path | None, Setting(description="file that keeps every run, a row each", unit="file")] = None
     cases = CASES
 
     def run(self, context: Context) -> tuple[Any, str]:

@@ -9,12 +9,12 @@ import msgspec
 import numpy as np
 
 from ...loop.session import Session
-from ...loop.settings import Settings
+from ...loop.settings import Setting, Settings
 from ...simulation.scene import Scene, load_scene
 from ...simulation.urdf.chain import find_arm
 from ...simulation.urdf.reference import parse_reference
 from ...simulation.urdf.tree import read_tree
-from .benchmark import WITHIN_DEG, Context, MaxMotions, MethodOptions, Option, RunOptions, as_json, error_deg, option
+from .benchmark import WITHIN_DEG, Context, MaxMotions, MethodOptions, RunOptions, as_json, error_deg, option
 
 NEAR_DEG = min(WITHIN_DEG)
 
@@ -54,7 +54,7 @@ class Found:
 class RobotsBenchmark(RunOptions, MethodOptions):
     """Every URDF of a folder, in the scene made for it."""
 
-    path: Annotated[Path, Option("the folder of URDF files", metavar="FOLDER")]
+    path: Annotated[Path, Setting(description="folder of URDF files", unit="folder")]
     max_motions: MaxMotions = 500
     distributed: ClassVar[bool] = False
 

@@ -17,12 +17,12 @@ from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
 from ...loop.session import Session
-from ...loop.settings import Settings
+from ...loop.settings import Setting, Settings
 from ...servo import SERVOS
 from ...simulation.scene import load_scene
 from ...simulation.world import World
 from . import baselines
-from .benchmark import Context, Option, Progress, SceneOptions, no_progress
+from .benchmark import Context, Progress, SceneOptions, no_progress
 from .draws import surface_points
 
 LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, unless all are wanted
@@ -73,7 +73,7 @@ class Times:
 class SpeedBenchmark(SceneOptions):
     """Speed of E over the range, at one posture, and of one motion."""
 
-    full_loop: Annotated[bool, Option("time plain loops on every posture, not a tenth")] = False
+    full_loop: Annotated[bool, Setting(description="time plain loops on every posture, not a tenth")] = False
     distributed: ClassVar[bool] = False
 
     def run(self, context: Context) -> tuple[Any, str]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
 from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
-from ...loop.settings import PAPER_FIELDS, Settings
+from ...loop.settings import PAPER_FIELDS, Setting, Settings
 from ...servo import SERVOS
 from ...simulation.scene import Scene
 from ...simulation.world import World
@@ -22,7 +22,6 @@ from .benchmark import (
     Context,
     MaxMotions,
     MethodOptions,
-    Option,
     OptionError,
     Rehearsed,
     RunOptions,
@@ -75,7 +74,11 @@ class SuccessBenchmark(SceneOptions, RunOptions, MethodOptions):
 
     grid: Annotated[
         tuple[int, int] | None,
-        Option("instead: starts for each joint, with the scene's own demonstrator", 1, 1000, "N,N", group="runs"),
+        Setting(
+            description="in place of --runs: starts for each joint, with the scene's own demonstrator",
+            unit="N,N",
+            bounds=(1, 1000),
+        ),
     ] = None
     max_motions: MaxMotions = 500
     rehearsed: Rehearsed = 0

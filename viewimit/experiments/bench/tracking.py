@@ -1,5 +1,6 @@
 """How closely a learner tracks a moving demonstrator: both make one motion in turn."""
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...loop.session import Session
 from ...loop.settings import Settings
-from .benchmark import MAX_RUNS, CaseOptions, Context, Option, SceneOptions, as_json, rms, run_cases
+from .benchmark import RUNS, CaseOptions, Context, SceneOptions, as_json, rms, run_cases
 
 SWING_DEG, PERIODS = 25.0, (1.0, 0.7)  # amplitude of the path; its periods for each joint, repeated for more joints
 STEPS, SETTLING_STEPS, MAX_APPROACH = 150, 10, 200  # of the path; not counted at its start; motions before it
@@ -49,7 +50,7 @@ class Outcome:
 class TrackingBenchmark(SceneOptions, CaseOptions):
     """Tracking of a moving demonstrator, along random paths."""
 
-    runs: Annotated[int, Option("random paths", 1, MAX_RUNS)] = 8
+    runs: Annotated[int, dataclasses.replace(RUNS, description="random paths")] = 8
     cases = CASES
 
     def run(self, context: Context) -> tuple[Any, str]:

@@ -24,7 +24,7 @@ from viewimit.estimation.noise import HomographyResiduals, affine_whitening
 from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench.random_scenes import draw, resize, write
+from viewimit.experiments.bench.draws import draw_scene, resize, write_scene
 from viewimit.geometry.rectification import fit_rectification, rectify_affine
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -40,7 +40,7 @@ SINGLE, TOGETHER = 5.0, 4.0  # standard deviations
 def rig_of(any_head, k):
     """Views in the demonstrator's posture, all exact, the head's geometry, and the scene."""
     rng = np.random.default_rng([int(any_head), k])
-    drawn = draw(rng, any_head)
+    drawn = draw_scene(rng, any_head)
     world = World(drawn.scene, drawn.points)
     resize(world, drawn.size)
     there, *visited = rng.uniform(world.scene.lower, world.scene.upper, (1 + VISITED, 2))
@@ -133,7 +133,7 @@ def test_predicted_residuals_at_the_true_posture_have_the_variance_of_the_noise(
     offs = []
     for k in range(RIGS):
         views, head, drawn, rng = rig_of(any_head, k)
-        scene = str(write(drawn.scene, tmp_path, "random"))
+        scene = str(write_scene(drawn.scene, tmp_path, "random"))
         now = Session(Settings.best(scene=scene, points=drawn.points)).snapshot
         now = now.with_fields(rectification=head if any_head else None)
         squares = drawn_squares(views, 1.0, partial(asked, now, views.own), rng)

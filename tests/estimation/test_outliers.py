@@ -11,7 +11,7 @@ from axle_markers import axle_markers, one_pair
 from viewimit.estimation.noise import views_rounding_std
 from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers, reject_outliers
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench.random_scenes import draw, resize
+from viewimit.experiments.bench.draws import draw_scene, resize
 from viewimit.geometry.distortion import RadialDistortion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -51,7 +51,7 @@ def test_clean_images_raise_no_alarm(any_head, scenes):
     """Of random scenes, one frame or ten, with and without noise, in the same postures and in others."""
     rng = np.random.default_rng(20)
     for _ in range(scenes):
-        drawn = draw(rng, any_head)
+        drawn = draw_scene(rng, any_head)
         world = World(drawn.scene, drawn.points)
         resize(world, drawn.size)
         for frames, noise_px, alike in product((1, FRAMES), (0.0, 0.5), (True, False)):
@@ -76,7 +76,7 @@ def test_only_the_misplaced_point_is_found_in_a_single_frame_of_any_head(noise_p
     """By 28 to 58 matches of left and right, of which one alone may spoil a fundamental matrix."""
     rng, turned = np.random.default_rng(3), 0
     while turned < 6:
-        drawn = draw(rng, any_head=True)
+        drawn = draw_scene(rng, any_head=True)
         world = World(drawn.scene, drawn.points)
         if not 14 <= len(world.body) <= 29:
             continue
@@ -97,7 +97,7 @@ def test_rounded_clean_images_raise_no_alarm(any_head, step):
     """With noise of a third of a step more than half of the rows are equal, all others one step off."""
     rng = np.random.default_rng(20)
     for _ in range(6):
-        drawn = draw(rng, any_head)
+        drawn = draw_scene(rng, any_head)
         world = World(drawn.scene, drawn.points)
         resize(world, drawn.size)
         for frames, share in product((1, FRAMES), (0.0, 0.1, 0.3, 0.5)):

@@ -52,7 +52,7 @@ class TimedPage(Page):
         """Raises TimeoutError if no pictures come."""
         self.put(switch_camera(True))
         until = time.monotonic() + WAITS_S
-        while self.busy or self.model.session.settings.camera == "points":
+        while self.busy or self.model.session.settings.sensor == "projected":
             if time.monotonic() > until:
                 raise TimeoutError(f"no pictures after {WAITS_S:g} s: {self.panel(StatusPanel).html}")
             time.sleep(0.05)

@@ -160,7 +160,7 @@ class Page:
     def _resume(self, memory: SavedSession) -> None:
         """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
         try:
-            if memory.history[memory.head.cursor].settings.camera == "rendered":
+            if memory.history[memory.head.cursor].settings.sensor == "rendered":
                 begin_like(self.model, memory)
                 self.queue.put(Resume(memory))
             else:

@@ -395,7 +395,7 @@ def test_a_demonstrator_that_moves_is_followed_with_feed_forward():
 
 
 def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arrives():
-    session = run(Session(Settings.paper(transfer="linear", gain_error=0.05, quantum_deg=0.2)))
+    session = run(Session(Settings.paper(transfer="linear", gain_error=0.05, encoder_step_deg=0.2)))
     exact = run(Session(Settings.paper(transfer="linear")))
     now = session.snapshot
     assert np.degrees(np.abs(now.commanded - now.theta)).max() > 0.5
@@ -468,7 +468,7 @@ def test_settings_are_those_of_the_best_method_unless_the_papers_is_asked_for():
     [
         ({"demonstrator_deg": (np.pi / 4, -np.pi / 2)}, "45, -90"),
         ({"start_deg": np.radians((25, 0))}, "25, 0"),
-        ({"quantum_deg": np.radians(1.0)}, "1"),
+        ({"encoder_step_deg": np.radians(1.0)}, "1"),
     ],
 )
 def test_degrees_that_are_radians_of_whole_degrees_are_warned_of_once_where_they_are_given(fields, meant):
@@ -487,7 +487,7 @@ def test_postures_in_degrees_are_never_taken_for_radians():
     for posture in postures:
         warn_of_radians(Settings(demonstrator_deg=posture, start_deg=np.degrees(np.radians(posture))))
     for quantum in (0.01, 0.1, 0.5, 1.0):
-        warn_of_radians(Settings(quantum_deg=quantum))
+        warn_of_radians(Settings(encoder_step_deg=quantum))
 
 
 def test_settings_of_lists_and_numpys_numbers_are_those_of_tuples_and_pythons():

@@ -77,7 +77,7 @@ class CommandLoop:
         opens = any(command.opens_pictures(model) for command in commands)
         long = any(command.takes_long for command in commands)
         in_lesson = model.guided.course is not None
-        if not opens and not long and (in_lesson or model.session.settings.camera == "points"):
+        if not opens and not long and (in_lesson or model.session.settings.sensor == "projected"):
             self._apply_within_budget(commands, now)
             if in_lesson:  # also if it has just been left: what is below it may look with camera images
                 model.follow_lesson(now)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viewimit.loop.settings import Settings, disturbances
+from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 
 from .checks import number
@@ -48,8 +48,8 @@ def _amounts(kind: type[Disturbance]) -> list[Amount]:
     ]
 
 
-FRAMES = Count(
-    "frames", "Frames", 1, 50, 1, 1, "images averaged at each posture; gross errors among them are set aside"
-)
+_FRAMES = FIELDS["frames"]
+assert isinstance(_FRAMES, Setting)
+FRAMES = Count("frames", _FRAMES.label, *_FRAMES.slider_range, 1, _FRAMES.description)
 OF_IMAGES: tuple[Amount, ...] = (*_amounts(SightDisturbance), FRAMES)
 OF_ARMS: tuple[Amount, ...] = (*_amounts(ArmDisturbance),)

@@ -46,7 +46,7 @@ class Experiments:
     @property
     def sets_pictures_aside(self) -> bool:
         """Whether the page looks with pictures, which an experiment does not."""
-        return self._session.settings.camera == "rendered"
+        return self._session.settings.sensor == "rendered"
 
     @property
     def shown(self) -> Run | None:
@@ -59,7 +59,7 @@ class Experiments:
             return
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
-        settings = msgspec.structs.replace(self._session.settings, camera="points")
+        settings = msgspec.structs.replace(self._session.settings, sensor="projected")
         self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._take_later)
 
     def take(self, run: Run) -> None:

@@ -121,7 +121,7 @@ class Basins:
             raise ValueError("starts are spread over two moving joints; choose two under Joints")
         else:
             self._asked, self._count = _without_start(session.settings), self._count + 1
-            request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, camera="points"))
+            request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
             self.run = Run(request.name)
             self._worker.ask(self._page_id, request, self._take_later)
 

@@ -108,7 +108,7 @@ PRESETS = (
     ),
     Preset(
         "Camera images",
-        Settings(camera="rendered"),
+        Settings(sensor="rendered"),
         2,
         "Pictures of arms that have weight: only markers detected in them count.",
     ),

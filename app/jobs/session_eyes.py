@@ -75,14 +75,14 @@ class SessionEyes:
         self._process = process
         self._key: int | None = None
 
-    def __call__(self, camera: str, scene: Scene, points: int) -> SimulatedEyes:
+    def __call__(self, sensor: str, scene: Scene, points: int) -> SimulatedEyes:
         """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, and for images of more than
         MOST_PX; CameraLost."""
-        if camera == "points":
-            eyes = open_eyes(camera, scene, points)
+        if sensor == "projected":
+            eyes = open_eyes(sensor, scene, points)
             self.close()
             return eyes
-        require_eyes(camera, scene)
+        require_eyes(sensor, scene)
         width, height = scene.head.image
         if width * height > MOST_PX:
             raise ValueError(

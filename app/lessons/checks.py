@@ -59,8 +59,8 @@ def _of_step(step: Step, before: set[str], settings: dict[str, Any]) -> Faults:
     if words > MOST_WORDS:
         yield ".text", f"{words} words; at most {MOST_WORDS} are read"
     try:
-        if settings_of(settings).camera != "points":
-            yield ".settings.camera", "lessons look at points, not at pictures"
+        if settings_of(settings).sensor != "projected":
+            yield ".settings.sensor", "lessons look at points, not at pictures"
     except ValueError as error:
         yield ".settings", str(error)
     for name in step.scene:

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from viewimit.loop.settings import PAPER_FIELDS, Settings
+from viewimit.sensing.renamed import current_settings
 
 MOST_WORDS = 60  # of a step's text
 CHANGEABLE = ("head", "demonstrator", "learner", "points")  # of a scene, in a step
@@ -16,7 +17,7 @@ FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_field
 
 def settings_of(fields: Mapping[str, Any]) -> Settings:
     """Of a lesson: the paper's, but for these fields. Raises ValueError that names the one that cannot be."""
-    return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)
+    return msgspec.convert({**PAPER_FIELDS, **current_settings(fields)}, Settings)
 
 
 class Figure(msgspec.Struct, **FIELDS):

@@ -67,11 +67,11 @@ class Staging:
     head: Mapping[str, float] = field(default_factory=dict)
     sliders: Mapping[str, float] = field(default_factory=dict)
 
-    def open_eyes(self, camera: str, scene: Scene, points: int) -> SimulatedEyes:
+    def open_eyes(self, sensor: str, scene: Scene, points: int) -> SimulatedEyes:
         """What a session looks with that takes place in the changed scene."""
         if self.fields:
             scene = extended(scene, self.fields)
         scene = varied(scene, self.head)
         for name, value in self.sliders.items():
             scene = SLIDERS[name](scene, points, value)
-        return open_eyes(camera, scene, points)
+        return open_eyes(sensor, scene, points)

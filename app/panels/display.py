@@ -68,7 +68,7 @@ class DisplayPanel(Panel):
         put(self._chosen, NO_POINT if view.chosen is None else str(view.chosen))
         put(self._points, self._markers or chosen_layout(settings))
         put(self._rectify, settings.rectify == "auto")
-        put(self._camera, settings.camera == "rendered")
+        put(self._camera, settings.sensor == "rendered")
         for name, handle in self._switches.items():
             put(handle, view.on(name))
         if view.on("dark") != self._dark:
@@ -78,7 +78,7 @@ class DisplayPanel(Panel):
     def _offer(self, state: PageState) -> None:
         """The choices that depend on the scene and on what is seen of it."""
         count = len(state.session.world.body)
-        pictured = state.settings.camera == "rendered"  # which show the markers that the robot wears, in one layout
+        pictured = state.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         self._markers = f"{count} markers" if pictured else ""
         why = why_no_pictures(state.session.scene)
         self._camera.disabled = why is not None

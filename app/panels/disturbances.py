@@ -3,7 +3,7 @@
 from functools import partial
 
 from viewimit.drawing.glossary import key_of
-from viewimit.loop.settings import MOST_SEED, Settings
+from viewimit.loop.settings import MAX_SEED, Settings
 
 from ..control.commands.method import change_disturbance, change_seed
 from ..control.disturbances import OF_ARMS, OF_IMAGES, Amount
@@ -23,7 +23,7 @@ class DisturbancesPanel(Panel):
             with gui.add_folder("Arm and chance", expand_by_default=False):
                 for amount in OF_ARMS:
                     self._add(layout, amount, settings)
-                self._seed = gui.add_number("Seed", settings.seed, min=0, max=MOST_SEED, step=1)
+                self._seed = gui.add_number("Seed", settings.seed, min=0, max=MAX_SEED, step=1)
                 layout.queue.on_value(self._seed, change_seed)
 
     def depends_on(self, state: PageState) -> tuple:

@@ -1,7 +1,6 @@
 """All that makes a page what it is, in as many characters as an address may have; and back, as hostile input."""
 
 import base64
-import binascii
 import math
 from typing import Annotated
 
@@ -9,7 +8,7 @@ import msgspec
 import zstandard
 
 from viewimit.loop.history import MAX_HISTORY
-from viewimit.loop.script import Action, Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script
+from viewimit.loop.script import Action, Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script, current_script
 from viewimit.loop.settings import OWN, Settings
 from viewimit.sensing.files import file_name, is_text
 from viewimit.simulation.robot import robot_names
@@ -17,6 +16,7 @@ from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.scene_writing import scene_text
 
 FORM = "1"  # the first character: which form the rest has
+PACKING_ERRORS = zstandard.ZstdError, msgspec.MsgspecError
 MOST_CHARS = 6_000
 MOST_BYTES = 1 << 18  # unpacked
 MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
@@ -103,8 +103,10 @@ def _unpacked(text: str) -> Linked:
     try:
         packed = base64.b64decode(text[1:] + "=" * (-len(text[1:]) % 4), altchars="-_", validate=True)
         plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=MOST_BYTES)
-        return msgspec.msgpack.decode(plain, type=Linked)
-    except (binascii.Error, ValueError, zstandard.ZstdError, msgspec.MsgspecError, RecursionError) as error:
+        found = msgspec.msgpack.decode(plain)
+        script = current_script(found.get("script"))
+        return msgspec.convert({**found, "script": script}, Linked)
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, *PACKING_ERRORS) as error:
         raise ValueError(f"the link is damaged: {str(error)[:120]}") from None
 
 

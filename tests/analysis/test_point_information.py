@@ -7,7 +7,7 @@ from viewimit.analysis.observability import best_next, joint_uncertainty, point_
 from viewimit.geometry.affine import flatness
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.candidates import candidates
+from viewimit.simulation.autoscene.candidates import find_candidates
 from viewimit.simulation.robot import BodyPoints
 
 # on the links that joint 4 moves, all rigid to each other
@@ -20,7 +20,7 @@ def of(**settings):
 
 
 def some(world, moment, count=8):
-    found = candidates(world, moment.theta_demo)
+    found = find_candidates(world, moment.theta_demo)
     return BodyPoints(found.link[::count], found.local[::count])
 
 

@@ -133,7 +133,7 @@ def test_a_chain_of_scenes_has_an_end(tmp_path, refused):
         toml(tmp_path, f'extends = "s{k + 1}"', f"s{k}.toml")
     toml(tmp_path, SCENE, "s2000.toml")
     assert "more than 16 scenes" in refused("imitate", "--scene", tmp_path / "s0.toml")
-    assert "more than 16 scenes" not in refused("imitate", "--scene", tmp_path / "s1990.toml", "--points", 11)
+    assert "more than 16 scenes" not in refused("imitate", "--scene", tmp_path / "s1990.toml", "--n-points", 11)
 
 
 def test_names_of_a_few_parts_and_lists_of_many_numbers_are_read():
@@ -230,7 +230,7 @@ def test_arrays_that_say_to_be_others(tmp_path, refused, content, suffix):
         with zipfile.ZipFile(path, "w") as members:
             members.writestr("tracks.npy", content)
     assert "not an" in refused("evaluate", *tracks_of(path))
-    assert "not an .npz file" in refused("imitate", "--body", path)
+    assert "not an .npz file" in refused("imitate", "--calibration", path)
 
 
 def zeros(path, megabytes):
@@ -246,7 +246,7 @@ def test_arrays_that_unpack_to_much(tmp_path):
     path = zeros(tmp_path / "bomb.npz", 500)
     assert path.stat().st_size < 2_000_000 < MAX_ARRAY_BYTES
     assert "it unpacks to 500 MB" in refused_apart("evaluate", *tracks_of(path))
-    assert "it unpacks to 500 MB" in refused_apart("imitate", "--body", path)
+    assert "it unpacks to 500 MB" in refused_apart("imitate", "--calibration", path)
 
 
 def test_hdf5_without_content(tmp_path):
@@ -282,7 +282,7 @@ COMMANDS = {  # by the ending of what they read
     ".toml": ("imitate", "--scene", "{}"),
     ".urdf": ("imitate", "--robot", "{}"),
     ".csv": ("evaluate", "{}"),
-    ".npz": ("imitate", "--body", "{}"),
+    ".npz": ("imitate", "--calibration", "{}"),
     ".npy": ("evaluate", "--demo-left", "{}", "--demo-right", "{}", "--own-left", "{}", "--own-right", "{}"),
     ".h5": ("evaluate", "--demo-left", "{}", "--demo-right", "{}", "--own-left", "{}", "--own-right", "{}"),
     ".png": ("detect", "--demo-left", "{}", "--out", "/dev/null/none.csv"),

@@ -1,4 +1,4 @@
-"""rehearse keeps a file, and imitate --body begins with it."""
+"""rehearse keeps a file, and imitate --calibration begins with it."""
 
 import shlex
 from pathlib import Path
@@ -18,10 +18,10 @@ def body(tmp_path, ask):
 
 def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(ask, ask_json, body):
     run = "imitate", "--demonstrator", "45,-90", "--start", "80,-20"
-    status, told = ask_json(*run, "--body", body)
+    status, told = ask_json(*run, "--calibration", body)
     assert status == 0 and told["converged"] and told["error_deg"] < 0.5
     assert told["rehearsed"] == 12 and told["rehearsal_holds"] is True
-    assert told["motions"] == len(told["history"]) - 1 <= 6 and told["options"]["body"] == str(body)
+    assert told["motions"] == len(told["history"]) - 1 <= 6 and told["options"]["calibration"] == str(body)
     alone = ask_json(*run)[1]
     assert alone["motions"] > told["motions"] and "rehearsed" not in alone
 
@@ -31,7 +31,7 @@ def test_imitate_makes_few_motions_of_its_own_and_tells_how_many_were_rehearsed(
     [
         (),
         ("--scene", "iiwa"),
-        ("--points", 16, "--joints", "2,3,4"),
+        ("--n-points", 16, "--joints", "2,3,4"),
         ("--undistort", "0.02,0"),
         ("--robot", IIWA, "--joints", "2,4", "--tip", "lbr_iiwa_link_6"),
     ],
@@ -48,10 +48,10 @@ def test_a_history_is_not_written_over_the_rehearsal_that_it_began_with(ask, bod
     before, linked = body.read_bytes(), tmp_path / "linked.npz"
     linked.symlink_to(body)
     for out in (body, linked):
-        status, said, err = ask("imitate", "--body", body, "--out", out)
-        assert status == 2 and said == "" and "--out: " in err and "is the rehearsal that --body reads" in err
+        status, said, err = ask("imitate", "--calibration", body, "--out", out)
+        assert status == 2 and said == "" and "--out: " in err and "is the rehearsal that --calibration reads" in err
     assert body.read_bytes() == before
-    assert ask("imitate", "--body", body, "--out", tmp_path / "history.npz")[0] == 0
+    assert ask("imitate", "--calibration", body, "--out", tmp_path / "history.npz")[0] == 0
 
 
 def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body):
@@ -70,26 +70,26 @@ def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body
 @pytest.mark.parametrize(
     "words, named",
     [
-        (("--points", 16), "rehearsed with points 10, here it is 16"),
+        (("--n-points", 16), "rehearsed with points 10, here it is 16"),
         (("--robot", "iiwa"), "rehearsed with robot panda"),
         (("--servo", "broyden"), "broyden learns from its own motions alone; --servo trust-region"),
     ],
 )
 def test_a_rehearsal_of_no_use_is_refused(ask, body, words, named):
-    status, out, err = ask("imitate", "--body", body, *words)
-    assert status == 2 and not out and "--body" in err and named in err
+    status, out, err = ask("imitate", "--calibration", body, *words)
+    assert status == 2 and not out and "--calibration" in err and named in err
 
 
 def test_files_that_are_none_are_named(ask, tmp_path):
     missing = tmp_path / "none.npz"
-    status, _, err = ask("imitate", "--body", missing)
-    assert status == 2 and "--body" in err and str(missing) in err
+    status, _, err = ask("imitate", "--calibration", missing)
+    assert status == 2 and "--calibration" in err and str(missing) in err
     missing.write_text("theta,E")
-    status, _, err = ask("imitate", "--body", missing)
+    status, _, err = ask("imitate", "--calibration", missing)
     assert status == 2 and "no body image" in err and "viewimit rehearse" in err
     assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
     assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
-    for joints, words in (2, ()), (7, ("--joints", "all", "--points", 16)):
+    for joints, words in (2, ()), (7, ("--joints", "all", "--n-points", 16)):
         status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
         assert status == 2 and f"{joints} joints take {joints + 3} or more to foretell from" in err
     assert ask("rehearse")[0] == 2

@@ -89,7 +89,7 @@ def test_a_recorded_motion_of_other_joints_is_imitated(ask_json, tmp_path):
     path, scene = tmp_path / "wave.json", load_scene("panda", joints=(2, 4, 6))
     rest = np.radians(scene.posture_deg)[scene.moving]
     trajectory.save_motion(path, trajectory.sinusoid(World(scene, 16), rest, frames=5))
-    asked = ("reproduce", "fig10", "--joints", "2,4,6", "--points", "16", "--motion", path)
+    asked = ("reproduce", "fig10", "--joints", "2,4,6", "--n-points", "16", "--motion", path)
     assert ask_json(*asked)[0] == 0
 
 

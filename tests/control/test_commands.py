@@ -59,7 +59,7 @@ def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, v
         ("frames", 0),
         ("frames", 51),
         ("gain_error", 51),
-        ("quantum_deg", 6),
+        ("encoder_step_deg", 6),
         ("joints", "all eight"),
         ("seed", -3),
         ("points", "7 points"),
@@ -87,7 +87,7 @@ def test_every_transfer_and_servo_has_a_name_on_the_page():
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
-    if preset.settings.camera == "rendered":
+    if preset.settings.sensor == "rendered":
         pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     session, player, model, visitor = page
     visitor.set("preset", preset.name)

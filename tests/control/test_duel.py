@@ -77,7 +77,7 @@ def test_undo_and_scrub_keep_them_together(race):
 
 
 @pytest.mark.parametrize(
-    "name, value", [("joint0", 61.0), ("noise_px", 0.3), ("frames", 5), ("gain_error", 10), ("quantum_deg", 1.0)]
+    "name, value", [("joint0", 61.0), ("noise_px", 0.3), ("frames", 5), ("gain_error", 10), ("encoder_step_deg", 1.0)]
 )
 def test_what_changes_for_the_learner_changes_for_its_opponent(race, name, value):
     session, _, duel, visitor = race

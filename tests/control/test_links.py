@@ -23,7 +23,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
 ROOT = Path(__file__).parents[2]
-BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
+BY_POINTS = [preset for preset in PRESETS if preset.settings.sensor == "projected"]
 
 
 def settled(page: QuietPage) -> None:

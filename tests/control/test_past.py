@@ -168,7 +168,7 @@ def test_a_changed_preset_says_so_and_choosing_it_again_restores_it():
 
 
 @pytest.mark.parametrize(
-    "preset", [one for one in PRESETS if one.settings.camera == "points"], ids=lambda one: one.name
+    "preset", [one for one in PRESETS if one.settings.sensor == "projected"], ids=lambda one: one.name
 )
 def test_settings_are_complete_as_a_session_has_them(preset):
     assert complete(preset.settings) == Session(preset.settings).settings

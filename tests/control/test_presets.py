@@ -51,7 +51,7 @@ LESSONS: dict[str, Callable[[End], bool]] = {
 }
 
 
-@pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.camera == "points"], ids=lambda p: p.name)
+@pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.sensor == "projected"], ids=lambda p: p.name)
 def test_a_lesson_comes_true(preset):
     session = Session(preset.settings)
     last = session.run(MOTIONS, PATIENCE).last

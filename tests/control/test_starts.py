@@ -28,7 +28,7 @@ def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
     model, visitor, worker = visit
     toggle(model)
     (request,) = worker.asked
-    assert request.settings.start_deg is None and request.settings.camera == "points"
+    assert request.settings.start_deg is None and request.settings.sensor == "projected"
     assert request.settings.servo == model.session.settings.servo and model.basins.going_on
     worker.tell(Run(request.name, "running", figure="<p>some</p>"))
     visitor.arrive()

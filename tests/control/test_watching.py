@@ -289,7 +289,7 @@ def test_it_watches_itself_with_cameras_too(monkeypatch):
 
 def test_every_preset_either_offers_it_or_says_why_not():
     for preset in PRESETS:
-        if preset.settings.camera == "points":
+        if preset.settings.sensor == "projected":
             model, _ = quiet_model(preset.settings)
             rehearsal = rehearsal_of(model.session)
             assert rehearsal.offered != rehearsal.words.startswith("Only for")

@@ -284,7 +284,7 @@ def test_other_laws_and_transfers_serve_as_well(servo):
 
 @pytest.mark.parametrize(
     "fields",
-    [{"noise_px": 0.1}, {"camera": "rendered"}, {"demonstrator_deg": (45, -90)}, {"joints": (1, 2)}, {"delay": 1}],
+    [{"noise_px": 0.1}, {"sensor": "rendered"}, {"demonstrator_deg": (45, -90)}, {"joints": (1, 2)}, {"delay": 1}],
     ids=str,
 )
 def test_what_only_a_scene_has_is_refused_and_all_stays(fields):

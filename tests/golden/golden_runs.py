@@ -270,7 +270,7 @@ RUNS = (
     Run("swapped pair", {"swapped": 0.2}),
     Run("swapped pairs, noise", {"points": 16, "swapped": 0.25, "noise_px": 0.25, "seed": 9}),
     Run("gain error -15 %, noise", {"gain_error": -0.15, "noise_px": 0.25}),
-    Run("steps of 0.5°", {"quantum_deg": 0.5, "noise_px": 0.1}, elsewhere=3e-5, why=FLAT),
+    Run("steps of 0.5°", {"encoder_step_deg": 0.5, "noise_px": 0.1}, elsewhere=3e-5, why=FLAT),
     Run("late by two looks, noise", {"delay": 2, "noise_px": 0.25}),
     # Scenes
     Run("facing, noise", {"scene": "panda-facing", "noise_px": 0.25, **NEAR}),

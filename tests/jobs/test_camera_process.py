@@ -187,7 +187,7 @@ from viewimit.loop.settings import Settings
 
 if __name__ == "__main__":
     camera = CameraProcess()
-    session = Session(Settings.paper(camera="rendered"), SessionEyes(camera))
+    session = Session(Settings.paper(sensor="rendered"), SessionEyes(camera))
     session.step()
     camera.stop()
     print(session.snapshot.motion, *sorted({"pybullet", "cv2"} & set(sys.modules)))
@@ -207,7 +207,7 @@ def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     from viewimit.loop.session import Session
     from viewimit.loop.settings import Settings
 
-    pictured = {name: getattr(Settings(), name) for name in ("transfer", "servo")} | {"camera": "rendered"}
+    pictured = {name: getattr(Settings(), name) for name in ("transfer", "servo")} | {"sensor": "rendered"}
     alone = Session(Settings.paper(**pictured))
     camera = CameraProcess()
     beside = [

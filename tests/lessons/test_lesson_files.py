@@ -95,7 +95,7 @@ FAULTS = {  # a file, the line, the field as it is named, and what is said of it
     "itself": (GOOD + 'carry = "where"\n', 14, "step[0].carry", "no step 'where' before this one"),
     "unknown setting": (GOOD + "settings = { speed = 3 }\n", 14, "step[0].settings", "`speed`"),
     "setting out of bounds": (GOOD + "settings = { noise_px = -1.0 }\n", 14, "step[0].settings", "noise_px"),
-    "pictures": (GOOD + 'settings = { camera = "rendered" }\n', 14, "step[0].settings.camera", "points"),
+    "pictures": (GOOD + 'settings = { sensor = "rendered" }\n', 14, "step[0].settings.sensor", "points"),
     "unknown scene": (GOOD + 'settings = { scene = "moon" }\n', 14, "step[0].settings", "moon"),
     "posture of another arm": (GOOD + "settings = { start_deg = [1, 2, 3] }\n", 14, "step[0].settings", "2 angles"),
     "unknown point": (step("chosen = 8", "chosen = 80"), 12, "step[0].chosen", "no point 80; there are 10"),

@@ -148,7 +148,7 @@ def test_the_demonstrator_may_move_while_the_loop_runs(session):
 def test_every_preset_runs(session):
     page = session
     worlds = set()  # that were looked at in 3-D
-    for preset in reversed([preset for preset in PRESETS if preset.settings.camera == "points"]):
+    for preset in reversed([preset for preset in PRESETS if preset.settings.sensor == "projected"]):
         choose(page, "Preset", preset.name)
         wait(page, lambda preset=preset: page.text_content(LESSON) == preset.lesson)
         start = posture(page)

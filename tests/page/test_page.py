@@ -33,7 +33,7 @@ def visit(camera):
     visit = Visit(camera)
     visit.put("camera", True)
     visit.arrive()
-    assert visit.session.settings.camera == "rendered" and visit.photographs == VIEWS
+    assert visit.session.settings.sensor == "rendered" and visit.photographs == VIEWS
     yield visit
     camera.gate.set()
     assert visit.page.close()
@@ -114,7 +114,7 @@ def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
     visit.rest()
     visit.arrive()
     assert "the process has ended: back to projected points" in visit.said
-    assert visit.session.settings.camera == "points" and visit.session.settings.demonstrator_deg[0] == 60
+    assert visit.session.settings.sensor == "projected" and visit.session.settings.demonstrator_deg[0] == 60
     assert visit.photographs == [] and not visit.player.playing
     visit.act("step")
     visit.tick()
@@ -129,7 +129,7 @@ def test_too_many_is_said_and_the_page_stays_on_points(camera):
     visit.put("camera", True)
     visit.arrive()
     assert camera.refusal in visit.said and visit.camera_on is False
-    assert visit.session.snapshot.motion == 1 and visit.session.settings.camera == "points"
+    assert visit.session.snapshot.motion == 1 and visit.session.settings.sensor == "projected"
 
 
 def test_any_other_fault_reaches_the_scheduler(camera, visit, monkeypatch):
@@ -155,7 +155,7 @@ def test_switching_off_ends_pictures_and_gives_the_eyes_back(camera, visit):
 def test_an_opponent_looks_too_and_gives_its_eyes_back(camera, visit):
     visit.act("duel")
     visit.arrive()
-    assert visit.duel.opponent.settings.camera == "rendered" and camera.closed == []
+    assert visit.duel.opponent.settings.sensor == "rendered" and camera.closed == []
     visit.act("duel")
     visit.arrive()
     assert camera.closed == [0]
@@ -197,7 +197,7 @@ def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     back = Visit(full, SavedSession(kept.head, kept.history))
     back.arrive()
     assert full.refusal in back.said
-    assert back.session.settings.camera == "points" and back.session.settings.demonstrator_deg[0] == 60
+    assert back.session.settings.sensor == "projected" and back.session.settings.demonstrator_deg[0] == 60
 
 
 def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit):

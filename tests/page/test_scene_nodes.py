@@ -86,7 +86,7 @@ def models():
     of = {}
     for preset in PRESETS:
         settings = preset.settings
-        if settings.camera == "points":
+        if settings.sensor == "projected":
             of.setdefault((settings.scene, settings.points, settings.joints), settings)
     return [quiet_model(settings)[0] for settings in of.values()]
 

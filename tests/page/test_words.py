@@ -27,7 +27,7 @@ def hyphens(page):
     return [words for words in written(page) if HYPHEN.search(words)]
 
 
-@pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.camera == "points"], ids=lambda p: p.name)
+@pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.sensor == "projected"], ids=lambda p: p.name)
 def test_every_number_has_a_real_minus(preset):
     page = QuietPage(Settings())
     page.choose("Preset", preset.name)

@@ -9,7 +9,7 @@ from sameness import assert_same
 from viewimit.loop.self_calibration import MIN_POSTURES, Body, SelfCalibration, calibration_postures, spread_postures
 from viewimit.servo.observation import Visit
 
-PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "points", (0.0, 0.0))
+PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "projected", (0.0, 0.0))
 LOW, HIGH = np.radians((0.0, -180.0)), np.radians((90.0, 0.0))
 
 
@@ -78,7 +78,7 @@ def test_other_files_are_refused(tmp_path, content):
 
 def test_another_body_is_refused_with_what_differs():
     PANDA.require(PANDA)
-    for name, other in {"robot": "iiwa", "points": 16, "camera": "rendered"}.items():
+    for name, other in {"robot": "iiwa", "points": 16, "sensor": "rendered"}.items():
         with pytest.raises(ValueError, match=f"rehearsed with {name} {getattr(PANDA, name)}, here it is {other}"):
             replace(PANDA, **{name: other}).require(PANDA)
 

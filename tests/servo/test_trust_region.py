@@ -259,7 +259,7 @@ def test_a_promise_made_where_nothing_was_told_is_not_judged():
 @pytest.mark.filterwarnings("error")
 def test_where_too_few_points_are_foretold_for_any_E_nothing_is_certified():
     settings = Settings(
-        scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, quantum_deg=0.3, seed=272,
+        scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, encoder_step_deg=0.3, seed=272,
         demonstrator_deg=(30.372212534, -179.358611514), start_deg=(77.507350992, -35.308881809),
     )  # fmt: skip
     session = Session(settings)

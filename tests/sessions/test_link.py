@@ -18,7 +18,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
-BY_POINTS = [preset for preset in PRESETS if preset.settings.camera == "points"]
+BY_POINTS = [preset for preset in PRESETS if preset.settings.sensor == "projected"]
 
 
 def packed(fields) -> str:

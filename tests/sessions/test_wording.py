@@ -18,7 +18,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
 from viewimit.simulation.scene import load_scene
 
-SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.camera == "points"]
+SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.sensor == "projected"]
 
 
 def ran(lines: str) -> np.ndarray:
@@ -28,7 +28,7 @@ def ran(lines: str) -> np.ndarray:
     return names["session"].snapshot.theta
 
 
-@pytest.mark.parametrize("settings", SEEN_BY_POINTS, ids=[p.name for p in PRESETS if p.settings.camera == "points"])
+@pytest.mark.parametrize("settings", SEEN_BY_POINTS, ids=[p.name for p in PRESETS if p.settings.sensor == "projected"])
 def test_every_preset_after_some_motions_is_said_in_python(settings):
     session = Session(settings)
     session.run(5)
@@ -137,7 +137,7 @@ def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refuse
         "seed",
         "undistort",
         "rectify",
-        "camera",
+        "sensor",
     }
     told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_WORDS}
     assert told == set(Settings.__struct_fields__)

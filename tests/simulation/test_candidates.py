@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.simulation.autoscene.candidates import MOST, candidates
+from viewimit.simulation.autoscene.candidates import MAX_PLACES, find_candidates
 from viewimit.simulation.meshes import first_hit
 from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import load_scene, scene_names
@@ -16,8 +16,8 @@ def test_they_are_on_the_arm_and_every_camera_sees_them(name, joints):
     scene = load_scene(name, joints=joints)
     world, meshes = World(scene), link_meshes(name)
     theta = np.radians(scene.start_deg)
-    found = candidates(world, theta)
-    assert 20 < len(found) <= MOST
+    found = find_candidates(world, theta)
+    assert 20 < len(found) <= MAX_PLACES
     seen = World(scene, body=found)
     assert seen.demo_images(theta)[1].all() and seen.own_images(theta)[1].all()
     for k in range(len(found)):  # no vertex of its link is nearer than its faces are large
@@ -33,7 +33,7 @@ def test_they_are_on_the_arm_and_every_camera_sees_them(name, joints):
 
 def test_what_does_not_move_and_what_every_joint_moves_have_their_share():
     scene = load_scene("panda")
-    link = candidates(World(scene), np.radians(scene.start_deg)).link
+    link = find_candidates(World(scene), np.radians(scene.start_deg)).link
     parts = np.bincount(np.searchsorted(scene.moving_joints, link, side="right"))
     assert len(parts) == 3 and parts.min() >= 6
 

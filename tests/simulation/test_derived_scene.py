@@ -10,9 +10,9 @@ from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, resting, turning_range
+from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, rest_posture, turning_range
 from viewimit.simulation.autoscene.scene import make_scene
-from viewimit.simulation.autoscene.surface import Surface, parts_of, seen_from
+from viewimit.simulation.autoscene.surface import Surface, parts_of, visible_fraction
 from viewimit.simulation.camera import Cameras
 from viewimit.simulation.robot import Robot, link_meshes
 from viewimit.simulation.scene import load_robot, load_scene
@@ -195,7 +195,7 @@ def test_the_two_joints_that_are_taken_sweep_the_largest_area_of_images(tmp_path
     def swept(pair):
         columns = []
         for number in pair:
-            low, high = np.radians(turning_range(load_robot(path), number, resting(load_robot(path))))
+            low, high = np.radians(turning_range(load_robot(path), number, rest_posture(load_robot(path))))
             moved = [
                 world.robot.link_frames(rest + shift * np.eye(4)[number - 1], world.T_world_own)
                 for shift in (-1e-4, 1e-4)
@@ -239,7 +239,7 @@ def test_a_place_behind_another_or_turned_away_is_not_seen():
     placing = fit_to_view(np.array([[0.0, -0.4, -0.4], [1.0, 0.4, 0.4]]), -1.0, 0.0)
     eye = np.linalg.inv(placing.base(1)) @ np.append(placing.cameras(1)[0].T_world_camera[:3, 3], 1)
     behind = places[0] + 0.5 * (places[0] - eye[:3])  # on the same ray
-    seen = seen_from([placing.cameras(1)[0]], placing.base(1), np.array([places[0], behind, places[2]]), normals)
+    seen = visible_fraction([placing.cameras(1)[0]], placing.base(1), np.array([places[0], behind, places[2]]), normals)
     np.testing.assert_array_equal(seen, [1, 0, 0])
 
 

@@ -111,7 +111,7 @@ def test_an_arm_sags_and_obeys_and_repeats_itself(arm):
 
 
 def test_nothing_but_detections_reaches_a_session():
-    session = Session(Settings.paper(camera="rendered", transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(sensor="rendered", transfer="projective", servo="trust-region"))
     now = session.snapshot
     found = session.eyes.detections
     np.testing.assert_array_equal(now.views.visible, np.stack([found[view].found for view in VIEWS], -1))
@@ -121,15 +121,15 @@ def test_nothing_but_detections_reaches_a_session():
 
 
 def test_the_learner_arrives_by_pictures(ask_json):
-    _, result = ask_json("imitate", "--camera", "rendered", "--start", "35,-60", "--max-motions", 60)
+    _, result = ask_json("imitate", "--sensor", "rendered", "--start", "35,-60", "--max-motions", 60)
     assert result["error_deg"] < 5
 
 
 def test_pictures_need_a_robot_with_markers(ask, tmp_path):
     urdf = tmp_path / "mine.urdf"
     urdf.write_text((Path(__file__).parents[2] / "assets/robots/panda/panda.urdf").read_text())
-    status, _, err = ask("imitate", "--camera", "rendered", "--robot", urdf)
-    assert status == 2 and "--camera" in err and "iiwa and panda" in err
+    status, _, err = ask("imitate", "--sensor", "rendered", "--robot", urdf)
+    assert status == 2 and "--sensor" in err and "iiwa and panda" in err
 
 
 @pytest.mark.parametrize("package, extra", [("pybullet", "pybullet"), ("cv2", "opencv")])
@@ -139,6 +139,6 @@ def test_what_is_missing_is_said(ask, monkeypatch, package, extra):
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == package else find(name))
     monkeypatch.setattr("viewimit.simulation.eyes.pybullet_has_wheel", lambda: True)
-    status, _, err = ask("imitate", "--camera", "rendered")
+    status, _, err = ask("imitate", "--sensor", "rendered")
     assert status == 2 and f"pip install 'viewimit[{extra}]'" in err
     assert Session(Settings()).snapshot.transfer is not None

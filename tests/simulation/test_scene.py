@@ -146,8 +146,8 @@ def test_the_scenes_own_layout_is_taken_where_it_has_none_of_ten(ask_json, ask, 
     session.change(transfer="linear")
     assert session.settings.points == 16
     assert ask_json("imitate", "--scene", path)[1]["final_deg"]
-    assert ask_json("imitate", "--scene", path) == ask_json("imitate", "--scene", path, "--points", 16)
+    assert ask_json("imitate", "--scene", path) == ask_json("imitate", "--scene", path, "--n-points", 16)
     assert ask("landscape", "--scene", path, "--step-deg", 30)[0] == 0
     assert ask("bench", "success", "--scene", path, "--runs", 1, "--max-motions", 0)[0] == 0
-    status, _, err = ask("imitate", "--scene", path, "--points", 10)
-    assert status == 2 and "--points: no layout of 10 points in this scene; it has 20, 16" in err
+    status, _, err = ask("imitate", "--scene", path, "--n-points", 10)
+    assert status == 2 and "--n-points: no layout of 10 points in this scene; it has 20, 16" in err

@@ -36,8 +36,8 @@ def test_the_file_is_the_scene_that_is_made(ask, ask_json, urdf, tmp_path):
 @pytest.mark.parametrize("joints", ["1,3", "1,2,3", "all"])
 def test_given_joints_are_those_of_the_file(ask, ask_json, urdf, joints):
     ask("scene", urdf, "--joints", joints, "--out", "mine.toml")
-    _, of_file = ask_json("imitate", "--scene", "mine.toml", "--points", 16)
-    _, made = ask_json("imitate", "--robot", urdf, "--joints", joints, "--points", 16)
+    _, of_file = ask_json("imitate", "--scene", "mine.toml", "--n-points", 16)
+    _, made = ask_json("imitate", "--robot", urdf, "--joints", joints, "--n-points", 16)
     assert run_of(of_file) == run_of(made)
     assert len(made["joints"]) == (2 if joints == "1,3" else 3)
 
@@ -94,9 +94,9 @@ def test_what_is_missing_is_told_and_no_failure(ask, tmp_path):
         ("imitate --tip nose", "--robot: --base and --tip are of a .urdf file"),
         ("imitate --robot small.urdf.xacro", "--robot: small.urdf.xacro is xacro"),
         ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
-        ("bench robots", "robots: needs the folder of URDF files"),
+        ("bench robots", "the following arguments are required: FOLDER"),
         ("bench robots nowhere", "FOLDER: nowhere: no .urdf file there"),
-        ("bench success nowhere", "nowhere: only `viewimit bench robots` and `compare` take a path"),
+        ("bench success nowhere", "viewimit bench success: unrecognized arguments: nowhere"),
     ],
 )
 def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):

@@ -35,7 +35,7 @@ def urdf_of(folder, *names, more=""):
 
 def anew(reference):
     """As the next process has it."""
-    shapes.shapes_in.cache_clear()
+    shapes.load_shapes.cache_clear()
     return shapes.shapes_of(reference)
 
 
@@ -96,7 +96,7 @@ def test_what_is_damaged_is_made_again(tmp_path, folder, read):
 
 def test_there_is_an_end_to_what_is_kept_and_the_oldest_goes(tmp_path, folder, monkeypatch, read):
     BALL.export(tmp_path / "ball.stl")
-    monkeypatch.setattr(shapes, "MOST_KEPT", 2)
+    monkeypatch.setattr(shapes, "MAX_CACHED", 2)
     references = [Reference(urdf_of(tmp_path, "ball.stl").path, tip=tip) for tip in ("lower", "hand", None)]
     for k, reference in enumerate(references):
         anew(reference)

@@ -9,7 +9,7 @@ import trimesh
 from urdfs import arm, joint, link, write
 
 from viewimit.simulation.robot import link_meshes
-from viewimit.simulation.urdf.mesh_files import MOST_FACES, NotFound, creased, mesh_path, simplified
+from viewimit.simulation.urdf.mesh_files import MAX_FILE_FACES, NotFound, creased, mesh_path, simplified
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.urdf.shapes import shapes_of
 
@@ -67,7 +67,7 @@ def test_boxes_cylinders_and_spheres_are_as_large_as_said_and_stand_where_their_
 def test_large_meshes_become_small_and_keep_their_shape():
     fine = trimesh.creation.icosphere(6, 0.1)
     coarse = simplified(fine)
-    assert len(fine.faces) > 50 * MOST_FACES / 2 and MOST_FACES / 4 < len(coarse.faces) <= MOST_FACES
+    assert len(fine.faces) > 50 * MAX_FILE_FACES / 2 and MAX_FILE_FACES / 4 < len(coarse.faces) <= MAX_FILE_FACES
     assert np.abs(np.linalg.norm(coarse.vertices, axis=1) - 0.1).max() < 0.005
     assert simplified(BALL) is BALL
 

@@ -21,7 +21,7 @@ from ..simulation.robot import Angles
 from ..simulation.world import World
 
 EVALUATED_POINTS = 55_000  # evaluated together, over all postures: their arrays stay in the processor's cache
-STEP_DEG = {"points": 1.0, "rendered": 10.0}  # of the grid, by camera; two pictures take a tenth of a second
+STEP_DEG = {"projected": 1.0, "rendered": 10.0}  # of the grid, by sensor; two pictures take a tenth of a second
 PROJECTED_POINTS = 10 * EVALUATED_POINTS  # projected together: their images stay below `KEPT_BYTES`
 
 
@@ -136,7 +136,7 @@ def landscape(
         raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; landscape_over takes a world")
     if by is not None and by not in TRANSFERS:
         raise ValueError(f"no transfer {by!r}; there are {', '.join(TRANSFERS)}")
-    now, step = session.snapshot, STEP_DEG[session.settings.camera] if step_deg is None else step_deg
+    now, step = session.snapshot, STEP_DEG[session.settings.sensor] if step_deg is None else step_deg
     fit = partial(now.fit, by=by)
     demo, seen = now.views.demo, now.views.visible[:, :2]
     return landscape_over(session.eyes, fit, demo, seen, grid_axes(session.world, step), with_condition)

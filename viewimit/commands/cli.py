@@ -12,11 +12,13 @@ import io
 import os
 import re
 import sys
+import warnings
+from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
 from ..geometry.blas_threads import limit_blas_threads
-from ..sensing.files import escape
+from ..sensing.renamed import current_option
 from . import BadInput
 
 BAD_INPUT = 2
@@ -25,7 +27,8 @@ UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page. The options are what a new tab begins with.",
     "imitate": "One run of the loop, without a page.",
-    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --body goes on from that.",
+    "lab": "The method in the browser: one file that needs no server, to open, send or embed.",
+    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --calibration goes on from that.",
     "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
     "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
     "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
@@ -46,12 +49,21 @@ def main(argv: list[str] | None = None) -> int:
     argv = list(sys.argv[1:] if argv is None else argv)
     if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
         argv.insert(0, "serve")
-    args = parser_of(argv[0]).parse_args(attached(argv))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FutureWarning)
+        warnings.showwarning = lambda message, *where: print(f"viewimit {argv[0]}: {message}", file=sys.stderr)
+        return _run(argv)
+
+
+def _run(argv: list[str]) -> int:
+    args = parser_of(argv[0]).parse_args(attached(map(current_option, argv)))
     try:
         status = args.run(args)
         sys.stdout.flush()
         return status
     except BadInput as error:
+        from ..sensing.files import escape  # it loads numpy, which the number of threads has to precede
+
         print(f"viewimit {args.command}: {escape(str(error), keep=NEWLINE)}", file=sys.stderr)
         return BAD_INPUT
     except BrokenPipeError:
@@ -73,7 +85,18 @@ def _print_no_more() -> None:
 class Parser(argparse.ArgumentParser):
     """That says what is wrong in one line, as all else does, without all options before it."""
 
+    def parse_args(self, args=None, namespace=None):
+        """Parse as argparse does, but name the command whose option is unknown."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            given = vars(found)
+            self.prog = " ".join(filter(None, (self.prog, given.get("command"), given.get("benchmark"))))
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found
+
     def error(self, message: str) -> NoReturn:
+        from ..sensing.files import escape
+
         self.exit(BAD_INPUT, f"{self.prog}: {escape(message)}; see {self.prog} --help\n")
 
 
@@ -94,8 +117,14 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
 TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
 
 
-def attached(argv: list[str]) -> list[str]:
-    """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
+def attached(argv: Iterable[str]) -> list[str]:
+    """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option.
+
+    The words of `bench` are brought to today's form.
+    """
+    argv = list(argv)
+    if argv[:1] == ["bench"]:
+        argv = ["bench", *importlib.import_module(".bench", __package__).current_words(argv[1:])]
     joined: list[str] = []
     for word in argv:
         if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):

@@ -3,7 +3,6 @@
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,7 @@ from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from ..simulation.camera import undistort_points
-from . import BadInput, evaluate_report, evaluate_suspects, evaluate_transfers
+from . import BadInput, evaluate_report
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -33,8 +32,7 @@ from .options import (
     MISSED,
     VIEW_OPTIONS,
     add_json_option,
-    add_rectify_option,
-    add_undistort_option,
+    add_settings,
     add_view_options,
     between,
     lens,
@@ -42,11 +40,7 @@ from .options import (
     require_files_apart,
 )
 
-PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
-
-
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
-COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
 FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak", "mirrored")
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 NAMED = 10  # points that --min-confidence removed, in words
@@ -69,8 +63,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
     )
-    add_rectify_option(parser, "where points that are left out of the fit are predicted better so")
-    add_undistort_option(parser)
+    rectify = "rectify the images where that predicts points better that are left out of the fit, or never (auto)"
+    undistort = "radial distortion k1, k2 (OpenCV's model) to remove from the images first (none)"
+    add_settings(parser, "rectify", "undistort", rectify=rectify, undistort=undistort)
     parser.add_argument(
         "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
     )
@@ -105,20 +100,20 @@ def run(args: argparse.Namespace) -> int:
         "rectification": rectified,
         "points": tracked.points,
         "removed_by_confidence": removed,
-        "leave_one_out": evaluate_transfers.told(compared),
-        "suspects": evaluate_suspects.told(found, tracked.points, tracked.frames),
+        "leave_one_out": evaluate_report.transfers_json(compared),
+        "suspects": evaluate_report.suspects_json(found, tracked.points, tracked.frames),
         "undecided": found.undecided,
         "frames": frames,
     }
     evaluated = [frame for frame in frames if frame["E"] is not None]
     if args.out and evaluated:
         with naming("--out"):
-            evaluate_report.write(args.out, result | {"first": _named(evaluated[0])})
+            evaluate_report.write(args.out, result | {"first": evaluate_report.named_coefficients(evaluated[0])})
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(args, result | {"frames": map(_named, frames)})
+        print_json(args, result | {"frames": map(evaluate_report.named_coefficients, frames)})
     else:
-        _report(result)
+        evaluate_report.print_report(result)
     if all(frame["refused"] == TOO_FEW for frame in frames):
         print(f"viewimit evaluate: {_too_few(tracked, args.min_confidence)}", file=sys.stderr)
         return MISSED
@@ -157,7 +152,7 @@ def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | No
     fitted = fit_transfer(method, seen, rectification)
     recovered = fitted.recover(seen.demo_left, seen.demo_right)
     image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
-    pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in PAIRS]
+    pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in evaluate_report.PAIRS]
     F = np.stack([np.concatenate([f, f33[..., None]], -1) for f, f33 in pairs], -2)
     demo, own = extents(seen.demo), extents(seen.own)
     flat, condition = demo[:, 0] / demo[:, 2], np.broadcast_to(fitted.condition, len(F))
@@ -248,17 +243,6 @@ def _doubts(frames: Sequence[dict]) -> Iterator[str]:
             yield f"{len(those)} of {len(frames)} frames {key}: frame {first['frame']}: {why}"
 
 
-def _named(frame: dict) -> dict:
-    """With the fundamental matrices by pair and coefficient."""
-    if frame["fundamental"] is None:
-        return frame
-    named = {
-        f"{VIEW_NAMES[p]},{VIEW_NAMES[q]}": dict(zip(COEFFICIENTS, f.tolist()))
-        for (p, q), f in zip(PAIRS, frame["fundamental"])
-    }
-    return frame | {"fundamental": named}
-
-
 def _frames(views: FourViews, which: NDArray | int) -> FourViews:
     return FourViews(views.demo[which], views.own[which], views.visible[which])
 
@@ -299,50 +283,3 @@ def _removed(tracked: TrackedPoints, removed: dict[str, int], least_confidence: 
     more = f" and {len(most) - NAMED} more names" if len(most) > NAMED else ""
     whole = f"{sum(removed.values()):,} of {tracked.n_image_points():,} image points"
     return f"--min-confidence {least_confidence:g} removed {whole}: {named}{more}"
-
-
-def _report(result: dict) -> None:
-    how = "" if result["rectification"] is None else ", images rectified"
-    count = len(result["frames"])
-    print(
-        f"{result['transfer']} transfer{how}, {len(result['points'])} points, {count} frame{'' if count == 1 else 's'}"
-    )
-    print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
-    for frame in result["frames"]:
-        numbers = [
-            "–" if frame[key] is None else f"{frame[key]:{form}}"
-            for key, form in (("E", ".4g"), ("rms_px", ".3g"), ("condition", ".3g"), ("flatness", ".3g"))
-        ]
-        print(
-            f"{frame['frame']:>7}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
-            + ("  mirrored" if frame["mirrored"] else "")
-        )
-    _report_transfers(result)
-    _report_suspects(result)
-    first = next((frame for frame in result["frames"] if frame["E"] is not None), None)
-    if first is None:
-        return
-    print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
-    for pair, f in _named(first)["fundamental"].items():
-        print(f"  {pair:<20}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
-
-
-def _report_transfers(result: dict) -> None:
-    found = result["leave_one_out"]
-    if found is None:
-        print(f"leave-one-out error: none, as no frame has {MIN_POINTS + 1} points that tell a transfer")
-    else:
-        print(evaluate_transfers.heading(found))
-        for name, *cells in evaluate_transfers.rows(found):
-            print(f"  {name:<11}" + "".join(f"{cell:>20}" for cell in cells))
-    if said := evaluate_transfers.verdict(found, result["rectification"] is not None):
-        print(f"  {said}")
-
-
-def _report_suspects(result: dict) -> None:
-    found = [evaluate_suspects.in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
-    print("suspects" if found else "suspects: none")
-    for named, what, score in found:
-        print(f"  {escape(named, 2 * MAX_NAME_CHARS)}  {what}: {score}")
-    for why in result["undecided"]:
-        print(f"  undecided: {why}")

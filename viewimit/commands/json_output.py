@@ -20,7 +20,6 @@ FORMAT = 2  # of the object: it grows whenever a key or a word of it is renamed 
 DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others
 UNPRINTABLE = re.compile(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")  # which terminals may obey
 HOW_TOLD = {"command", "run", "json"}  # what is no option of the result
-OPTIONS_OF = {"demonstrator_deg": "demonstrator", "start_deg": "start"}  # settings whose option has another name
 
 
 def print_json(args: argparse.Namespace, result: dict, settings: Settings | None = None) -> None:
@@ -33,7 +32,7 @@ def print_json(args: argparse.Namespace, result: dict, settings: Settings | None
     among = set()
     if settings is not None:
         told["settings"] = msgspec.to_builtins(settings)
-        among = {OPTIONS_OF.get(name, name) for name in settings.__struct_fields__}
+        among = {*settings.__struct_fields__}
     told["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in HOW_TOLD | among}
     assert told.keys().isdisjoint(result), "a result that overwrites what it was made from"
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"

@@ -3,22 +3,28 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 
-from ..analysis.landscape import conflict_at, landscape
-from ..estimation.transfers import default_transfer
+from ..analysis.landscape import Landscape, conflict_at, landscape
+from ..drawing.export import figures
+from ..drawing.landscape import LandscapePicture
+from ..drawing.plots import describe_settings
+from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
-from . import landscape_file
+from ..loop.snapshot import Snapshot
+from ..simulation.scene import Scene
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
-    add_camera_option,
+    SCENE,
+    SIGHT,
     add_json_option,
-    add_setting_options,
+    add_settings,
     between,
     figure,
     naming,
@@ -26,10 +32,13 @@ from .options import (
     settings_from,
 )
 
+PICTURES, TABLES = (".png", ".svg"), (".npz", ".csv")
+TITLE = "E over the postures of the learner"
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_setting_options(parser, transfer=DEFAULT_TRANSFER)
-    add_camera_option(parser)
+    names = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor")
+    add_settings(parser, *names, transfer=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})")
     parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
     add_json_option(parser)
@@ -38,7 +47,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
-            landscape_file.require_format(args.out)
+            _require_format(args.out)
     settings = settings_from(args)
     session = Session(settings)
     if args.transfer is None:
@@ -50,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     (there,) = conflict_at(session.eyes, now.fit, now.views.demo, now.views.visible[:, :2], now.theta_demo[:, None])
     if args.out:
         with naming("--out"):
-            landscape_file.write(args.out, found, session.scene, now)
+            _write(args.out, found, session.scene, now)
         print(f"written to {args.out}", file=sys.stderr)
     nowhere = bool(np.isnan(found.E).all())
     result = {
@@ -82,3 +91,29 @@ def _report(result: dict) -> None:
     print(f"demonstrator  {there} at {posture(result['demonstrator_deg'])}")
     print(f"largest       {most}")
     print(f"local minima  {minima}; steepest descent ends at the lowest from {basin:.1%} of the postures")
+
+
+def _require_format(path: Path) -> None:
+    """Raises ValueError for an extension that is not written, or a PNG without what renders it."""
+    suffix = path.suffix.lower()
+    if suffix not in TABLES + PICTURES:
+        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + PICTURES)}")
+    if suffix == ".png":
+        figures.require_renderer(path, ".svg")
+
+
+def _write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:
+    """Write by extension. snapshot: the moment whose demonstrator and settings it is of. Raises OSError."""
+    first, second = (np.degrees(axis) for axis in landscape.axes)
+    names = [f"theta{joint}_deg" for joint in scene.moving_joints]
+    if path.suffix.lower() == ".npz":
+        columns: dict[str, Any] = dict(zip(names, (first, second)))
+        with path.open("wb") as file:  # numpy would add the extension to a name that ends in .NPZ
+            np.savez(file, E=landscape.E, demonstrator_deg=np.degrees(snapshot.theta_demo), **columns)
+    elif path.suffix.lower() == ".csv":
+        rows = np.stack([*np.meshgrid(first, second, indexing="ij"), landscape.E], -1).reshape(-1, 3)
+        np.savetxt(path, rows, "%.10g", ",", header=",".join([*names, "E_px2"]), comments="")
+    else:
+        picture = LandscapePicture(landscape, scene, snapshot, contours="E in px²")
+        drawing = picture.draw_alone(snapshot.settings)
+        figures.write(path, figures.standalone(drawing, TITLE, describe_settings(snapshot.settings)))

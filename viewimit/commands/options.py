@@ -6,18 +6,18 @@ import dataclasses
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import msgspec
 import numpy as np
 
-from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS, TRANSFERS
+from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import RadialDistortion
 from ..loop.embodiment import within, workspace
-from ..loop.settings import CAMERAS, DISTURBANCES, OWN, RECTIFY, SAFETY, USUAL_POINTS, Settings, disturbances
+from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS
+from ..sensing.renamed import current_settings
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
 from ..simulation.robot import robot_names
@@ -44,57 +44,47 @@ SHOWN_IN = {
     "L": "the learner itself, by the left camera",
     "R": "the learner itself, by the right camera",
 }
+SCENE = ("scene", "robot", "joints", "points")  # fields that say what is seen
+SIGHT = (*disturbances(SightDisturbance), "frames", "seed")  # how well it is seen
+ARM = ("start_deg", *disturbances(ArmDisturbance))  # where the arm starts, and how well it moves
 DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
-def add_setting_options(
-    parser: argparse.ArgumentParser, defaults: Settings = PAPER, transfer: str | None = None
-) -> None:
-    """What is seen, and how it is transferred. transfer: its default in words, where that is not the settings' own."""
-    add_scene_options(parser, defaults)
-    parser.add_argument("--demonstrator", type=angles, metavar="DEG,DEG", help="its moving joints (the scene's)")
-    parser.add_argument("--transfer", metavar="NAME", help=f"{', '.join(TRANSFERS)} ({transfer or defaults.transfer})")
-    add_rectify_option(parser)
-    add_image_options(parser, SightDisturbance, defaults)
+def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Settings = PAPER, **helps: str | None) -> None:
+    """Options for these fields of `Settings`, from what the fields say of themselves; --base and --tip with `robot`.
+
+    helps: other words for a field's help, by its name.
+    """
+    for name in names:
+        field, value = FIELDS[name], getattr(defaults, name)
+        says = helps.get(name) or f"{_described(name, field)} ({_default(field, value)})"
+        kind = PARSERS.get(name) or TYPES[HINTS[name]]
+        choices = field.choices if name == "rectify" and isinstance(field, Setting) else None
+        metavar = None if choices else field.unit.upper() or "NAME"
+        parser.add_argument(option(name), dest=name, type=kind, choices=choices, metavar=metavar, help=says)
+        if name == "robot":
+            add_chain_options(parser)
 
 
-def add_scene_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
-    """Which body is seen, and where."""
-    scenes = ", ".join(scene_names())
-    parser.add_argument("--scene", help=f"{scenes}, or the path of a .toml or .urdf file ({defaults.scene})")
-    parser.add_argument(
-        "--robot",
-        help=f"{', '.join(robot_names())}, the path of a .urdf file, or a name of robot_descriptions (the scene's). "
-        "For a .urdf a scene is made, or, with --scene, it takes the place of that scene's robot, with the same bases, "
-        "limits and points in its links' frames",
-    )
-    add_chain_options(parser)
-    parser.add_argument("--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the scene's)")
-    parser.add_argument("--points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})")
+def _described(name: str, field: Setting | Disturbance) -> str:
+    """With the names that there are."""
+    names = {"scene": scene_names, "robot": robot_names}.get(name)
+    listed = list(names()) if names else list(field.choices) if isinstance(field, Setting) else []
+    more = {"robot": " (also one of robot_descriptions)", "joints": ", or all"}.get(name, "")
+    return field.description + more + (f": {', '.join(listed)}" if listed and name != "rectify" else "")
+
+
+def _default(field: Setting | Disturbance, value: object) -> str:
+    words = field.default if isinstance(field, Setting) else ""
+    return words or (f"{value:g}" if isinstance(value, float) else str(value))
 
 
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
     """Which part of a URDF is the arm."""
-    parser.add_argument("--base", metavar="LINK", help="of a .urdf: where the arm begins (its root)")
+    parser.add_argument("--base", metavar="LINK", help="first link of a .urdf file's arm (its root)")
     parser.add_argument(
-        "--tip", metavar="LINK", help="of a .urdf: where the arm ends (of the longest chain, without fingers)"
-    )
-
-
-def add_image_options(parser: argparse.ArgumentParser, spoilt_by: type[Disturbance], defaults: Settings) -> None:
-    """How well it is seen."""
-    _add_disturbances(parser, spoilt_by)
-    parser.add_argument("--frames", type=int, metavar="N", help=f"images averaged at each posture ({defaults.frames})")
-    parser.add_argument("--seed", type=int, metavar="N", help=f"of the disturbances ({defaults.seed})")
-
-
-def add_undistort_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--undistort",
-        type=radial,
-        metavar="K1,K2",
-        help="rid images of this radial distortion, by OpenCV's model, first (none)",
+        "--tip", metavar="LINK", help="last link of a .urdf file's arm (of the longest chain, without fingers)"
     )
 
 
@@ -127,80 +117,10 @@ def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
     return found
 
 
-def add_rectify_option(parser: argparse.ArgumentParser, when: str = "where those are not parallel") -> None:
-    """when: what auto means."""
-    parser.add_argument(
-        "--rectify", choices=RECTIFY, help=f"images by what their matches tell of the cameras: {when}, or never (auto)"
-    )
-
-
-def add_camera_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--camera",
-        metavar="NAME",
-        help=f"{', '.join(CAMERAS)}: points projected, or detected in rendered pictures of arms that have weight, "
-        "which wear markers in place of --points (points)",
-    )
-
-
-def add_run_options(parser: argparse.ArgumentParser, defaults: Settings = PAPER) -> None:
-    """Where the learner starts, and how it moves."""
-    add_arm_options(parser)
-    parser.add_argument("--servo", metavar="NAME", help=f"{', '.join(SERVOS)} ({defaults.servo})")
-
-
-def add_arm_options(parser: argparse.ArgumentParser) -> None:
-    """Where the learner starts, and how well it obeys."""
-    parser.add_argument("--start", type=angles, metavar="DEG,DEG", help="the learner's moving joints (the scene's)")
-    _add_disturbances(parser, ArmDisturbance)
-
-
-def add_safety_options(parser: argparse.ArgumentParser) -> None:
-    """How far the learner's arm may go."""
-    parser.add_argument(
-        "--max-step-deg", type=float, metavar="DEG", help="no joint turns by more in one motion (any angle)"
-    )
-    parser.add_argument(
-        "--workspace-deg",
-        type=ranges,
-        metavar="LOW:HIGH,LOW:HIGH",
-        help="angles that the learner's moving joints are sent to, and none beyond (the arm's limits)",
-    )
-    parser.add_argument(
-        "--restarts",
-        type=int,
-        metavar="N",
-        help="searches far from where it has been, for something lower, before it stalls; 0 for none "
-        f"({PAPER.restarts})",
-    )
-
-
-def _add_disturbances(parser: argparse.ArgumentParser, kind: type[Disturbance]) -> None:
-    for name, found in disturbances(kind).items():
-        parser.add_argument(option(name), type=float, metavar=found.unit.upper(), help=f"{found.description} (0)")
-
-
-def option(name: str) -> str:
-    """The option that sets a field of `Settings`."""
-    return "--" + name.replace("_", "-")
-
-
 def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) -> None:
-    """A file of each view; its name in the paper is an option, too, for one more version. says: with {} for what it
-    shows."""
+    """A file of each view. says: the help, with {} for what the view shows."""
     for view, name in VIEW_NAMES.items():
         parser.add_argument(option(name), type=Path, metavar="FILE", help=says.format(SHOWN_IN[view]), **kind)
-        old = kind | {"default": argparse.SUPPRESS, "help": argparse.SUPPRESS}
-        parser.add_argument(f"--{view}", dest=name, action=Renamed, type=Path, **old)
-
-
-class Renamed(argparse.Action):
-    """Of an option that has a new name, that of its destination: it still works, and says so."""
-
-    def __call__(self, parser, namespace, values, option_string=None):
-        new = option(self.dest)
-        print(f"{parser.prog}: {option_string} is now called {new}; the old name will be gone", file=sys.stderr)
-        setattr(namespace, self.dest, values)
 
 
 def require_files_apart(paths: Iterable[Path]) -> None:
@@ -231,14 +151,13 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         asked = "--robot"
     del args.base, args.tip  # the robot's name says them now
     settings = defaults
-    names = ("transfer", "servo", *DISTURBANCES, "frames", "seed", "undistort", "rectify", "camera", *SAFETY)
-    given = {name: vars(args).get(name) for name in names}
-    for name, value in given.items():
-        if value is not None:
+    apart = ("scene", "robot", "joints", "points", "demonstrator_deg", "start_deg")  # checked with the scene, below
+    for name, value in vars(args).items():
+        if name in FIELDS and name not in apart and value is not None:
             with naming(option(name)):
                 if value == OWN:
                     raise ValueError(f"no {name} {OWN!r}: only a session in Python is given one")
-                settings = msgspec.structs.replace(settings, **{name: value})
+                settings = msgspec.structs.replace(settings, **current_settings({name: value}))
     chosen = settings.scene if args.scene is None else args.scene
     with naming(asked):
         try:
@@ -253,28 +172,28 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         scene = load_scene(chosen, args.robot, freed)
     with naming("--undistort"):
         scene = load_scene(chosen, args.robot, freed, settings.undistort)
-    with naming("--camera"):
-        require_eyes(settings.camera, scene)
+    with naming("--sensor"):
+        require_eyes(settings.sensor, scene)
     if is_reference(chosen):
         tell_choices(scene_for_urdf(chosen, freed), scene)
     points = layout(args, scene)
-    postures = {name: vars(args).get(name) for name in ("demonstrator", "start")}
+    postures = {name: vars(args).get(name) for name in ("demonstrator_deg", "start_deg")}
     for name, posture in postures.items():
         if posture is not None:
-            with naming("--" + name):
+            with naming(option(name)):
                 scene.require_posture(np.radians(posture), "its")
     with naming("--workspace-deg"):
         low, high = workspace(settings, scene.lower, scene.upper)
     with naming("--start"):
-        within(np.radians(scene.start_deg if postures["start"] is None else postures["start"]), low, high, "the start")
+        start_deg = scene.start_deg if postures["start_deg"] is None else postures["start_deg"]
+        within(np.radians(start_deg), low, high, "the start")
     return msgspec.structs.replace(
         settings,
         scene=chosen,
         robot=args.robot,
         joints=freed,
         points=points,
-        demonstrator_deg=postures["demonstrator"],
-        start_deg=postures["start"],
+        **postures,
     )
 
 
@@ -311,9 +230,9 @@ def tell_choices(chosen: "AutoScene", scene: Scene) -> None:
 
 
 def layout(args: argparse.Namespace, scene: Scene) -> int:
-    """--points, or the scene's own layout. Raises BadInput."""
+    """--n-points, or the scene's own layout. Raises BadInput."""
     points = scene.layout_near(USUAL_POINTS) if args.points is None else args.points
-    with naming("--points"):
+    with naming("--n-points"):
         scene.body_points(points)
     return points
 
@@ -377,3 +296,10 @@ def posture(theta_deg: Iterable[float]) -> str:
 def figure(value: float, form: str, unit: str = "") -> str:
     """A dash for what is not known."""
     return "–" if np.isnan(value) else f"{value:{form}}{unit}"
+
+
+HINTS = get_type_hints(Settings)
+PARSERS: dict[str, Callable[[str], Any]] = {
+    "joints": joints, "demonstrator_deg": angles, "start_deg": angles, "undistort": radial, "workspace_deg": ranges,
+}  # fmt: skip
+TYPES: dict[Any, Callable[[str], Any]] = {str: str, str | None: str, int: int, float: float, float | None: float}

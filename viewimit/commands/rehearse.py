@@ -11,21 +11,18 @@ from ..geometry.affine import MIN_POINTS
 from ..loop.codegen import as_imitation
 from ..loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from ..loop.session import Session
-from ..loop.settings import Settings
+from ..loop.settings import SAFETY, Settings, disturbances
 from ..sensing.files import escape
 from ..simulation.disturbances import ImageDisturbance
 from . import BadInput
 from .json_output import print_json
 from .options import (
+    ARM,
     DONE,
     MISSED,
-    add_arm_options,
-    add_camera_option,
-    add_image_options,
+    SCENE,
     add_json_option,
-    add_safety_options,
-    add_scene_options,
-    add_undistort_option,
+    add_settings,
     between,
     naming,
     settings_from,
@@ -36,12 +33,8 @@ ASIDE = 3  # more than joints, of which each is turned by itself once
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    add_scene_options(parser, Settings())
-    add_image_options(parser, ImageDisturbance, Settings())
-    add_undistort_option(parser)
-    add_camera_option(parser)
-    add_arm_options(parser)
-    add_safety_options(parser)
+    sight = (*disturbances(ImageDisturbance), "frames", "seed", "undistort", "sensor")
+    add_settings(parser, *SCENE, *sight, *ARM, *SAFETY, defaults=Settings())
     number, reach = between(int, MIN_POSTURES, MOST_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(
         "--postures",

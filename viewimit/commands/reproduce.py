@@ -10,17 +10,19 @@ from tqdm import tqdm
 
 from ..analysis.trajectory import MOTIONS, load_motion
 from ..drawing.export import figures
-from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
+from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment
+from ..experiments.experiment import claims_json, write
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
 from .json_output import print_json
 from .options import (
+    ARM,
     DONE,
     MISSED,
-    add_camera_option,
+    SCENE,
+    SIGHT,
     add_json_option,
-    add_run_options,
-    add_setting_options,
+    add_settings,
     naming,
     settings_from,
 )
@@ -31,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "figures",
         nargs="*",
         metavar="FIGURE",
-        help=f"{', '.join(EXPERIMENTS)}, or all (all); with --camera rendered {', '.join(ON_PICTURES)}",
+        help=f"{', '.join(EXPERIMENTS)}, or all (all); with --sensor rendered {', '.join(ON_PICTURES)}",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="write figures (SVG, PNG), data (CSV, NPZ) and manifests"
@@ -42,15 +44,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"Fig. 10: {', '.join(MOTIONS)}, or a recorded .json (sinusoid)",
     )
-    add_setting_options(parser)
-    add_camera_option(parser)
-    add_run_options(parser)
+    add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor", *ARM, "servo")
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
-    experiments = ON_PICTURES if settings.camera == "rendered" else EXPERIMENTS
+    experiments = ON_PICTURES if settings.sensor == "rendered" else EXPERIMENTS
     names = _asked(args.figures, experiments)
     with naming("--motion"):
         offered = {"motion": _motion(args.motion, settings)}
@@ -63,14 +63,14 @@ def run(args: argparse.Namespace) -> int:
     for name in names:
         experiment = experiments[name]
         options = {option: offered[option] for option in experiment.options}
-        with naming("--scene, --joints, --points, --missing"):
+        with naming("--scene, --joints, --n-points, --missing"):
             result = _with_bar(name, lambda tell: experiment.run(settings, tell, **options))  # noqa: B023
         said += result.claims
         written = []
         if args.out:
             with naming("--out"):
-                written = files.write(name, experiment, result, args.out)
-        told[name] = {**files.told(result.claims), "files": [str(path) for path in written]}
+                written = write(name, experiment, result, args.out)
+        told[name] = {**claims_json(result.claims), "files": [str(path) for path in written]}
     if args.json:
         print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)
     else:
@@ -84,8 +84,8 @@ def _asked(words: list[str], experiments: dict[str, Experiment]) -> list[str]:
     with naming("figures"):
         for word in words:
             if word in {*EXPERIMENTS, *ON_PICTURES} - {*experiments}:
-                camera = "rendered" if word in ON_PICTURES else "points"
-                raise ValueError(f"{word} needs --camera {camera}")
+                sensor = "rendered" if word in ON_PICTURES else "projected"
+                raise ValueError(f"{word} needs --sensor {sensor}")
             if word not in experiments and word != "all":
                 raise ValueError(f"no figure {word!r}; there are {', '.join(experiments)} and all")
     return [name for name in experiments if not words or name in words or "all" in words]

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from ..sensing.files import escape
-from .options import DONE, MISSED, add_run_options, add_setting_options, between, naming, settings_from
+from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
 SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, in place of one by chance
@@ -60,8 +60,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         f"servers of one class get the same secret by the environment variable {SECRET}",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
-    add_setting_options(parser)
-    add_run_options(parser)
+    add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
 
 
 def run(args: argparse.Namespace) -> int:

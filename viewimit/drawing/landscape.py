@@ -24,7 +24,7 @@ from .theme import OBSERVED
 CLOSE_DEG, INSET = 6.0, 74  # if demonstrator and smallest E are closer: an inset of ±CLOSE_DEG, INSET px wide
 MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
-CONTOURS = {"points": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+CONTOURS = {"projected": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 SMALL_WIDTH = 207  # px of a small landscape
 SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
@@ -79,7 +79,7 @@ class LandscapePicture:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
         self._ground = (
-            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.camera])
+            plane.frame("vi-plane") + inside + plane.axes(note, contours or CONTOURS[snapshot.settings.sensor])
         )
         self.html = plane.wrap(self._ground)
         self._path_labels = PathLabels(plane, self._labels)
@@ -95,8 +95,8 @@ class LandscapePicture:
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
         kept = svg.thinned_between(len(history), MAX_VERTICES, cursor)
-        moments = history[:]  # a list gives single moments faster
-        points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
+        snapshots = history[:]  # a list gives single snapshots faster
+        points = self._plane.place(np.degrees(np.concatenate([snapshots[k].theta for k in kept]).reshape(-1, 2)))
         done = bisect_right(kept, cursor)
         shown = history[cursor].theta if theta is None else theta
         now = self._plane.place(np.degrees(shown))
@@ -137,7 +137,7 @@ class LandscapePicture:
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
-        """Enlarge the surroundings of both marks in the corner of the plot farthest from `busy` places, px."""
+        """Enlarge the plot around both marks in the corner of the plot farthest from `busy` places, px."""
         side, (x, y, w, h) = INSET / 2, self._plane.box
         corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
         middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))

@@ -7,10 +7,10 @@ import msgspec
 
 from ..sensing.files import is_text
 from .script import Action, Begin, Calibrate, ChangeSettings, Looks, MoveDemonstrator, Script, Steps
-from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings
+from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings, option
 
 MOST_LINES = 12
-OF_BODY = ("scene", "robot", "joints", "points", "undistort", "camera")  # which body is seen, and by what
+OF_BODY = ("scene", "robot", "joints", "points", "undistort", "sensor")  # which body is seen, and by what
 NO_WORDS = {  # fields of settings without an option
     "delay": "pictures that come late have no option",
     "body_points": "its points were placed by hand; save the scene, and name its file",
@@ -42,9 +42,13 @@ def as_command(script: Script) -> str:
     return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])
 
 
-def as_imitation(settings: Settings, body: str) -> str:
-    """Of `viewimit imitate`, of the body that was rehearsed with these settings. body: the file of the rehearsal."""
-    return shlex.join(["viewimit", "imitate", "--body", body, *_words(settings, Settings(), (*OF_BODY, *SAFETY))])
+def as_imitation(settings: Settings, calibration: str) -> str:
+    """Of `viewimit imitate`, of the body that was rehearsed with these settings.
+
+    calibration: the file that `viewimit rehearse` has written.
+    """
+    words = _words(settings, Settings(), (*OF_BODY, *SAFETY))
+    return shlex.join(["viewimit", "imitate", "--calibration", calibration, *words])
 
 
 def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
@@ -63,8 +67,8 @@ def _options(settings: Settings, usual: Settings) -> list[str]:
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
     names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
-             "rectify", "camera", *SAFETY)  # fmt: skip
-    postures = (f"--{name}={_value(getattr(settings, f'{name}_deg'))}" for name in ("demonstrator", "start"))
+             "rectify", "sensor", *SAFETY)  # fmt: skip
+    postures = (f"{option(name)}={_value(getattr(settings, name))}" for name in ("demonstrator_deg", "start_deg"))
     return [*_words(settings, usual, names), *postures]
 
 
@@ -74,7 +78,7 @@ def _words(settings: Settings, usual: Settings, names: Sequence[str]) -> list[st
     for name in names:
         value = getattr(settings, name)
         if value != (USUAL_POINTS if name == "points" else getattr(usual, name)):
-            words.append(f"--{name.replace('_', '-')}={_value(value)}")
+            words.append(f"{option(name)}={_value(value)}")
     return words
 
 

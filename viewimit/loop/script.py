@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import msgspec
 
+from ..sensing.renamed import current_settings
 from .settings import OWN, Settings
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
@@ -185,3 +186,12 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             self.unknown_from = None
         for later in [at for at in self.actions if at > motion]:
             del self.actions[later]
+
+
+def current_script(script: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a `Script`, as a link has them, with settings by the names of today. Raises for another form."""
+    actions = [
+        [kind, current_settings(content[0])] if kind in ("b", "c") else [kind, *content]
+        for kind, *content in script.get("deeds", ())
+    ]
+    return {**script, "settings": current_settings(script["settings"]), "deeds": actions}

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import read_npz
+from ..sensing.renamed import CALIBRATION, SETTING_VALUES, current_keys
 from ..servo.observation import Visit
 
 CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
@@ -23,13 +24,13 @@ TURN = np.radians(20.0)  # of each joint by itself
 @dataclass(frozen=True)
 class Body:
     """Which body, by what cameras: robot, by name or path; joints: numbers from 1 of those that move, span_deg: how far
-    each can turn; points, camera and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
+    each can turn; points, sensor and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
 
     robot: str
     joints: tuple[int, ...]
     span_deg: tuple[float, ...]
     points: int
-    camera: str
+    sensor: str
     undistort: tuple[float, float]
     layout: str = ""
 
@@ -81,14 +82,14 @@ class SelfCalibration:
     def load(cls, path: Path) -> "SelfCalibration":
         """Raises OSError, or ValueError that names the file and what is wrong with it."""
         try:
-            return _body_image(read_npz(path))
+            return _from_table(current_keys(read_npz(path), CALIBRATION))
         except KeyError as error:
             raise ValueError(f"{path}: no body image, {error} is missing; `viewimit rehearse` makes one") from None
         except (ValueError, TypeError) as error:
             raise ValueError(f"{path}: no body image: {error}; `viewimit rehearse` makes one") from None
 
 
-def _body_image(table: dict[str, NDArray]) -> SelfCalibration:
+def _from_table(table: dict[str, NDArray]) -> SelfCalibration:
     """Raises KeyError for what is missing, ValueError for shapes and numbers that cannot be."""
     displacement, own, seen = np.radians(table["displacement_deg"]), table["own_px"], table["seen"]
     body = Body(
@@ -96,7 +97,7 @@ def _body_image(table: dict[str, NDArray]) -> SelfCalibration:
         joints=_numbers(table["joints"], int),
         span_deg=_numbers(table["span_deg"], float),
         points=int(table["points"]),
-        camera=str(table["camera"]),
+        sensor=SETTING_VALUES["sensor"].get(str(table["sensor"]), str(table["sensor"])),
         undistort=_numbers(table["undistort"], float),
         layout=str(table["layout"]) if "layout" in table else "",
     )

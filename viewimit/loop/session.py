@@ -21,6 +21,7 @@ from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
+from ..sensing.renamed import current_settings
 from ..servo import Observation, Servo, ServoMethod, servo_method
 from ..servo.observation import Visit
 from ..servo.status import ServoStatus
@@ -48,7 +49,7 @@ from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import RunResult, Snapshot, exchanged, given_own, predicted_residuals, probes, status_of
 
 BEGIN_ANEW = (  # what changes body or camera
-    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "camera", "delay", "workspace_deg",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "delay", "workspace_deg",
 )  # fmt: skip
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 GivenTransfer = str | TransferMethod | TransferFunction
@@ -292,6 +293,7 @@ class Session:
 
         A new servo starts learning afresh, where the arm now stands. Raises ValueError, with the session as it was.
         """
+        fields = current_settings(fields)
         settings = msgspec.structs.replace(self.settings, **fields)
         self._own.require(settings)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in BEGIN_ANEW):

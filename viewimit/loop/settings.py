@@ -1,13 +1,13 @@
 """All that a run depends on: plain data, made to be kept and shared."""
 
 import reprlib
-import sys
 import warnings
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from functools import cache
 from numbers import Integral, Real
 from pathlib import PurePath
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 import msgspec
 import numpy as np
@@ -17,78 +17,188 @@ from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import RadialDistortion
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
+from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
 from ..servo.observation import DEFAULT_MAX_RESTARTS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
 
 RECTIFY = ("auto", "off")
-CAMERAS = ("points", "rendered")  # projected points, or detected in rendered pictures of arms that have weight
+SENSORS = ("projected", "rendered")
 USUAL_POINTS = 10
-MOST_SEED = 2**32 - 1
-MOST_FRAMES = 1_000
-LEAST_STEP_DEG, MOST_STEP_DEG = 0.01, 360.0  # of a motion that is the longest
-MOST_RESTARTS = 100
+MAX_SEED = 2**32 - 1
 SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
 OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
-MOST_TURNS, ROUNDED = 2, 1e-7  # of angles that may be radians; how near whole degrees come to themselves as radians
+MAX_TURNS, TOLERANCE_DEG = 2, 1e-7  # of angles that may be radians: their size, and their distance to whole degrees
 
 Range = tuple[float, float]  # degrees
 PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
 D = TypeVar("D", bound=Disturbance)
 
 
-class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """With equal settings a run repeats itself to the last bit. Raises ValueError that names the field and its bounds.
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What a field of `Settings` means: for help on the command line, the documentation's table and the page."""
 
-    `Settings()` is the best method, exact for pinhole cameras; `Settings.paper()` is the paper's transfer, with
-    Broyden's law and one image at each posture, which assumes cameras that are far away.
+    description: str  # a phrase without a full stop
+    option: str = ""  # on the command line, without dashes, if it is not the field's name
+    default: str = ""  # the default in words, where the default value does not say it
+    unit: str = ""  # of the value, such as deg: the placeholder on the command line
+    bounds: tuple[float, float] | None = None  # lowest and highest value
+    choices: Collection[str] = ()  # the names that are allowed
+    label: str = ""  # of its slider on the page, "" for none
+    slider_range: tuple[float, float, float] = (0, 1, 1)  # lowest, highest, step
 
-    demonstrator_deg, start_deg: of the scene's moving joints; None takes the scene's own. A session that begins with
-    angles that are whole degrees only if they are read as radians gives a UserWarning.
-    noise_px to quantum_deg: amounts of `DISTURBANCES`; delay: looks after a motion that still show the posture before
-    it. The learner is told of none of them.
-    transfer, servo: of TRANSFERS and SERVOS; OWN for the one that a session was given itself.
-    frames: how many images are averaged at each posture, of both bodies.
-    scene: a name, or the path of a scene file, or of a URDF, for which a scene is made, or all that a scene file says,
-    as text that ends with a line; robot: a name or the path of a URDF, in place of the scene's; joints: which move, in
-    place of the scene's.
-    body_points: [link, x, y, z] each, as in a scene, in place of all of its layouts.
-    undistort: (k1, k2) of the radial distortion that images are rid of, in place of the scene's.
-    rectify: of RECTIFY; auto rectifies the images by what all matches of both pairs of views tell of their cameras, if
-    that is needed.
-    max_step_deg: no joint is sent farther in one motion: a longer one is made in several, with a look after each; None
-    for motions of any length. workspace_deg: the lowest and the highest angle to which each moving joint may be sent,
-    inside the arm's limits, which None takes. restarts: how often a servo may look for something lower far from where
-    it has been; 0 keeps it from that.
-    camera: of CAMERAS; points: layout of the scene, in place of which rendered pictures show the robot's markers; ten,
-    if a scene has no such layout, stands for the one whose number of points is nearest.
+
+class _RenamedFields(msgspec.StructMeta):
+    """Lets `Settings(…)` take the field names of earlier versions, with a warning."""
+
+    if not TYPE_CHECKING:
+
+        def __call__(cls, *args, **fields):
+            return super().__call__(*args, **current_settings(fields))
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_RenamedFields):
+    """All that a run depends on. With equal settings a run repeats itself to the last bit.
+
+    `Settings()` is the best method, exact for pinhole cameras. `Settings.paper()` is the paper's transfer, with
+    Broyden's law and one image at each posture; it assumes cameras that are far away.
+
+    Raises
+    ------
+    ValueError
+        For a value that is out of bounds or of another type. The message names the field.
+
+    Notes
+    -----
+    The learner does not know the disturbances (`noise_px` to `encoder_step_deg`) or the `delay`. A session that begins
+    with angles that would be whole degrees if they were radians gives a UserWarning. Field names of earlier versions
+    are still read, with a FutureWarning.
     """
 
-    scene: str = "panda"
-    robot: str | None = None
-    joints: tuple[int, ...] | None = None
-    points: int = USUAL_POINTS
-    body_points: tuple[BodyPoint, ...] | None = None
-    demonstrator_deg: tuple[float, ...] | None = None
-    start_deg: tuple[float, ...] | None = None
-    transfer: str = "projective"
-    servo: str = "trust-region"
+    scene: Annotated[
+        str,
+        Setting(description="path of a .toml or .urdf file, a scene file's text, or a name"),
+    ] = "panda"
+    robot: Annotated[
+        str | None,
+        Setting(description="path of a .urdf file, or a name", default="the scene's"),
+    ] = None
+    joints: Annotated[
+        tuple[int, ...] | None,
+        Setting(description="joints that move, numbered from 1", unit="N,N", default="the scene's"),
+    ] = None
+    points: Annotated[
+        int,
+        Setting(
+            description="layout of the scene's body points, by their number; rendered pictures show markers instead",
+            unit="N",
+            option="n-points",
+            default=f"{USUAL_POINTS}, or the scene's nearest to that",
+        ),
+    ] = USUAL_POINTS
+    body_points: Annotated[
+        tuple[BodyPoint, ...] | None,
+        Setting(description="body points [link, x, y, z] m, in place of the scene's layouts", default="the scene's"),
+    ] = None
+    demonstrator_deg: Annotated[
+        tuple[float, ...] | None,
+        Setting(
+            description="posture of the demonstrator's moving joints",
+            unit="deg,deg",
+            option="demonstrator",
+            default="the scene's",
+        ),
+    ] = None
+    start_deg: Annotated[
+        tuple[float, ...] | None,
+        Setting(
+            description="first posture of the learner's moving joints",
+            unit="deg,deg",
+            option="start",
+            default="the scene's",
+        ),
+    ] = None
+    transfer: Annotated[
+        str, Setting(description="estimator of the demonstrator's points in the learner's images", choices=TRANSFERS)
+    ] = "projective"
+    servo: Annotated[str, Setting(description="control law that moves the learner's arm", choices=SERVOS)] = (
+        "trust-region"
+    )
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
     swapped: Annotated[float, SWAPPED] = 0.0
-    frames: int = 25
+    frames: Annotated[
+        int,
+        Setting(
+            description="images averaged at each posture; gross errors among them are set aside",
+            unit="N",
+            bounds=(1, 1_000),
+            label="Frames",
+            slider_range=(1, 50, 1),
+        ),
+    ] = 25
     gain_error: Annotated[float, GAIN_ERROR] = 0.0
-    quantum_deg: Annotated[float, QUANTUM] = 0.0
-    delay: int = 0
-    seed: int = 7
-    undistort: tuple[float, float] | None = None
-    rectify: str = "auto"
-    camera: str = "points"
-    max_step_deg: float | None = None
-    restarts: int = DEFAULT_MAX_RESTARTS
-    workspace_deg: tuple[Range, ...] | None = None
+    encoder_step_deg: Annotated[float, QUANTUM] = 0.0
+    delay: Annotated[
+        int,
+        Setting(
+            description="looks after a motion that still show the posture before it", bounds=(0, MAX_LATENCY_LOOKS)
+        ),
+    ] = 0
+    seed: Annotated[
+        int, Setting(description="seed of the disturbances", unit="N", bounds=(0, MAX_SEED), label="Seed")
+    ] = 7
+    undistort: Annotated[
+        tuple[float, float] | None,
+        Setting(
+            description="radial distortion k1, k2 (OpenCV's model) to remove from the images first",
+            unit="k1,k2",
+            default="the scene's",
+        ),
+    ] = None
+    rectify: Annotated[
+        str,
+        Setting(
+            description="rectify the images where their matches show that the cameras are not parallel, or never",
+            choices=RECTIFY,
+        ),
+    ] = "auto"
+    sensor: Annotated[
+        str,
+        Setting(
+            description="image points projected, or detected in rendered pictures of arms that have weight and wear "
+            "markers",
+            choices=SENSORS,
+        ),
+    ] = "projected"
+    max_step_deg: Annotated[
+        float | None,
+        Setting(
+            description="longest motion of a joint; a longer one is made in several, with a look after each",
+            unit="deg",
+            bounds=(0.01, 360.0),
+            default="any angle",
+        ),
+    ] = None
+    restarts: Annotated[
+        int,
+        Setting(
+            description="searches far from the visited postures before the servo gives up; 0 for none",
+            unit="N",
+            bounds=(0, 100),
+        ),
+    ] = DEFAULT_MAX_RESTARTS
+    workspace_deg: Annotated[
+        tuple[Range, ...] | None,
+        Setting(
+            description="lowest and highest angle of each moving joint that the learner's arm may be sent to",
+            unit="low:high,low:high",
+            default="the arm's limits",
+        ),
+    ] = None
 
     @classmethod
     def best(cls, **changes: Any) -> "Settings":
@@ -128,6 +238,13 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         """Of every disturbance of a kind, those that are 0 too."""
         return tuple([(found, getattr(self, name)) for name, found in disturbances(kind).items()])
 
+    def __getattr__(self, name: str) -> Any:
+        """The value of a field by its name in an earlier version, with a warning."""
+        (current,) = current_keys({name: None}, SETTINGS)
+        if current == name:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(self, current)
+
     def __post_init__(self) -> None:
         for name in (*_SEQUENCES, *_NUMBERS):
             value = getattr(self, name)
@@ -159,18 +276,15 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         for low, high in self.workspace_deg or ():
             if not (np.isfinite([low, high]).all() and low < high):
                 raise ValueError(f"workspace_deg: {low:g}° … {high:g}° is no range: give the lower angle first")
-        _require_choice("transfer", self.transfer, TRANSFERS)
-        _require_choice("servo", self.servo, SERVOS)
-        _require_choice("rectify", self.rectify, RECTIFY)
-        _require_choice("camera", self.camera, CAMERAS)
-        for name, disturbance in DISTURBANCES.items():
-            _require_range(name, getattr(self, name), *disturbance.bounds)
-        _require_range("delay", self.delay, 0, MAX_LATENCY_LOOKS)
-        _require_range("frames", self.frames, 1, MOST_FRAMES)
-        _require_range("seed", self.seed, 0, MOST_SEED)
-        _require_range("restarts", self.restarts, 0, MOST_RESTARTS)
-        if self.max_step_deg is not None:
-            _require_range("max_step_deg", self.max_step_deg, LEAST_STEP_DEG, MOST_STEP_DEG)
+        for name, field in FIELDS.items():
+            value = getattr(self, name)
+            choices = field.choices if isinstance(field, Setting) else ()
+            if choices and value not in choices and not (value == OWN and name in ("transfer", "servo")):
+                raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+            if field.bounds is not None and value is not None:
+                low, high = field.bounds
+                if not low <= value <= high:  # NaN fails too
+                    raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")
 
 
 def _is_of(kind, value) -> bool:
@@ -202,11 +316,11 @@ _NUMBERS = {name: {int: Integral, float: Real}[hint] for name, hint in _HINTS.it
 _NUMBERS |= dict.fromkeys(_OPTIONAL, Real)
 _DEGREES = [name for name in _HINTS if name.endswith("_deg")]
 _TEXTS = [name for name, hint in _HINTS.items() if hint in (str, str | None)]
+FIELDS: Mapping[str, Setting | Disturbance] = {  # in the order of `Settings`
+    name: hint.__metadata__[0] for name, hint in get_type_hints(Settings, include_extras=True).items()
+}
 DISTURBANCES: Mapping[str, Disturbance] = {  # by the field that says how much of it
-    name: mark
-    for name, hint in get_type_hints(Settings, include_extras=True).items()
-    for mark in getattr(hint, "__metadata__", ())
-    if isinstance(mark, Disturbance)
+    name: field for name, field in FIELDS.items() if isinstance(field, Disturbance)
 }
 
 
@@ -219,21 +333,13 @@ def warn_of_radians(settings: Settings) -> None:
         given = np.array(getattr(settings, name) or 0.0, float).ravel()
         converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
         whole = converted.round()
-        if len(whole) and np.abs(whole).max() <= MOST_TURNS * 360 and np.abs(converted - whole).max() < ROUNDED:
+        if len(whole) and np.abs(whole).max() <= MAX_TURNS * 360 and np.abs(converted - whole).max() < TOLERANCE_DEG:
             meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())
             warnings.warn(
                 f"{name} = {getattr(settings, name)} looks like radians; angles in settings are in degrees. "
                 f"Did you mean {meant}?",
-                stacklevel=_level_outside(),
+                stacklevel=level_outside(),
             )
-
-
-def _level_outside() -> int:
-    """How far up the stack, for `warnings.warn` in the caller, the first line outside this package is."""
-    frame, level, package = sys._getframe(1), 1, __name__.partition(".")[0]
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
-        frame, level = frame.f_back, level + 1
-    return level
 
 
 def disturbances(kind: type[D]) -> dict[str, D]:
@@ -256,20 +362,17 @@ def given(angles_deg: tuple[float, ...] | None) -> tuple[float, ...]:
     return angles_deg
 
 
+def option(name: str) -> str:
+    """The option of the command line that sets a field of `Settings`, or that has this destination."""
+    field = FIELDS.get(name)
+    return "--" + (isinstance(field, Setting) and field.option or name.replace("_", "-"))
+
+
 def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Convert values as JSON has them to the types of these fields. Raises ValueError for another name or value."""
+    fields = current_settings(fields)
     try:
-        whole = msgspec.convert(dict(fields), Settings)
+        whole = msgspec.convert(fields, Settings)
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from None
     return {name: getattr(whole, name) for name in fields}
-
-
-def _require_choice(name: str, value: str, choices: Collection[str]) -> None:
-    if value not in choices and not (value == OWN and name in ("transfer", "servo")):
-        raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
-
-
-def _require_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} must be between {low:g} and {high:.10g}, got {value:.10g}")

@@ -126,7 +126,7 @@ class SimulatedRobot:
             joints=tuple(scene.moving_joints),
             span_deg=tuple(round(high - low, 6) for low, high in scene.range_deg),
             points=settings.points,
-            camera=settings.camera,
+            sensor=settings.sensor,
             undistort=scene.head.undistort,
             layout="" if settings.body_points is None else _digest(settings.body_points),
         )
@@ -162,7 +162,7 @@ class SimulatedRobotOpener:
     def __call__(self, settings: Settings, sent: NDArray | None) -> SessionStart:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
-        wanted = settings.camera, scene, settings.points
+        wanted = settings.sensor, scene, settings.points
         if self._opened is None or self._opened[0] != wanted:
             self._opened = wanted, SimulatedRobot(self._open_eyes(*wanted), scene)
         learner = self._opened[1]

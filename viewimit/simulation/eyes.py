@@ -100,13 +100,13 @@ class ProjectedEyes:
         return np.clip(drive(amounts, theta, theta + (commanded - sent)), scene.lower, scene.upper)
 
 
-def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
+def open_eyes(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
     """Open the eyes of a session.
 
     Parameters
     ----------
-    camera : str
-        "points" for projected points, "rendered" for pictures.
+    sensor : str
+        "projected" for projected points, "rendered" for pictures.
     scene : Scene
     points : int
         Layout of the scene. Pictures show the markers instead.
@@ -116,24 +116,24 @@ def open_eyes(camera: str, scene: Scene, points: int) -> SimulatedEyes:
     ValueError
         As `require_eyes`.
     """
-    if camera == "points":
+    if sensor == "projected":
         return ProjectedEyes(scene, points)
-    require_eyes(camera, scene)
+    require_eyes(sensor, scene)
     from .rendering import RenderedEyes  # loads pybullet and OpenCV
 
     return RenderedEyes(scene)
 
 
-def require_eyes(camera: str, scene: Scene) -> None:
+def require_eyes(sensor: str, scene: Scene) -> None:
     """Raise ValueError if pictures cannot be rendered: a missing package, no markers, or lenses with distortion."""
-    if camera == "points":
+    if sensor == "projected":
         return
     missing = [package for package in NEEDS if importlib.util.find_spec(package) is None]
     if "pybullet" in missing and not pybullet_has_wheel():
         raise ValueError(f"camera images need PyBullet, which has wheels only for {WHEELS}")
     if missing:
         extras = ",".join(NEEDS[package] for package in missing)
-        raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{extras}]'")
+        raise ValueError(f"camera images need packages that are missing: pip install 'viewimit[{extras}]'")
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
     head = scene.stereo_head()

@@ -23,7 +23,7 @@ class FollowLink(Value):
 
     def opens_pictures(self, model: PageModel) -> bool:
         try:
-            return self.read(model).script.settings.camera == "rendered"
+            return self.read(model).script.settings.sensor == "rendered"
         except ValueError:
             return False
 

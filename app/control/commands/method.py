@@ -57,7 +57,7 @@ def switch_rectify(value: object) -> Change:
 
 
 def switch_camera(value: object) -> Change:
-    return Change("camera", "rendered" if switch(value) else "points")
+    return Change("sensor", "rendered" if switch(value) else "projected")
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ class Undo(Command):
 
     def opens_pictures(self, model: PageModel) -> bool:
         left = model.past.here
-        return left is not None and left.camera == "rendered" != model.session.settings.camera
+        return left is not None and left.sensor == "rendered" != model.session.settings.sensor
 
     def apply(self, model: PageModel, now: float) -> None:
         model.player.pause()
@@ -134,7 +134,7 @@ class ChoosePreset(Value):
         return cls(words(value, "preset"))
 
     def opens_pictures(self, model: PageModel) -> bool:
-        return self.name in model.presets.offered and model.presets.offered[self.name].settings.camera == "rendered"
+        return self.name in model.presets.offered and model.presets.offered[self.name].settings.sensor == "rendered"
 
     def apply(self, model: PageModel, now: float) -> None:
         if self.name != modified(model.preset.name):  # which it is already

@@ -106,7 +106,7 @@ class GiveBack(Command):
 
     def opens_pictures(self, model: PageModel) -> bool:
         before = model.word.before
-        return before is not None and before.left.camera == "rendered" != model.session.settings.camera
+        return before is not None and before.left.sensor == "rendered" != model.session.settings.sensor
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = model.word.give_back(model.view)

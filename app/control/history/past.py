@@ -32,9 +32,9 @@ class Left:
         return self.runs[0][0][-1].motion
 
     @property
-    def camera(self) -> str:
+    def sensor(self) -> str:
         moments, cursor, _ = self.runs[0]
-        return moments[cursor].settings.camera
+        return moments[cursor].settings.sensor
 
 
 class Past:

@@ -87,7 +87,7 @@ class UndoableSession:
 
     def begin_like(self, settings: Settings) -> None:
         """With projected points; nothing of what was here is kept."""
-        self.session.begin(msgspec.structs.replace(settings, camera="points"))
+        self.session.begin(msgspec.structs.replace(settings, sensor="projected"))
 
     def leave_pictures(self) -> None:
         """Begin anew with projected points."""

@@ -26,7 +26,7 @@ class Imitated:
     def play(self, imitation: Imitation, now: float) -> None:
         """Raises ValueError if the session is in another world, or where every look is a picture."""
         settings = self._session.settings
-        if settings.camera == "rendered":
+        if settings.sensor == "rendered":
             raise ValueError("an imitation has no camera images: switch them off to see it")
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:

@@ -31,7 +31,7 @@ class OnTheWay:
         left, self._heading = self._heading, present
         if not moving:
             return present, present
-        if present.settings.camera == "points":
+        if present.settings.sensor == "projected":
             looked = session.observe(theta, present)
             return looked, looked
         if left is None or self._looked is None:

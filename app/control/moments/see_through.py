@@ -17,7 +17,7 @@ class SeeThrough:
 
     def look(self, theta: NDArray) -> None:
         """theta: (m,) rad. Raises ValueError for a posture out of limits, or where every look is a picture."""
-        if self._session.settings.camera == "rendered":
+        if self._session.settings.sensor == "rendered":
             raise ValueError("a see-through arm has no camera images: switch them off to look without a motion")
         self._theta = self._session.scene.require_posture(theta, "see-through arm's")
         self._from, self._seen = self._session.snapshot.theta, None
@@ -29,7 +29,7 @@ class SeeThrough:
     def moment(self) -> Snapshot | None:
         """What would be seen there now: nothing moves, nothing is kept."""
         present = self._session.snapshot
-        if self._theta is None or present.theta is not self._from or present.settings.camera == "rendered":
+        if self._theta is None or present.theta is not self._from or present.settings.sensor == "rendered":
             self._theta = None
             return None
         if self._seen is None or self._seen[0] is not present:

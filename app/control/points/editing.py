@@ -16,7 +16,7 @@ from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.autoscene.candidates import candidates
+from viewimit.simulation.autoscene.candidates import find_candidates
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
@@ -59,7 +59,7 @@ class PointEditing:
 
     @property
     def on(self) -> bool:
-        return self._on and self._session.settings.camera == "points"
+        return self._on and self._session.settings.sensor == "projected"
 
     def toggle(self) -> None:
         """Begin or end. Raises ValueError where pictures show markers."""
@@ -67,7 +67,7 @@ class PointEditing:
         if self.on:
             self._on = False
             return
-        if self._session.settings.camera == "rendered":
+        if self._session.settings.sensor == "rendered":
             raise ValueError("camera images show the markers that the arm wears: switch them off to edit points")
         self._on = True
 
@@ -173,7 +173,7 @@ class PointEditing:
 
 def _search(world: World, moment: Snapshot) -> tuple[World, Snapshot, Proposal] | ValueError:
     try:
-        return world, moment, best_next(world, moment, candidates(world, moment.theta_demo))
+        return world, moment, best_next(world, moment, find_candidates(world, moment.theta_demo))
     except ValueError as reason:
         return reason
 

@@ -1,2 +1,1 @@
-"""A scene for a robot of which only the URDF is known: what moves and how far, what is seen of it, and from where.
-What a URDF says is read in urdf/."""
+"""Make a scene for a URDF alone: moving joints, their ranges, body points, cameras."""

@@ -1,12 +1,13 @@
-"""From a URDF alone to all that a scene file says.
+"""Make all fields of a scene file from a URDF.
 
-The chain is `urdf.chain`'s; here its posture, the joints that move and their ranges, points on what is seen of it, and
-where arms and head stand.
+`urdf.chain` finds the arm. Here its posture, moving joints, ranges and body points are chosen, and the arms and the
+head are placed.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,70 +25,82 @@ from .placing import (
     Placing,
     fit_to_view,
     image_jacobian,
-    movable,
-    resting,
+    imitating_joints,
+    rest_posture,
     separate_robots,
     turning_range,
     two_that_move_most,
 )
-from .surface import Surface, layout, parts_of, sample, seen_from, whole
+from .surface import Surface, choose_layout, parts_of, sample_arm, sample_body, visible_fraction
 
-LAYOUTS = 10, 16, 20  # points
+LAYOUTS = 10, 16, 20  # numbers of points
 YAWS_DEG = range(0, 360, 45)
-STEPS = 5  # postures a moving joint, over its range
-LOOKS = 3
-START = 0.2, 0.8, 0.35  # of the moving joints' ranges, where the learner starts, in turn
+GRID_ANGLES = 5  # for each moving joint, over its range
+VIEW_ANGLES = 3  # of those, for visibility
+MIN_GAIN = 1.02  # by which another yaw must be better
+START = 0.2, 0.8, 0.35  # of the ranges of the moving joints: the learner's start
 
 
 @dataclass(frozen=True)
 class AutoScene:
-    """fields: as `msgspec` makes a Scene of them; said: lines about what was chosen; faults: about what is not
-    drawn."""
+    """A scene made for a URDF."""
 
-    fields: dict
-    choices: tuple[str, ...]
-    faults: tuple[str, ...]
+    fields: dict[str, Any]  # of `Scene`
+    choices: tuple[str, ...]  # messages about what was chosen
+    faults: tuple[str, ...]  # messages about shapes that are not drawn
 
 
 def make_scene(reference: Reference, joints: Sequence[int] | None = None) -> AutoScene:
-    """joints: numbers, from 1, of those that move, one or two; None takes the two that move the image most.
+    """Make a scene for a URDF.
 
-    Raises ValueError that names the file, and the joint, for what cannot be.
+    Parameters
+    ----------
+    reference : Reference
+    joints : sequence of int, optional
+        Numbers, from 1, of one or two moving joints; by default the two that move the images most.
+
+    Raises
+    ------
+    ValueError
+        Names the file and the joint.
     """
-    tree = read_tree(reference.path)
     shapes = shapes_of(reference)
-    return _derived(tree, shapes, reference, None if joints is None else tuple(joints))
+    return _make_scene(read_tree(reference.path), shapes, reference, None if joints is None else tuple(joints))
 
 
 @lru_cache(16)
-def _derived(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int, ...] | None) -> AutoScene:
+def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[int, ...] | None) -> AutoScene:
     arm = find_arm(tree, reference.base, reference.tip)
     robot = Robot.from_urdf(reference.path, reference.tip, reference.base)
-    among = movable(robot)
+    among = imitating_joints(robot)
     _require_movable(tree, arm, robot, among, joints)
-    rest = resting(robot)
-    surface = sample(shapes.meshes, robot, rest, (joints or among)[0])
+    rest = rest_posture(robot)
+    surface = sample_arm(shapes.meshes, robot, rest, (joints or among)[0])
     lowest = _lowest(shapes, robot, rest)
     yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
     ranges = [turning_range(robot, joint, rest) for joint in moving]
     rest[np.array(moving) - 1] = np.radians(np.mean(ranges, axis=1))
     rest = np.array(robot.with_mimics(rest), float)
-    postures = _over(robot, rest, moving, ranges)
+    postures = _posture_grid(robot, rest, moving, ranges)
     sides = [surface.at(robot.link_frames(posture)) for posture in postures]
     rough = fit_to_view(np.array([places for places, _ in sides]), lowest, yaw)
-    seen = _seen(rough, sides)
+    visible = _visibility(rough, sides)
     part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
-    layouts = {count: chosen for count in LAYOUTS if len(chosen := layout(surface, places, seen, part, count)) == count}
+    layouts = {
+        count: chosen
+        for count in LAYOUTS
+        if len(chosen := choose_layout(surface, places, visible, part, count)) == count
+    }
     used = np.unique(np.concatenate(list(layouts.values())))
     placing = fit_to_view(np.array([places[used] for places, _ in sides]), lowest, yaw)
-    placing = separate_robots(placing, whole(shapes.meshes, robot, rest))
+    placing = separate_robots(placing, sample_body(shapes.meshes, robot, rest))
     fields = _fields(tree, reference, robot, moving, ranges, rest, placing)
     fields["points"] = {
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
         for count, chosen in layouts.items()
     }
-    return AutoScene(fields, tuple(_said(tree, arm, robot)), shapes.faults)
+    return AutoScene(fields, tuple(_choices(tree, arm, robot)), shapes.faults)
 
 
 def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
@@ -96,20 +109,26 @@ def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joi
             raise ValueError(f"{tree.path}: there is no joint {joint}; its joints are {_numbered(robot)}")
         if joint not in among:
             one = robot.joints[joint - 1]
-            raise ValueError(f"{tree.path}: joint {joint}, {one.name}, {_why(tree, one.name)}")
+            raise ValueError(f"{tree.path}: joint {joint}, {one.name}, {_why_fixed(tree, one.name)}")
     if len(among) >= 2 or (joints and len(among) >= len(joints)):
         return
     stiff = [joint.name for k, joint in enumerate(robot.joints, 1) if k not in among]
     slides = [joint.name for joint in arm.joints if joint.kind in SLIDING]
-    why = f"; {stiff[0]} {_why(tree, stiff[0])}" if stiff else f"; {slides[0]} slides, and is held" if slides else ""
+    why = (
+        f"; {stiff[0]} {_why_fixed(tree, stiff[0])}"
+        if stiff
+        else f"; {slides[0]} slides, and is held"
+        if slides
+        else ""
+    )
     raise ValueError(
         f"{tree.path}: from {arm.base} to {arm.tip} {len(among) or 'no'} joint{'s' * (not among)} can turn, "
         f"and two are needed{why}; another chain can be named by --tip"
     )
 
 
-def _why(tree: Tree, name: str) -> str:
-    """A joint cannot move by itself: why, and what to do."""
+def _why_fixed(tree: Tree, name: str) -> str:
+    """Why a joint cannot move, and the remedy."""
     joint = next(joint for joint in tree.joints if joint.name == name)
     if joint.mimic is not None:
         return f"follows {joint.mimic.of}: move that one"
@@ -119,9 +138,9 @@ def _why(tree: Tree, name: str) -> str:
 
 
 def _best_view(
-    robot: Robot, rest: NDArray, surface: Surface, lowest: float, among: Sequence[int], given: bool
+    robot: Robot, rest: NDArray[np.float64], surface: Surface, lowest: float, among: Sequence[int], given: bool
 ) -> tuple[float, list[int]]:
-    """The bases' yaw, rad, at which two of the joints, or those given, move the images most; and those joints."""
+    """Yaw of the bases [rad] at which two joints, or the given ones, move the images most, and these joints."""
     spans = np.zeros(len(robot.joints))
     for joint in among:
         low, high = np.radians(turning_range(robot, joint, rest))
@@ -141,14 +160,16 @@ def _best_view(
         else:
             chosen, score = two_that_move_most(J, spans, among)
             pair = list(among) if given else list(chosen)
-        if score > best[0] * 1.02:
+        if score > best[0] * MIN_GAIN:
             best = score, float(yaw), pair
     return best[1:]
 
 
-def _over(robot: Robot, rest: NDArray, moving: Sequence[int], ranges: Sequence[tuple[float, float]]) -> list[NDArray]:
-    """Postures (n,) rad on a grid over the ranges."""
-    axes = [np.radians(np.linspace(low, high, STEPS)) for low, high in ranges]
+def _posture_grid(
+    robot: Robot, rest: NDArray[np.float64], moving: Sequence[int], ranges: Sequence[tuple[float, float]]
+) -> list[NDArray[np.float64]]:
+    """Postures on a grid over the ranges, (n,) rad each."""
+    axes = [np.radians(np.linspace(low, high, GRID_ANGLES)) for low, high in ranges]
     found = []
     for angles in np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(moving)):
         posture = rest.copy()
@@ -157,18 +178,19 @@ def _over(robot: Robot, rest: NDArray, moving: Sequence[int], ranges: Sequence[t
     return found
 
 
-def _seen(placing: Placing, sides: list[tuple[NDArray, NDArray]]) -> NDArray:
-    """(K,) the share of looks, of both arms over the ranges, in which each place is seen."""
-    looks = sides[:: max(1, len(sides) // LOOKS**2)]
-    shares = [
-        seen_from(list(placing.cameras(side)), placing.base(side), places, normals)
+def _visibility(placing: Placing, sides: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> NDArray[np.float64]:
+    """Fraction of the views of both arms over the ranges that show each place, (K,)."""
+    views = sides[:: max(1, len(sides) // VIEW_ANGLES**2)]
+    fractions = [
+        visible_fraction(list(placing.cameras(side)), placing.base(side), places, normals)
         for side in (1, -1)
-        for places, normals in looks
+        for places, normals in views
     ]
-    return np.mean(shares, axis=0)
+    return np.mean(fractions, axis=0)
 
 
-def _lowest(shapes: Shapes, robot: Robot, rest: NDArray) -> float:
+def _lowest(shapes: Shapes, robot: Robot, rest: NDArray[np.float64]) -> float:
+    """Height of the lowest vertex in the base frame [m]."""
     frames = robot.link_frames(rest)
     return min(float((mesh.vertices @ frames[k][2, :3] + frames[k][2, 3]).min()) for k, mesh in shapes.meshes.items())
 
@@ -179,9 +201,9 @@ def _fields(
     robot: Robot,
     moving: Sequence[int],
     ranges: Sequence[tuple[float, float]],
-    rest: NDArray,
+    rest: NDArray[np.float64],
     placing: Placing,
-) -> dict:
+) -> dict[str, Any]:
     start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
     posture = np.degrees(rest).round(2)
     yaw = float(np.degrees(placing.yaw).round(2))
@@ -207,12 +229,12 @@ def _fields(
     }
 
 
-def _rounded(values: NDArray) -> list[float]:
-    """m, without minus zero."""
+def _rounded(values: NDArray[np.float64]) -> list[float]:
+    """Rounded to 0.1 mm, without minus zero."""
     return [float(value) for value in np.asarray(values).round(4) + 0.0]
 
 
-def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
+def _choices(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
     lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
     for joint in arm.joints:
         if joint.kind in SLIDING:
@@ -220,12 +242,14 @@ def _said(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
     for one in robot.joints:
         if one.leader is not None:
             lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
-    return lines + [f"{tree.path}: {said}" for said in _held(tree, arm, robot)]
+    return lines + [f"{tree.path}: {line}" for line in _fixed_joints(tree, arm, robot)]
 
 
-def _held(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:
-    """Which joints of the arm neither turn nor slide, though their type may; and of no type at all, which of the file:
-    such a one may end the arm."""
+def _fixed_joints(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:
+    """Messages about joints of the arm that neither turn nor slide, and about joints of unknown type anywhere.
+
+    A joint of unknown type may end the arm.
+    """
     unknown = sorted({joint.kind for joint in tree.joints} - set(KINDS))
     for kind in unknown:
         names = ", ".join(joint.name for joint in tree.joints if joint.kind == kind)

@@ -1,4 +1,4 @@
-"""Which joints of a URDF are the arm: the longest chain of those that turn, without fingers."""
+"""Find the arm of a URDF, the longest chain of revolute joints without fingers, and the joint that moves each link."""
 
 import re
 from dataclasses import dataclass
@@ -8,26 +8,30 @@ from numpy.typing import NDArray
 
 from .tree import REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
 
-FINGER = re.compile(r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE)  # in the name of a joint, or of what it moves
+FINGER = re.compile(
+    r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE
+)  # in the name of a joint or of the link that it moves
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
-SMALL = 0.35  # of an arm's length, that what it holds reaches at most to be its hand
-FEWEST = 2  # joints that an arm has without its fingers
+MAX_HAND_REACH = 0.35  # of the arm's length
+MIN_ARM_JOINTS = 2  # without fingers
 
 
 @dataclass(frozen=True)
 class Chain:
-    """joints: from the link `base` to the last one that turns, fixed ones too; tip: the link at its end."""
+    """A chain of joints that is an arm."""
 
-    base: str
-    tip: str
-    joints: tuple[TreeJoint, ...]
+    base: str  # link
+    tip: str  # link
+    joints: tuple[TreeJoint, ...]  # from the base to the last one that turns, fixed ones too
 
 
 def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain:
-    """Raises ValueError that names the file for a link that is not there, a loop, or a chain in which nothing turns.
+    """Find the arm between two links.
 
-    Without a tip the chain with most joints that turn by themselves, and of those the longest in metres. Fingers are
-    not counted, unless nothing else is there or the tip is beyond them.
+    Without a tip, this is the chain with the most revolute joints that follow no other, and of those the longest in
+    metres. Fingers do not count, unless there is nothing else or the tip is beyond them.
+
+    Raises ValueError that names the file: a missing link, a loop, or a chain in which nothing turns.
     """
     by_child = {joint.child: joint for joint in tree.joints}
     for link in (base, tip):
@@ -40,7 +44,7 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
     if tip and not arms:
         raise ValueError(f"{tree.path}: link {tip!r} does not hang on link {base!r}")
     best = max(arms, key=lambda arm: (_count(arm), round(_length(arm), 6)), default=())
-    arm = _to_the_last_that_turns(best)
+    arm = _up_to_last_revolute(best)
     if not any(joint.turns and joint.mimic is None for joint in arm):
         start = "the root link" if base is None else f"link {base!r}"
         slides = any(joint.kind in SLIDING for joint in tree.joints)
@@ -58,13 +62,13 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
 
 
 def turning_joints(arm: Chain) -> list[TreeJoint]:
-    """The joints of an arm that turn, by themselves or with another one of it: those of `Robot`, in its order."""
+    """Return the joints of `Robot`: those of an arm that turn, by themselves or with another joint of the arm."""
     leaders = {joint.name for joint in arm.joints if joint.turns and joint.mimic is None}
     return [joint for joint in arm.joints if joint.turns and (joint.mimic is None or joint.mimic.of in leaders)]
 
 
 def _path_to(tree: Tree, by_child: dict[str, TreeJoint], link: str, base: str | None) -> tuple[TreeJoint, ...] | None:
-    """Joints from the base, or else the root, to `link`; None if the base is not above it."""
+    """Joints from the base, or the root, to `link`; None if the base is not above it."""
     chain: list[TreeJoint] = []
     while link in by_child and link != base:
         chain.append(by_child[link])
@@ -75,22 +79,22 @@ def _path_to(tree: Tree, by_child: dict[str, TreeJoint], link: str, base: str | 
 
 
 def _without_fingers(tree: Tree, arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
-    """Less what is a hand: where two small branches or more, or joints so named, move at its end."""
+    """Remove the hand: two or more small moving branches, or joints with a finger's name, at the end."""
     for k, joint in enumerate(arm):
         before = arm[:k]
         branches = [other for other in tree.joints if other.parent == joint.parent]
-        moving = [branch for branch in branches if _moves_below(tree, branch)]
-        if _count(before) >= FEWEST and len(moving) >= 2:
-            if max(_reach(tree, branch) for branch in moving) < SMALL * _length(before):
+        moving = [branch for branch in branches if _subtree_moves(tree, branch)]
+        if _count(before) >= MIN_ARM_JOINTS and len(moving) >= 2:
+            if max(_subtree_length(tree, branch) for branch in moving) < MAX_HAND_REACH * _length(before):
                 arm = before
                 break
     end = len(arm)
-    while end and (not _itself(arm[end - 1]) or _is_finger(arm[end - 1])):
+    while end and (not _turns_freely(arm[end - 1]) or _is_finger(arm[end - 1])):
         end -= 1
-    if _count(arm[:end]) < FEWEST:
+    if _count(arm[:end]) < MIN_ARM_JOINTS:
         return arm
     leaders = {joint.name for joint in arm[:end]}
-    for k, joint in enumerate(arm[end:], end + 1):  # what moves with the arm is of it
+    for k, joint in enumerate(arm[end:], end + 1):  # mimic joints of the arm belong to it
         if joint.turns and joint.mimic is None:
             break
         if joint.mimic is not None and joint.mimic.of in leaders:
@@ -102,18 +106,17 @@ def _is_finger(joint: TreeJoint) -> bool:
     return bool(FINGER.search(f"{joint.name} {joint.child}") or GRIPPER.search(joint.name))
 
 
-def _to_the_last_that_turns(arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
+def _up_to_last_revolute(arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
     last = max((k + 1 for k, joint in enumerate(arm) if joint.turns), default=0)
     return arm[:last]
 
 
-def _itself(joint: TreeJoint) -> bool:
-    """Turns by itself."""
+def _turns_freely(joint: TreeJoint) -> bool:
     return joint.turns and joint.moves
 
 
 def _count(arm: tuple[TreeJoint, ...]) -> int:
-    return sum(map(_itself, arm))
+    return sum(map(_turns_freely, arm))
 
 
 def _length(arm: tuple[TreeJoint, ...]) -> float:
@@ -124,47 +127,44 @@ def _below(tree: Tree, joint: TreeJoint) -> list[TreeJoint]:
     return [other for other in tree.joints if other.parent == joint.child]
 
 
-def _moves_below(tree: Tree, joint: TreeJoint) -> bool:
+def _subtree_moves(tree: Tree, joint: TreeJoint) -> bool:
     moves = joint.kind in (*TURNING, "prismatic") and (joint.mimic is not None or joint.lower < joint.upper)
-    return moves or any(_moves_below(tree, other) for other in _below(tree, joint))
+    return moves or any(_subtree_moves(tree, other) for other in _below(tree, joint))
 
 
-def _reach(tree: Tree, joint: TreeJoint) -> float:
+def _subtree_length(tree: Tree, joint: TreeJoint) -> float:
     own = float(np.linalg.norm(joint.T_parent_joint[:3, 3]))
-    return own + max((_reach(tree, other) for other in _below(tree, joint)), default=0.0)
+    return own + max((_subtree_length(tree, other) for other in _below(tree, joint)), default=0.0)
 
 
-# Which joint of the arm carries each link of a URDF, and where it then is.
+def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray[np.float64]]]:
+    """Return for each link the number of the arm's joint that moves it rigidly (0 = base), and T_carrier_link (4, 4).
 
-
-def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray]]:
-    """By link: the number of the arm's joint that carries it rigidly, 0 = base, and T_carrier_link (4, 4).
-
-    Numbers are those of `Robot.joints`; all that is no joint of the arm is at rest.
+    Numbers are those of `Robot.joints`, from 1. Joints outside the arm are at rest.
     """
     number = {joint.name: k for k, joint in enumerate(turning_joints(arm), 1)}
-    on_the_way = {joint.name for joint in arm.joints}
-    hanging: dict[str, list[TreeJoint]] = {}
+    in_arm = {joint.name for joint in arm.joints}
+    below: dict[str, list[TreeJoint]] = {}
     for joint in tree.joints:
-        hanging.setdefault(joint.parent, []).append(joint)
-    root, T_root_base = _above(tree, arm.base)
+        below.setdefault(joint.parent, []).append(joint)
+    root, T_root_base = _root_of(tree, arm.base)
     frames = {root: (0, np.linalg.inv(T_root_base))}
-    waiting = [root]
-    while waiting:
-        link = waiting.pop()
+    pending = [root]
+    while pending:
+        link = pending.pop()
         carrier, T_carrier_link = frames[link]
-        for joint in hanging.get(link, []):
+        for joint in below.get(link, []):
             if joint.name in number:
                 frames[joint.child] = number[joint.name], np.eye(4)
             else:
-                margin = REST_MARGIN if joint.name in on_the_way else 0.0
+                margin = REST_MARGIN if joint.name in in_arm else 0.0
                 frames[joint.child] = carrier, T_carrier_link @ joint.at(tree.rest(joint, margin))
-            waiting.append(joint.child)
+            pending.append(joint.child)
     return frames
 
 
-def _above(tree: Tree, link: str) -> tuple[str, NDArray]:
-    """The root over a link, and T_root_link."""
+def _root_of(tree: Tree, link: str) -> tuple[str, NDArray[np.float64]]:
+    """The root above a link, and T_root_link."""
     by_child = {joint.child: joint for joint in tree.joints}
     T = np.eye(4)
     while link in by_child:

@@ -1,4 +1,9 @@
-"""Meshes from files, by trimesh: triangles alone, no materials, no pictures, and no other file that a file names."""
+"""Find, read, simplify and shade the mesh files of a URDF.
+
+Relative paths start at the URDF's folder. `package://name/…` is looked for in the folders above it, in those of that
+name, and along ROS_PACKAGE_PATH. Files elsewhere and addresses on a network are refused. trimesh reads triangles
+only: no materials, no pictures, and no other file that a mesh names.
+"""
 
 import io
 import os
@@ -13,17 +18,26 @@ from numpy.typing import NDArray
 from ...sensing.files import read_bytes
 
 FORMATS = ("stl", "obj", "dae", "glb", "ply", "off")
-MOST_BYTES = 50_000_000
-MOST_LENGTH = 1e6  # in the units of the file
+MAX_BYTES = 50_000_000
+MAX_LENGTH = 1e6  # in the unit of the file
+PACKAGE_SUBFOLDERS = ("urdf", "urdfs", "robots", "robot", "model", "models", "xacro", "description")  # of URDFs
+PACKAGE_FILE = "package.xml"
+MAX_FILE_FACES, MAX_LINK_FACES = 1500, 6000  # of one file, and of all shapes that one joint moves
+MAX_CELLS, MIN_CELLS = 128, 4  # along the longest side
+CREASE_COS = np.cos(np.radians(38.0))  # sharper edges are shaded as edges
+
+
+class NotFound(Exception):
+    """A mesh is missing or not read. The message tells why."""
 
 
 def load_mesh(path: Path) -> trimesh.Trimesh:
-    """In metres. Raises NotFound for what is no mesh that can be read."""
+    """Read a mesh [m]. Raises NotFound if it cannot be read."""
     kind = path.suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise NotFound(f"{path.name} is not read: convert it to one of {', '.join(FORMATS)}")
     try:
-        content = read_bytes(path, MOST_BYTES)
+        content = read_bytes(path, MAX_BYTES)
     except (OSError, ValueError) as error:
         raise NotFound(f"{error}: simplify it, or leave it out") from None
     if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content):
@@ -33,19 +47,19 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
     try:
         loaded = trimesh.load(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
         mesh = loaded.to_mesh() if isinstance(loaded, trimesh.Scene) else loaded
-    except Exception as error:  # whatever a reader of broken files raises
+    except Exception as error:  # readers of broken files raise anything
         raise NotFound(f"{path.name} does not load: {error or type(error).__name__}".splitlines()[0]) from None
     if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
         raise NotFound(f"{path.name} has no triangles")
-    if np.abs(mesh.vertices).max() > MOST_LENGTH:
-        raise NotFound(f"{path.name} has vertices beyond {MOST_LENGTH:g}")
-    if not mesh.area > 0:  # nothing is seen of it, and no body point can be on it
+    if np.abs(mesh.vertices).max() > MAX_LENGTH:
+        raise NotFound(f"{path.name} has vertices beyond {MAX_LENGTH:g}")
+    if not mesh.area > 0:  # invisible, and without room for body points
         raise NotFound(f"{path.name} has triangles without an area alone")
-    return trimesh.Trimesh(mesh.vertices * _metres(content, kind), mesh.faces, process=False)
+    return trimesh.Trimesh(mesh.vertices * _unit_m(content, kind), mesh.faces, process=False)
 
 
-def _metres(content: bytes, kind: str) -> float:
-    """A unit of the file's own: COLLADA says so. Its upward axis is not heeded, as ROS does not."""
+def _unit_m(content: bytes, kind: str) -> float:
+    """Unit of a COLLADA file [m]. Its upward axis is ignored, as ROS does."""
     found = re.search(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']+)", content[:100_000]) if kind == "dae" else None
     try:
         unit = float(found[1]) if found else 1.0
@@ -54,21 +68,8 @@ def _metres(content: bytes, kind: str) -> float:
     return unit if np.isfinite(unit) and unit > 0 else 1.0
 
 
-# Where the meshes are that a URDF names, and that nothing else is read.
-# Relative paths are those from its folder. `package://name/…` is sought in the folders above it, and
-# along ROS_PACKAGE_PATH. What lies elsewhere, and what has an address on a network,
-# is refused.
-
-USUAL_FOLDERS = ("urdf", "urdfs", "robots", "robot", "model", "models", "xacro", "description")  # of files in a package
-PACKAGE_FILE = "package.xml"
-
-
-class NotFound(Exception):
-    """The message says what is not there, or not read."""
-
-
 def mesh_path(urdf: Path, name: str) -> Path:
-    """The file that a mesh's name in the URDF means. Raises NotFound."""
+    """Return the file of a mesh as the URDF names it. Raises NotFound."""
     if not name:
         raise NotFound("a mesh without a filename")
     scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
@@ -78,41 +79,39 @@ def mesh_path(urdf: Path, name: str) -> Path:
         raise NotFound(f"{name} is not fetched: put the file beside the URDF")
     path = Path(unquote(rest) if scheme else rest.replace("\\", "/"))
     found = (urdf.parent / path).resolve()
-    allowed = [own_tree(urdf), *_ros_folders()]
+    allowed = [package_root(urdf), *_ros_folders()]
     if not any(found.is_relative_to(folder) for folder in allowed):
         raise NotFound(f"{name} lies outside {allowed[0]} and is not read: move it there")
-    return _file(found, name)
+    return _require_file(found, name)
 
 
-def own_tree(urdf: Path) -> Path:
-    """The package that a URDF is of, if it says so or looks so, else the URDF's folder."""
+def package_root(urdf: Path) -> Path:
+    """Return the folder of the URDF's package if there seems to be one, otherwise the URDF's folder."""
     folder = urdf.resolve().parent
     for above in (folder, *folder.parents[:3]):
         if (above / PACKAGE_FILE).is_file() and above != Path(above.anchor):
             return above
-    return folder.parent if folder.name.lower() in USUAL_FOLDERS and len(folder.parts) > 2 else folder
+    return folder.parent if folder.name.lower() in PACKAGE_SUBFOLDERS and len(folder.parts) > 2 else folder
 
 
 def _in_package(urdf: Path, package: str, rest: str) -> Path:
     if not re.fullmatch(r"[\w.+-]+", package) or package in (".", ".."):
         raise NotFound(f"package://{package}/{rest} names no package")
-    first = None
-    for folder in _package_folders(urdf, package):
-        first = first or folder
+    folders = _package_folders(urdf, package)
+    for folder in folders:
         path = (folder / rest).resolve()
         if not path.is_relative_to(folder.resolve()):
             raise NotFound(f"package://{package}/{rest} leads out of {folder} and is not read")
         if path.is_file():
             return path
-    if first is None:
+    if not folders:
         raise NotFound(f"no folder {package} above {urdf.parent or '.'} nor in ROS_PACKAGE_PATH")
-    return _file(first / rest, str(first / rest))
+    return _require_file(folders[0] / rest, str(folders[0] / rest))
 
 
 def _package_folders(urdf: Path, package: str) -> list[Path]:
     above = [folder for folder in urdf.resolve().parents if len(folder.parts) > 1]
-    named = [place for folder in above for place in (folder, folder / package)]
-    named += [place for folder in _ros_folders() for place in (folder, folder / package)]
+    named = [place for folder in (*above, *_ros_folders()) for place in (folder, folder / package)]
     return [folder for folder in named if folder.name == package and folder.is_dir()]
 
 
@@ -120,30 +119,25 @@ def _ros_folders() -> list[Path]:
     return [Path(folder).resolve() for folder in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if folder]
 
 
-def _file(path: Path, name: str) -> Path:
+def _require_file(path: Path, name: str) -> Path:
     if not path.is_file():
         raise NotFound(f"{name} is not there")
     return path
 
 
-# Meshes made small enough to be drawn many times, and shaded as their edges are: sharp or round.
+def simplified(mesh: trimesh.Trimesh, max_faces: int = MAX_FILE_FACES) -> trimesh.Trimesh:
+    """Merge the vertices in each cell of a grid, the finest one that leaves at most this number of faces.
 
-MOST_FACES, MOST_CARRIED = 1500, 6000  # of a file, of all that one joint carries
-FINEST, COARSEST = 128, 4  # cells along the longest side
-CREASE = np.cos(np.radians(38.0))  # edges sharper than that are shaded as edges
-
-
-def simplified(mesh: trimesh.Trimesh, most_faces: int = MOST_FACES) -> trimesh.Trimesh:
-    """Vertices in one cell of a grid become one, in their middle; the grid is the finest that leaves so few faces
-    (Rossignac and Borrel 1993)."""
-    if len(mesh.faces) <= most_faces:
+    See Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993.
+    """
+    if len(mesh.faces) <= max_faces:
         return mesh
-    best = vertices, faces = _clustered(mesh.vertices, mesh.faces, FINEST)
-    low, high = COARSEST, FINEST if len(faces) > most_faces else COARSEST - 1
+    best = vertices, faces = _clustered(mesh.vertices, mesh.faces, MAX_CELLS)
+    low, high = MIN_CELLS, MAX_CELLS if len(faces) > max_faces else MIN_CELLS - 1
     while low <= high:
         cells = (low + high) // 2
         found = _clustered(vertices, faces, cells)
-        if len(found[1]) <= most_faces or cells == COARSEST:
+        if len(found[1]) <= max_faces or cells == MIN_CELLS:
             best, low = found, cells + 1
         else:
             high = cells - 1
@@ -151,8 +145,10 @@ def simplified(mesh: trimesh.Trimesh, most_faces: int = MOST_FACES) -> trimesh.T
 
 
 def creased(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """Faces share a vertex only if a fan of flat edges about it joins them, so that normals may be averaged at every
-    vertex."""
+    """Split vertices at creases, so that normals may be averaged at every vertex.
+
+    Afterwards, faces share a vertex only if a fan of flat edges joins them.
+    """
     merged = mesh.copy()
     merged.merge_vertices()
     merged.update_faces(merged.nondegenerate_faces())
@@ -160,18 +156,18 @@ def creased(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
         return mesh
     faces, normals = merged.faces, merged.face_normals
     pairs = merged.face_adjacency
-    flat = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) > CREASE
+    flat = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) > CREASE_COS
     pairs, ends = pairs[flat], merged.face_adjacency_edges[flat]
     corner = lambda face, vertex: 3 * face + np.argmax(faces[face] == vertex[:, None], axis=1)
     one = np.concatenate([corner(pairs[:, 0], ends[:, k]) for k in (0, 1)])
     other = np.concatenate([corner(pairs[:, 1], ends[:, k]) for k in (0, 1)])
-    group = _joined(faces.size, one, other)
+    group = _connected_components(faces.size, one, other)
     _, first, index = np.unique(group, return_index=True, return_inverse=True)
     return trimesh.Trimesh(merged.vertices[faces.ravel()[first]], index.reshape(-1, 3), process=False)
 
 
-def _joined(count: int, one: NDArray, other: NDArray) -> NDArray:
-    """The least of all those that pairs join each with, (count,)."""
+def _connected_components(count: int, one: NDArray[np.int_], other: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Smallest member of the component of each of `count` nodes, joined by edges one[k] - other[k]."""
     group = np.arange(count)
     while True:
         before = group.copy()
@@ -183,7 +179,9 @@ def _joined(count: int, one: NDArray, other: NDArray) -> NDArray:
             return group
 
 
-def _clustered(vertices: NDArray, faces: NDArray, cells: int) -> tuple[NDArray, NDArray]:
+def _clustered(
+    vertices: NDArray[np.float64], faces: NDArray[np.int_], cells: int
+) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
     low, high = vertices.min(0), vertices.max(0)
     edge = max(float((high - low).max()), 1e-9) / cells
     cell = ((vertices - low) / edge).astype(np.int64)

@@ -1,4 +1,9 @@
-"""What the arm of a URDF looks like: one mesh for each of its joints and its base, of all that they carry."""
+"""Make one mesh for the base and for each joint of an arm, of all shapes that it moves, and cache the meshes.
+
+Links without shapes are drawn as rods between joints. Reading and simplifying meshes takes seconds, so the result is
+kept in the user's cache folder, under a digest of everything it was made from. A file that changes makes a new
+entry, a damaged entry is made again, and the oldest entries are removed.
+"""
 
 import contextlib
 import hashlib
@@ -9,6 +14,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import platformdirs
@@ -18,57 +24,68 @@ from numpy.typing import NDArray
 from ...sensing.files import MEGABYTE, read_bytes, read_npz
 from ..meshes import Mesh
 from .chain import Chain, carrier_frames, find_arm
-from .mesh_files import MOST_BYTES, MOST_CARRIED, NotFound, creased, load_mesh, mesh_path, simplified
+from .mesh_files import MAX_BYTES, MAX_LINK_FACES, NotFound, creased, load_mesh, mesh_path, simplified
 from .reference import Reference
 from .tree import Shape, Tree, read_tree
 
-SIDES = 24  # of a cylinder
-MOST_NAMED = 3  # of faults of a kind, each in words
+CYLINDER_SIDES = 24
+MAX_LISTED_FAULTS = 3
+ROD_RADIUS = 0.035  # of the arm's length, as the next two
+MIN_ROD = 0.05  # nearer joints have no rod between them
+STUB = 0.12  # length of a rod that leads nowhere
+FOLDER = "VIEWIMIT_CACHE"  # environment variable: another folder, or none if it is empty
+MAX_CACHED, MAX_CACHED_BYTES = 40, 128 * MEGABYTE
+READERS = ("numpy", "trimesh", "pycollada")  # packages whose version is part of the digest
+
+Floats = NDArray[np.float64]
+Meshes = dict[int, Mesh]  # by link number
 
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """meshes: by link number (0 = base), in the link's frame, m; faults: lines about what is not drawn as it is said
-    to be."""
+    """The meshes of an arm."""
 
-    meshes: dict[int, Mesh]
-    faults: tuple[str, ...]
+    meshes: Meshes  # 0 = base, each in its link's frame [m]
+    faults: tuple[str, ...]  # messages about shapes that are not drawn
 
 
 def shapes_of(reference: Reference) -> Shapes:
-    """Raises ValueError as `read_tree` and `find_arm`; a mesh that cannot be had is a fault and a rod."""
-    tree = read_tree(reference.path)
-    return shapes_in(tree, find_arm(tree, reference.base, reference.tip).base, reference)
+    """Return the meshes of an arm. An unreadable mesh becomes a fault and a rod.
+
+    Raises ValueError as `read_tree` and `find_arm`.
+    """
+    return load_shapes(read_tree(reference.path), reference)
 
 
 @lru_cache(8)
-def shapes_in(tree: Tree, base: str, reference: Reference) -> Shapes:
+def load_shapes(tree: Tree, reference: Reference) -> Shapes:
+    """Return the meshes of an arm in a URDF that has been read, from the cache if they are there."""
     files = dict.fromkeys(shape.file for shapes in tree.shapes.values() for shape in shapes if shape.kind == "mesh")
-    if not files:  # others take no time
-        meshes, missing = _made(tree, reference)
-        return Shapes(meshes, _said(tree, missing))
-    key = key_of(tree.path, tree.digest, str(reference), files)
-    found = kept(key)
+    key = _cache_key(tree.path, tree.digest, str(reference), files) if files else None  # other shapes take no time
+    found = _load_cached(key) if key else None
     if found is None:
-        found = _made(tree, reference)
-        keep(key, *found)
+        found = _make_meshes(tree, reference)
+        if key:
+            _store_cached(key, *found)
     meshes, missing = found
-    return Shapes(meshes, _said(tree, missing))
+    more = len(missing) - MAX_LISTED_FAULTS
+    lines = [f"{tree.path}: not drawn: {fault}" for fault in missing[:MAX_LISTED_FAULTS]]
+    return Shapes(meshes, (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else [])))
 
 
-def _made(tree: Tree, reference: Reference) -> tuple[dict[int, Mesh], list[str]]:
-    """Meshes by link number, and what could not be had for them, each once."""
+def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
+    """Meshes by link number, and messages about shapes that cannot be read, each once."""
     arm = find_arm(tree, reference.base, reference.tip)
     frames = carrier_frames(tree, arm)
     parts: dict[int, list[trimesh.Trimesh]] = {}
     missing: dict[str, None] = {}
-    bare: set[int] = set()  # links of which something is not drawn
+    bare: set[int] = set()  # links with a shape that is not drawn
     files: dict[str, trimesh.Trimesh] = {}
     for link, shapes in tree.shapes.items():
         carrier, T_carrier_link = frames.get(link, (0, np.eye(4)))
         for shape in shapes:
             try:
-                mesh = _mesh(tree, shape, files)
+                mesh = _shape_mesh(tree, shape, files)
             except NotFound as error:
                 missing[str(error)] = None
                 bare.add(carrier)
@@ -76,17 +93,17 @@ def _made(tree: Tree, reference: Reference) -> tuple[dict[int, Mesh], list[str]]
             if mesh is not None:
                 mesh.apply_transform(T_carrier_link @ shape.T_link_shape)
                 parts.setdefault(carrier, []).append(mesh)
-    undrawn = not any(parts)  # of what moves, for a base is 0
-    for number, mesh in _stand_ins(arm, frames):
+    undrawn = not any(parts)  # no moving link has a shape; the base is 0
+    for number, mesh in _rods(arm, frames):
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
-    whole = {number: creased(simplified(_joined(each), MOST_CARRIED)) for number, each in sorted(parts.items())}
+    whole = {number: creased(simplified(_concatenated(each), MAX_LINK_FACES)) for number, each in sorted(parts.items())}
     meshes = {number: Mesh(np.array(mesh.vertices, float), np.array(mesh.faces)) for number, mesh in whole.items()}
     return meshes, list(missing)
 
 
-def _mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimesh.Trimesh | None:
-    """In the shape's frame; None if it has no extent. files: those that were read before, small."""
+def _shape_mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimesh.Trimesh | None:
+    """Mesh in the shape's frame; None if it has no extent. files: simplified meshes that have been read."""
     if shape.kind == "mesh":
         if shape.file not in files:
             files[shape.file] = simplified(load_mesh(mesh_path(tree.path, shape.file)))
@@ -98,16 +115,16 @@ def _mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimes
     if shape.kind == "box":
         return trimesh.creation.box(shape.size)
     if shape.kind == "cylinder":
-        return trimesh.creation.cylinder(shape.size[0], shape.size[1], sections=SIDES)
+        return trimesh.creation.cylinder(shape.size[0], shape.size[1], sections=CYLINDER_SIDES)
     return trimesh.creation.icosphere(2, shape.size[0])
 
 
-def _stand_ins(arm: Chain, frames: dict[str, tuple[int, NDArray]]) -> Iterator[tuple[int, trimesh.Trimesh]]:
-    """By link number, of the base and of each joint of the arm, what stands for its shapes."""
+def _rods(arm: Chain, frames: dict[str, tuple[int, Floats]]) -> Iterator[tuple[int, trimesh.Trimesh]]:
+    """Rods for the base and each joint of the arm, by link number."""
     numbers = [frames[joint.child][0] for joint in arm.joints]
     turned = [(k, joint) for k, joint in enumerate(arm.joints) if not k or numbers[k] != numbers[k - 1]]
     turned = [(k, joint) for k, joint in turned if numbers[k]]
-    ends: dict[int, NDArray] = {}
+    ends: dict[int, Floats] = {}
     for joint in arm.joints:
         carrier, T_carrier_parent = frames[joint.parent]
         ends[carrier] = (T_carrier_parent @ joint.T_parent_joint)[:3, 3]
@@ -124,86 +141,62 @@ def _stand_ins(arm: Chain, frames: dict[str, tuple[int, NDArray]]) -> Iterator[t
             yield numbers[k], mesh
 
 
-def _joined(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+def _concatenated(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts)]
     return trimesh.Trimesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces), process=False)
 
 
-def _said(tree: Tree, missing: list[str]) -> tuple[str, ...]:
-    """Faults, the first few in words."""
-    named, more = missing[:MOST_NAMED], len(missing) - MOST_NAMED
-    lines = [f"{tree.path}: not drawn: {fault}" for fault in named]
-    return (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else []))
-
-
-# What stands for links that nobody drew: rods between joints, and a foot under the first.
-
-SLENDER = 0.035  # of an arm's length: the radius of its rods
-SHORT = 0.05  # of an arm's length: what is nearer than that has no rod to it
-STUB = 0.12  # of an arm's length: a rod that leads nowhere
-
-
-def rod(end: NDArray, length: float) -> trimesh.Trimesh | None:
-    """From the origin to `end` (3,) m, of an arm of that length; None where it would be too short to be seen."""
+def rod(end: Floats, length: float) -> trimesh.Trimesh | None:
+    """Return a rod from the origin to `end`, (3,) m, for an arm of that length; None if it is too short to see."""
     distance = float(np.linalg.norm(end))
-    if distance < SHORT * length:
+    if distance < MIN_ROD * length:
         return None
-    mesh = trimesh.creation.cylinder(SLENDER * length, distance, sections=12)
+    mesh = trimesh.creation.cylinder(ROD_RADIUS * length, distance, sections=12)
     mesh.apply_translation([0, 0, distance / 2])
     mesh.apply_transform(trimesh.geometry.align_vectors([0, 0, 1], end / distance))
     return mesh
 
 
-def stub(axis: NDArray, length: float) -> trimesh.Trimesh:
-    """Of a last link: a bar across its joint's axis, so that it is seen to turn."""
+def stub(axis: Floats, length: float) -> trimesh.Trimesh:
+    """Return a bar across the axis of the last joint, so that its rotation is visible."""
     axis = axis / np.linalg.norm(axis)
-    aside = np.cross(axis, [1, 0, 0] if abs(axis[0]) < 0.9 else [0, 1, 0])
-    mesh = trimesh.creation.box((STUB * length, SLENDER * length, 2 * SLENDER * length))
+    across = np.cross(axis, [1, 0, 0] if abs(axis[0]) < 0.9 else [0, 1, 0])
+    mesh = trimesh.creation.box((STUB * length, ROD_RADIUS * length, 2 * ROD_RADIUS * length))
     mesh.apply_translation([STUB * length / 2, 0, 0])
     turn = np.eye(4)
-    turn[:3, 0] = aside / np.linalg.norm(aside)
+    turn[:3, 0] = across / np.linalg.norm(across)
     turn[:3, 2] = axis
     turn[:3, 1] = np.cross(turn[:3, 2], turn[:3, 0])
     mesh.apply_transform(turn)
     return mesh
 
 
-def foot(top: NDArray, length: float) -> trimesh.Trimesh:
-    """A block whose top is at (3,) m, where an arm of that length begins."""
+def foot(top: Floats, length: float) -> trimesh.Trimesh:
+    """Return a block with its top at (3,) m, where an arm of that length starts."""
     mesh = trimesh.creation.box((0.25 * length, 0.18 * length, 0.12 * length))
     mesh.apply_translation(top - [0, 0, 0.06 * length])
     return mesh
 
 
-# Shapes of own robots, kept in the user's cache folder: to read and simplify their meshes takes seconds, in every
-# process anew.
-# They are found by the content of all that they were made from, so that a file that changes makes others. What is
-# damaged is made again, what cannot be written is not kept, and the oldest gives way.
+def _cache_key(urdf: Path, content: str, chain: str, files: Iterable[str]) -> str:
+    """Digest of everything that the meshes depend on.
 
-FOLDER = "VIEWIMIT_CACHE"  # environment variable: another folder; none is used where it is empty
-MOST_KEPT, MOST_KEPT_BYTES = 40, 128 * MEGABYTE
-READERS = ("numpy", "trimesh", "pycollada")  # of which another version may read a mesh otherwise
-
-Meshes = dict[int, Mesh]
-
-
-def key_of(urdf: Path, content: str, chain: str, files: Iterable[str]) -> str:
-    """What shapes depend on, as letters. content: digest of the URDF; chain: which of its links are the arm; files:
-    meshes, as the URDF names them."""
-    key = hashlib.sha256(f"{_made_by()}\0{urdf}\0{content}\0{chain}".encode())
+    content: digest of the URDF; chain: reference to the arm; files: meshes, as the URDF names them.
+    """
+    key = hashlib.sha256(f"{_versions()}\0{urdf}\0{content}\0{chain}".encode())
     for name in files:
         try:
-            found = hashlib.sha256(read_bytes(mesh_path(urdf, name), MOST_BYTES)).hexdigest()
+            found = hashlib.sha256(read_bytes(mesh_path(urdf, name), MAX_BYTES)).hexdigest()
         except (NotFound, OSError, ValueError) as error:
             found = str(error)
         key.update(f"\0{name}\0{found}".encode())
     return key.hexdigest()
 
 
-def kept(key: str) -> tuple[Meshes, list[str]] | None:
-    """Meshes by link number and what was missing; None where they are not kept."""
-    folder = _folder()
+def _load_cached(key: str) -> tuple[Meshes, list[str]] | None:
+    """Meshes and messages about missing ones; None if they are not cached."""
+    folder = _cache_folder()
     path = None if folder is None else folder / f"{key}.npz"
     if path is None or not path.is_file():
         return None
@@ -214,13 +207,12 @@ def kept(key: str) -> tuple[Meshes, list[str]] | None:
     except (OSError, ValueError, KeyError, TypeError):
         return None
     with contextlib.suppress(OSError):
-        os.utime(path)  # the latest to be used is the last to give way
+        os.utime(path)  # the least recently used are removed first
     return meshes, missing
 
 
-def keep(key: str, meshes: Meshes, missing: list[str]) -> None:
-    """For the next process that asks."""
-    folder = _folder()
+def _store_cached(key: str, meshes: Meshes, missing: list[str]) -> None:
+    folder = _cache_folder()
     if folder is None:
         return
     arrays = {"links": np.array(list(meshes), np.int32), "unread": np.array(missing, str)}
@@ -228,14 +220,14 @@ def keep(key: str, meshes: Meshes, missing: list[str]) -> None:
         arrays |= {f"v{link}": mesh.vertices, f"f{link}": mesh.faces.astype(np.int32)}
     with contextlib.suppress(OSError):
         folder.mkdir(0o700, parents=True, exist_ok=True)
-        with _written(folder / f"{key}.npz") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]  # whose stub takes no **
-        _make_room(folder)
+        with _atomic_write(folder / f"{key}.npz") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]  # the stub takes no **
+        _remove_oldest(folder)
 
 
 @contextlib.contextmanager
-def _written(path: Path) -> Iterator:
-    """A file that is there whole, or not at all."""
+def _atomic_write(path: Path) -> Iterator[Any]:
+    """Open a file that appears only once it is complete."""
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
         try:
             yield file
@@ -246,20 +238,19 @@ def _written(path: Path) -> Iterator:
             raise
 
 
-def _make_room(folder: Path) -> None:
-    """The oldest go, beyond what is kept."""
+def _remove_oldest(folder: Path) -> None:
     found = sorted(
         ((path.stat().st_mtime_ns, path.stat().st_size, path) for path in folder.glob("*.npz")), reverse=True
     )
     total = 0
     for k, (_, size, path) in enumerate(found):
         total += size
-        if k and (k >= MOST_KEPT or total > MOST_KEPT_BYTES):
+        if k and (k >= MAX_CACHED or total > MAX_CACHED_BYTES):
             path.unlink(missing_ok=True)
 
 
-def _checked_mesh(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
-    """Raises ValueError for what is none."""
+def _checked_mesh(vertices: NDArray[Any], faces: NDArray[Any]) -> Mesh:
+    """Return a mesh. Raises ValueError for damaged arrays."""
     flat = vertices.ndim == faces.ndim == 2 and vertices.shape[1] == faces.shape[1] == 3
     if not (flat and len(faces) and np.isfinite(vertices).all() and 0 <= faces.min() <= faces.max() < len(vertices)):
         raise ValueError("no mesh")
@@ -267,8 +258,8 @@ def _checked_mesh(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 
 
 @cache
-def _made_by() -> str:
-    """The programs that make shapes of files: their versions, and all that stands here."""
+def _versions() -> str:
+    """Versions of the packages that read meshes, and a digest of this package's source."""
     found = []
     for name in READERS:
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):
@@ -277,11 +268,11 @@ def _made_by() -> str:
     return f"{found} {here.hexdigest()}"
 
 
-def _folder() -> Path | None:
+def _cache_folder() -> Path | None:
     chosen = os.environ.get(FOLDER)
     if chosen is not None:
         return Path(chosen) if chosen else None
     try:
         return platformdirs.user_cache_path("viewimit", appauthor=False) / "shapes"
-    except RuntimeError:  # nobody knows a home
+    except RuntimeError:  # no home folder
         return None

@@ -1,4 +1,4 @@
-"""A URDF file as plain data: all of its joints, and what its links look like. Nothing is chosen here."""
+"""Read a URDF file into plain data: all of its joints and the shapes of its links."""
 
 import hashlib
 import xml.etree.ElementTree as ElementTree
@@ -13,59 +13,60 @@ from numpy.typing import NDArray
 
 from ...geometry.rigid import rigid_transform, rotation_about_axis, rotation_from_rpy
 from ...sensing.files import read_bytes
-from .reference import MOST_BYTES, require_urdf_content
+from .reference import MAX_BYTES, require_urdf_content
 
 TURNING, SLIDING, FREE = ("revolute", "continuous"), ("prismatic",), ("planar", "floating")
 KINDS = (*TURNING, *SLIDING, *FREE, "fixed")
-SHAPES = {  # attributes that say their size, and what they are where they are not said
+SHAPES = {  # attributes of their size, with defaults
     "mesh": {"scale": "1 1 1"},
     "box": {"size": "0 0 0"},
     "cylinder": {"radius": "0", "length": "0"},
     "sphere": {"radius": "0"},
 }
-MOST_JOINTS, MOST_SHAPES = 500, 5_000
-MOST_LENGTH = 1e6  # m or rad, and all other numbers but limits
-MOST_LIMIT = 1e18  # where some exporters put the limits of joints that have none
-LEAST_AXIS = 1e-9  # its length
-MOST_QUOTED = 80  # characters of what is wrong
-REST_MARGIN = 0.2  # of its range, that a joint of the arm at rest stays away from its limits
+MAX_JOINTS, MAX_SHAPES = 500, 5_000
+MAX_LENGTH = 1e6  # m or rad, of all numbers but limits
+MAX_LIMIT = 1e18  # some exporters write such limits for joints that have none
+MIN_AXIS_LENGTH = 1e-9
+MAX_QUOTED_CHARS = 80
+REST_MARGIN = 0.2  # fraction of its range by which a joint of the arm at rest stays inside its limits
 
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint's value is multiplier times that of the joint `of`, plus offset (rad or m)."""
+    """A joint's value is multiplier times that of its leader, plus offset."""
 
-    of: str
+    of: str  # name of the leader
     multiplier: float
-    offset: float
+    offset: float  # rad or m
 
 
 @dataclass(frozen=True)
 class TreeJoint:
-    """T_parent_joint: (4, 4) at 0; axis: (3,) in the joint's frame; limits in rad or m; limited: it says some."""
+    """A joint of any type."""
 
     name: str
-    kind: str
-    parent: str
-    child: str
-    T_parent_joint: NDArray
-    axis: NDArray
-    lower: float
-    upper: float
-    limited: bool
+    kind: str  # the type that the file names
+    parent: str  # link
+    child: str  # link
+    T_parent_joint: NDArray[np.float64]  # (4, 4) at value 0, m
+    axis: NDArray[np.float64]  # (3,) in the joint's frame
+    lower: float  # rad or m
+    upper: float  # rad or m
+    limited: bool  # the file gives limits
     mimic: Mimic | None
 
     @property
     def turns(self) -> bool:
+        """Whether it is revolute or continuous."""
         return self.kind in TURNING
 
     @property
     def moves(self) -> bool:
-        """By itself, and at all."""
+        """Whether it can move, and follows no other joint."""
         return self.kind in TURNING + SLIDING and self.mimic is None and self.lower < self.upper
 
-    def at(self, value: float) -> NDArray:
-        """T_parent_child (4, 4). value: rad or m."""
+    def at(self, value: float) -> NDArray[np.float64]:
+        """Return T_parent_child, (4, 4), for a value [rad or m]."""
         if self.turns:
             return self.T_parent_joint @ rigid_transform(rotation_about_axis(self.axis, value))
         if self.kind in SLIDING:
@@ -75,35 +76,35 @@ class TreeJoint:
 
 @dataclass(frozen=True)
 class Shape:
-    """What of a link is seen. kind: of SHAPES; T_link_shape: (4, 4); size: m, a box's edges, radius and length, or
-    radius, and of a mesh the scale of its axes; file: of a mesh, as the URDF names it."""
+    """A visible shape of a link."""
 
-    kind: str
-    T_link_shape: NDArray
-    size: tuple[float, ...]
-    file: str = ""
+    kind: str  # of SHAPES
+    T_link_shape: NDArray[np.float64]  # (4, 4), m
+    size: tuple[float, ...]  # edges, radius and length, or radius [m]; of a mesh, the scale of its axes
+    file: str = ""  # of a mesh, as the URDF names it
 
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """shapes: by link, of what is seen of it, or, if nothing is of any, of what it collides with; faults: lines about
-    shapes that are left out; digest: of the file's content."""
+    """The content of a URDF file."""
 
     path: Path
     joints: tuple[TreeJoint, ...]
-    shapes: Mapping[str, tuple[Shape, ...]]
-    faults: tuple[str, ...]
-    digest: str
+    shapes: Mapping[str, tuple[Shape, ...]]  # visual shapes by link; collision shapes if no link has visual ones
+    faults: tuple[str, ...]  # messages about shapes that are left out
+    digest: str  # of the content
 
     @property
     def links(self) -> list[str]:
-        """Their names, in the order of the file, roots first."""
+        """Names of the links, in the order of the file, roots first."""
         children = [joint.child for joint in self.joints]
         return list(dict.fromkeys([*self.shapes, *(joint.parent for joint in self.joints), *children]))
 
     def rest(self, joint: TreeJoint, margin: float = 0.0) -> float:
-        """The value nearest to 0 within the limits, less a margin, a share of their range; of a joint that follows
-        another one, what follows from that."""
+        """Return the value nearest to 0 that is inside the limits by a fraction of their range [rad or m].
+
+        A mimic joint's value follows from its leader's.
+        """
         if joint.mimic is not None:
             found = next((other for other in self.joints if other.name == joint.mimic.of), None)
             known = 0.0 if found is None or found.mimic is not None else self.rest(found, margin)
@@ -115,14 +116,14 @@ class Tree:
 
 
 def read_tree(path: Path) -> Tree:
-    """Raises ValueError that names the file, and the joint, for what cannot be read or does not parse."""
+    """Read a URDF file. Raises ValueError that names the file and the joint if it cannot be read or parsed."""
     try:
-        return _parsed(path, read_bytes(path, MOST_BYTES))
+        return _parsed(path, read_bytes(path, MAX_BYTES))
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-@lru_cache(8)  # every run of a study begins with it
+@lru_cache(8)  # every run of a study starts with it
 def _parsed(path: Path, content: bytes) -> Tree:
     if not content.strip():
         raise ValueError(f"{path}: the file is empty")
@@ -132,8 +133,8 @@ def _parsed(path: Path, content: bytes) -> Tree:
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
     require_urdf_content(path, root)
     count = len(root.findall("joint"))
-    if count > MOST_JOINTS:
-        raise ValueError(f"{path}: it has {count} joints, more than {MOST_JOINTS}: leave out what is no robot")
+    if count > MAX_JOINTS:
+        raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: leave out what is no robot")
     joints = _with_leaders(tuple(_read_joint(path, element) for element in root.findall("joint")))
     links = root.findall("link")
     _require_one_each(path, "joints", [joint.name for joint in joints])
@@ -144,8 +145,8 @@ def _parsed(path: Path, content: bytes) -> Tree:
     faults: list[str] = []
     for tag in ("visual", "collision"):
         count = sum(len(link.findall(tag)) for link in links)
-        if count > MOST_SHAPES:
-            raise ValueError(f"{path}: its links have {count} shapes, more than {MOST_SHAPES}: simplify it")
+        if count > MAX_SHAPES:
+            raise ValueError(f"{path}: its links have {count} shapes, more than {MAX_SHAPES}: simplify it")
         shapes = {link.get("name", "?"): tuple(_read_shapes(path, link, tag, faults)) for link in links}
         if any(shapes.values()):
             break
@@ -153,12 +154,12 @@ def _parsed(path: Path, content: bytes) -> Tree:
 
 
 def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
-    """Who follows a joint that follows another one, follows that one itself."""
+    """Let each mimic joint follow the leader of its leader."""
     mimics = {joint.name: joint.mimic for joint in joints}
 
     def leader(mimic: Mimic, *passed: str) -> Mimic:
         there = mimics.get(mimic.of)
-        if there is None or mimic.of in passed:  # one in a circle follows nobody
+        if there is None or mimic.of in passed:  # a circle has no leader
             return mimic
         gain, offset = mimic.multiplier * there.multiplier, mimic.multiplier * there.offset + mimic.offset
         return leader(Mimic(there.of, gain, offset), *passed, mimic.of)
@@ -167,7 +168,7 @@ def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
 
 
 def _require_one_each(path: Path, kind: str, names: list[str]) -> None:
-    """A name that two have would mean the one here and the other there."""
+    """Names are unique."""
     doubled = next((name for name, count in Counter(names).items() if count > 1), None)
     if doubled is not None:
         count = names.count(doubled)
@@ -175,7 +176,7 @@ def _require_one_each(path: Path, kind: str, names: list[str]) -> None:
 
 
 def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
-    """No link hangs on two joints."""
+    """No link is the child of two joints."""
     above: dict[str, str] = {}
     for joint in joints:
         if joint.child in above:
@@ -187,7 +188,7 @@ def _require_tree(path: Path, joints: tuple[TreeJoint, ...]) -> None:
 
 
 def _require_links(path: Path, joints: tuple[TreeJoint, ...], links: set[str]) -> None:
-    """Joints hang between links that are there, unless the file is of joints alone."""
+    """Joints name links that exist, unless the file has joints only."""
     for joint in joints if links else ():
         for link in (joint.parent, joint.child):
             if link not in links:
@@ -201,7 +202,7 @@ def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
     name, kind = element.get("name", "?"), element.get("type", "")
     where = f"joint {name!r}"
 
-    def numbers(tag: str, attribute: str, default: str) -> NDArray:
+    def numbers(tag: str, attribute: str, default: str) -> NDArray[np.float64]:
         return _numbers(path, where, element.find(tag), attribute, default)
 
     def link(tag: str) -> str:
@@ -212,7 +213,7 @@ def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
         return named
 
     axis = numbers("axis", "xyz", "1 0 0")
-    if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= LEAST_AXIS:
+    if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= MIN_AXIS_LENGTH:
         raise ValueError(f"{path}: {where}: its axis is zero")
     endless, follows = kind == "continuous", element.find("mimic")
     return TreeJoint(
@@ -235,28 +236,30 @@ def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
 
 def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[str]) -> Iterator[Shape]:
     where = f"link {link.get('name', '?')!r}"
-    for seen in link.findall(tag):
-        geometry = seen.find("geometry")
+    for drawn in link.findall(tag):
+        geometry = drawn.find("geometry")
         element = None if geometry is None else next((child for child in geometry if child.tag in SHAPES), None)
         if element is None:
             continue
         defaults = SHAPES[element.tag]
         try:
             size = [_numbers(path, where, element, name, default) for name, default in defaults.items()]
-            T_link_shape = _origin(path, where, seen)
+            T_link_shape = _origin(path, where, drawn)
         except ValueError as error:
             faults.append(f"{error}: not drawn")
             continue
         yield Shape(element.tag, T_link_shape, tuple(np.concatenate(size).tolist()), element.get("filename", ""))
 
 
-def _origin(path: Path, where: str, element: ElementTree.Element) -> NDArray:
+def _origin(path: Path, where: str, element: ElementTree.Element) -> NDArray[np.float64]:
     origin = element.find("origin")
     rpy, xyz = (_numbers(path, where, origin, name, "0 0 0") for name in ("rpy", "xyz"))
     return rigid_transform(rotation_from_rpy(rpy), xyz)
 
 
-def _numbers(path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str) -> NDArray:
+def _numbers(
+    path: Path, where: str, element: ElementTree.Element | None, attribute: str, default: str
+) -> NDArray[np.float64]:
     text = default if element is None else element.get(attribute, default)
     try:
         values = np.array([float(word) for word in text.split()]).reshape(len(default.split()))
@@ -267,11 +270,11 @@ def _numbers(path: Path, where: str, element: ElementTree.Element | None, attrib
         if "$" in text:
             raise ValueError(f"{path}: {where}: <{tag} {attribute}={text!r}> is xacro: run it through xacro first")
         raise ValueError(f"{path}: {where}: <{tag} {attribute}={_short(text)!r}> is not numbers")
-    most = MOST_LIMIT if element is not None and element.tag == "limit" else MOST_LENGTH
-    if element is not None and np.abs(values).max() > most:
-        raise ValueError(f"{path}: {where}: <{element.tag} {attribute}={_short(text)!r}> is beyond {most:g}")
+    bound = MAX_LIMIT if element is not None and element.tag == "limit" else MAX_LENGTH
+    if element is not None and np.abs(values).max() > bound:
+        raise ValueError(f"{path}: {where}: <{element.tag} {attribute}={_short(text)!r}> is beyond {bound:g}")
     return values
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= MOST_QUOTED else f"{text[:MOST_QUOTED]}…"
+    return text if len(text) <= MAX_QUOTED_CHARS else f"{text[:MAX_QUOTED_CHARS]}…"

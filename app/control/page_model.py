@@ -11,7 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
-from viewimit.drawing.export.perspective import Eye
+from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -71,7 +71,7 @@ class PageModel:
         self.basins = Basins(page_id, services.basins, queue)
         self.guided = Guided(page_id, services.lessons, beside, queue)
         self.role = Role()
-        self.eye: Callable[[], Eye | None] = lambda: None
+        self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
         self._refusal: Message | None = None

@@ -23,7 +23,7 @@ from viewimit.drawing.export.figures import (
     stack,
     typeset_equations,
 )
-from viewimit.drawing.export.perspective import Eye, draw_space
+from viewimit.drawing.export.perspective import Viewpoint, draw_space
 from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.svg import count_motions
@@ -75,7 +75,7 @@ class Saving:
         copied = session.copy()
         self._make("replay", lambda: Saved("viewimit-replay.html", replay(copied, chosen=chosen).html.encode()))
 
-    def picture(self, what: str, form: str, state: PageState, eye: Eye | None) -> None:
+    def picture(self, what: str, form: str, state: PageState, eye: Viewpoint | None) -> None:
         """what: of FIGURES or SPACE; eye: that looks at the 3-D scene. Raises ValueError for a panel that is empty, and
         for a PNG without what makes it."""
         session = state.session.copy()

@@ -7,9 +7,11 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.svg import joint_symbol
 from viewimit.simulation.camera import Camera
+from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
+JOINT_NAMES = {1: "Base", 2: "Shoulder", 3: "Upper arm", 4: "Elbow", 5: "Forearm", 6: "Wrist", 7: "Hand"}
 MOVING_JOINTS = 2  # the map of E has as many axes
 
 
@@ -19,7 +21,7 @@ def require_scene(scene: Scene) -> None:
     if count != MOVING_JOINTS:
         raise ValueError(f"the lab needs {MOVING_JOINTS} moving joints, this scene has {count}: choose --joints")
     head = scene.stereo_head()
-    if head.left.bends or head.right.bends:
+    if head.left.is_distorted or head.right.is_distorted:
         raise ValueError("the lab has pinhole cameras: this scene's lenses distort their images")
 
 
@@ -33,7 +35,7 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
     """
     require_scene(scene)
     world = World(scene, min(map(int, scene.points)))
-    chain, links = world.robot.held(np.radians(scene.posture_deg), scene.moving)
+    chain, links = world.robot.with_fixed_joints(np.radians(scene.posture_deg), scene.moving)
     free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]
     joints = []
     for k, joint in enumerate(chain.joints):
@@ -54,6 +56,7 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
     return {
         "title": scene.title,
         "joints": [joint_symbol(joint) for joint in scene.moving_joints],
+        "names": [_joint_name(scene, joint) for joint in scene.moving_joints],
         "lower": scene.lower.tolist(),
         "upper": scene.upper.tolist(),
         "demonstrator": np.radians(scene.posture_deg)[scene.moving].tolist(),
@@ -64,6 +67,12 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
         "cameras": [_camera(camera) for camera in (*world.demo_cameras, *world.own_cameras)],
         "layouts": layouts,
     }
+
+
+def _joint_name(scene: Scene, joint: int) -> str:
+    """What a joint is called, with its symbol: the shipped robots' are those of a human arm."""
+    named = JOINT_NAMES if scene.robot in robot_names() else {}
+    return f"{named.get(joint, 'Joint')} {joint_symbol(joint)}"
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from viewimit.assets import ROOT
 from viser import ImageHandle, SceneApi
 
 from viewimit.drawing.theme import rgb
-from viewimit.simulation.scene_geometry import looking
+from viewimit.simulation.scene_geometry import default_view
 
 from .rotations import quaternion
 
@@ -35,7 +35,7 @@ def add_text(
         format="png",
         cast_shadow=False,
         receive_shadow=False,
-        wxyz=quaternion(looking()),
+        wxyz=quaternion(default_view()),
         position=position,
     )
 

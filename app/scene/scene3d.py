@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from viewimit.drawing.export.perspective import Eye
+from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.drawing.theme import rgb
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.meshes import SurfaceHit, first_hit
@@ -115,14 +115,14 @@ class Scene3D:
         self._points = np.concatenate([own, demo])
         self._moment.draw(state, own, demo)
 
-    def eye(self) -> Eye | None:
+    def eye(self) -> Viewpoint | None:
         """That of the visitor, without what lies under the strip; None before the browser has said."""
         camera = self._client.camera
         if min(camera.image_width, camera.image_height) <= 0:
             return None
         position, target = np.array(camera.position), np.array(camera.look_at)
         aspect = camera.image_width / camera.image_height
-        return Eye(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
+        return Viewpoint(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
 
     @property
     def built(self) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
 
-from viewimit.simulation.scene_geometry import BELOW, FOV, fitted_view
+from viewimit.simulation.scene_geometry import BELOW, FOV, fit_view
 
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 DOCKED_WITHIN = 3.0  # s
@@ -34,7 +34,7 @@ class DefaultView:
     def fit(self, landmarks: NDArray) -> None:
         """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
         camera, self._aspect = self._client.camera, self.aspect
-        position, target = fitted_view(landmarks, self._aspect or 1.0, BELOW)
+        position, target = fit_view(landmarks, self._aspect or 1.0, BELOW)
         camera.fov = float(FOV)
         for aside in (NUDGE, 0.0):
             camera.position, camera.look_at = position + aside, target + aside

@@ -194,7 +194,7 @@ class TestImages:
     def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
         lengths = panel.residual_lengths(session.snapshot)
         gain = panel.arrow_gain(lengths)
-        assert gain > 1 and gain * lengths.max() <= panel.LONGEST
+        assert gain > 1 and gain * lengths.max() <= panel.MAX_ARROW
         assert f"×{gain}" in drawn(session)
         assert panel.arrow_gain(np.array([[8.0, 1.0]])) == 1
 

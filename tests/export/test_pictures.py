@@ -29,7 +29,7 @@ from viewimit.drawing.export.figures import (
     typeset_equations,
 )
 from viewimit.drawing.export.panels import draw_panels
-from viewimit.drawing.export.perspective import Eye, default_eye, draw_space
+from viewimit.drawing.export.perspective import Viewpoint, default_viewpoint, draw_space
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
@@ -75,7 +75,7 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
 
 def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
     world, moment = session.world, session.snapshot
-    eye = default_eye(world, moment)
+    eye = default_viewpoint(world, moment)
     points = world.points_world(moment.theta, bases_of(world)["learner"])
     places, depth = eye.see(points)
     # by a projection matrix of its own making: x = f X / Z about the middle, y down
@@ -91,7 +91,9 @@ def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
     assert middle[1] - above[1] == pytest.approx(focal * 0.1 * across / far)
     drawn = draw_space(world, moment, eye).inside
     assert drawn.count(f'fill="{ROLES["learner"][0]}"') >= len(points)
-    behind = draw_space(world, moment, Eye(eye.target, eye.position)).inside  # nothing is drawn of what lies behind
+    behind = draw_space(
+        world, moment, Viewpoint(eye.target, eye.position)
+    ).inside  # nothing is drawn of what lies behind
     assert behind.count("<path") < 0.7 * drawn.count("<path")
 
 

@@ -18,7 +18,14 @@ import viewimit
 from viewimit.analysis.construction import construct
 from viewimit.drawing.export import panels as panels_module
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.panels import MAX_MOMENTS, Appearance, DedupedHTML, dedupe, kept_motions, largest_residual
+from viewimit.drawing.export.panels import (
+    MAX_SNAPSHOTS,
+    Appearance,
+    DedupedHTML,
+    dedupe,
+    kept_motions,
+    largest_residual,
+)
 from viewimit.drawing.images.panel import draw_images
 from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
@@ -96,16 +103,16 @@ def test_every_point_can_be_chosen_and_costs_little(session, replay):
 
 
 @given(st.lists(st.text("ab<>", max_size=12), max_size=5))
-def test_what_is_woven_comes_out_as_it_was(drawings):
-    woven = dedupe(drawings)
-    assert [woven[k] for k in range(len(drawings))] == drawings and len(set(woven.pieces)) == len(woven.pieces)
+def test_what_is_deduped_comes_out_as_it_was(drawings):
+    deduped = dedupe(drawings)
+    assert [deduped[k] for k in range(len(drawings))] == drawings and len(set(deduped.pieces)) == len(deduped.pieces)
 
 
 def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
     monkeypatch.setattr(panels_module, "MAX_IMAGES", 10)
     small = viewimit.replay(session, chosen=6)
     panels = told(small)["panels"]
-    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["ways"]) == 1 for one in panels["images"])
+    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["indices"]) == 1 for one in panels["images"])
 
 
 def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
@@ -155,7 +162,7 @@ def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
 def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
     long = [session.history[0].with_fields(motion=k) for k in range(1000)]
     kept = kept_motions(long)
-    assert len(kept) <= MAX_MOMENTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
+    assert len(kept) <= MAX_SNAPSHOTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
     assert kept_motions([long[k - k % 8] for k in range(1000)])[1] % 8 == 0  # what stands for others, once
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from viewimit.geometry.affine import centred, cross_scatter, fit_affine_fundamental
-from viewimit.geometry.small_matrices import extreme_eigenvalues, smallest_eigenpair
 
 
 def affine_pair(rng, count=8, batch=()):
@@ -19,12 +18,6 @@ def by_eigh(p, q):
     centroid = u.mean(0)
     values, vectors = np.linalg.eigh((u - centroid).T @ (u - centroid))
     return values, vectors[:, 0], -centroid @ vectors[:, 0]
-
-
-def blocks(W):
-    """(G, 4, 4) → P, M, Q (2, 2, G)"""
-    W = np.moveaxis(W, 0, -1)
-    return W[:2, :2].copy(), W[:2, 2:].copy(), W[2:, 2:].copy()
 
 
 def test_f_agrees_with_lapack():
@@ -102,48 +95,6 @@ def test_scatter_of_one_image_against_many_is_scatter_of_each():
     mean, about = centred(many)
     np.testing.assert_allclose(about + mean[:, None], many, atol=1e-14)
     np.testing.assert_allclose(about.sum(1), 0, atol=1e-13)
-
-
-def random_W(rng, values):
-    """Symmetric matrices with the given eigenvalues (G, 4) and random axes."""
-    Q, _ = np.linalg.qr(rng.normal(size=(len(values), 4, 4)))
-    return (Q * values[:, None]) @ np.swapaxes(Q, 1, 2)
-
-
-@pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5, 1e-9, 0.0])
-def test_eigenpair_solves_its_equation_however_close_the_next_eigenvalue(gap):
-    rng = np.random.default_rng(7)
-    smallest = rng.uniform(0, 0.3, 300)
-    values = np.stack([smallest, smallest + gap, rng.uniform(0.5, 1, 300), rng.uniform(1, 2, 300)], 1) * 1e4
-    W = random_W(rng, values)
-    found, f = smallest_eigenpair(*blocks(W))
-    # backward stable up to the accuracy promised with MIN_COFACTOR
-    residual = np.einsum("gij,jg->ig", W, f) - found * f
-    assert np.abs(residual).max() < 1e-9 * 1e4
-    np.testing.assert_allclose(found, values[:, 0], atol=1e-7 * 1e4)
-    if gap >= 1e-5:  # LAPACK itself errs by 1e-16 / gap
-        vector = np.linalg.eigh(W)[1][:, :, 0].T
-        np.testing.assert_allclose(f * np.sign((f * vector).sum(0)), vector, atol=1e-9)
-
-
-def test_eigenvector_that_lives_in_one_image_only():
-    W = np.array([np.diag([3.0, 2.0, 1.0, 0.5]), np.diag([0.5, 2.0, 1.0, 3.0]), np.zeros((4, 4))])
-    found, f = smallest_eigenpair(*blocks(W))
-    np.testing.assert_allclose(found, [0.5, 0.5, 0.0], atol=1e-12)
-    np.testing.assert_allclose(np.abs(f[:, :2]), [[0, 1], [0, 0], [0, 0], [1, 0]], atol=1e-9)
-    assert np.linalg.norm(f[:, 2]) == pytest.approx(1)
-
-
-def test_extreme_eigenvalues_agree_with_lapack():
-    rng = np.random.default_rng(8)
-    W = random_W(rng, rng.uniform(0.01, 2, (300, 4)))
-    smallest, largest = extreme_eigenvalues(*blocks(W))
-    expected = np.linalg.eigvalsh(W)
-    trace = expected.sum(1)
-    for found, k in ((smallest, 0), (largest, 3)):
-        # a root is as exact as the polynomial's rounding, 1e-15 trace⁴, divided by its slope there
-        slope = np.abs(np.prod(np.delete(expected, k, 1) - expected[:, k : k + 1], axis=1))
-        assert np.all(np.abs(found - expected[:, k]) < 1e-15 * trace**4 / slope + 1e-12)
 
 
 def test_opencvs_arrays_are_fitted_as_points():

@@ -10,7 +10,7 @@ LENSES = [(-0.3, 0.1), (0.16, -0.5), (0.5, -0.3), (1.0, -0.5), (0.3, -0.1), (0.2
 
 
 def halved(by: RadialDistortion, seen: float) -> float:
-    """r by halving, of what is seen within `rim`."""
+    """r by bisection, of a distorted radius within `max_distorted_radius`."""
     low, high = 0.0, min(by.max_radius, 100.0)
     for _ in range(200):
         middle = (low + high) / 2
@@ -19,13 +19,13 @@ def halved(by: RadialDistortion, seen: float) -> float:
 
 
 @pytest.mark.parametrize("k1, k2", [(10.01, 0.0), (0.0, -10.01), (np.nan, 0.0), (0.0, np.inf)])
-def test_what_no_lens_has_is_refused(k1, k2):
+def test_coefficients_that_no_lens_has_are_refused(k1, k2):
     with pytest.raises(ValueError, match="is none of a lens: both are within ±10, in focal lengths"):
         RadialDistortion(k1, k2)
 
 
 @pytest.mark.parametrize("k1, k2", LENSES)
-def test_what_is_undone_is_where_it_was(k1, k2):
+def test_the_inverse_restores_the_radius(k1, k2):
     by = RadialDistortion(k1, k2)
     r = np.linspace(0, 0.999 * min(by.max_radius, 4.0), 60)
     seen = r * (1 + k1 * r**2 + k2 * r**4)
@@ -35,7 +35,7 @@ def test_what_is_undone_is_where_it_was(k1, k2):
 
 
 @pytest.mark.parametrize("k1, k2", LENSES)
-def test_what_is_seen_farther_out_is_farther_out(k1, k2):
+def test_the_undistorted_radius_increases_with_the_distorted_one(k1, k2):
     by = RadialDistortion(k1, k2)
     seen = np.linspace(0, 3 * min(by.max_distorted_radius, 4.0), 500)
     assert (np.diff(seen * by.inverse_factor(seen**2)) > 0).all()

@@ -1,4 +1,4 @@
-"""F of a stereo head is that of its cameras, and OpenCV's."""
+"""The F of matches is that of the cameras that made them, and OpenCV's."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from viewimit.geometry.fundamental import (
 
 
 @pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
-def test_without_noise_it_is_that_of_the_cameras(stereo):
+def test_without_noise_F_is_that_of_the_cameras(stereo):
     left, right, cameras = matches(stereo, np.random.default_rng(0))
     F = fit_fundamental(left, right)
     np.testing.assert_allclose(up_to_scale(F), up_to_scale(fundamental_of(cameras)), atol=1e-9)
@@ -22,7 +22,7 @@ def test_without_noise_it_is_that_of_the_cameras(stereo):
     assert np.abs(sampson_distance(F, left, right)).max() < 1e-9
 
 
-def test_unweighted_it_is_opencvs_eight_point_algorithm():
+def test_without_reweighting_it_is_opencvs_eight_point_algorithm():
     cv2 = pytest.importorskip("cv2")
     left, right, _ = matches(head(12, *UNLIKE), np.random.default_rng(1))
     theirs, _ = cv2.findFundamentalMat(left, right, cv2.FM_8POINT)
@@ -31,7 +31,7 @@ def test_unweighted_it_is_opencvs_eight_point_algorithm():
     )
 
 
-def test_with_noise_matches_are_as_far_from_it_as_the_noise_is_large():
+def test_distances_from_F_are_as_large_as_the_noise():
     left, right, cameras = matches(head(12, *UNLIKE), np.random.default_rng(2), 2000, 0.25)
     F = fit_fundamental(left, right)
     assert np.sqrt(np.mean(sampson_distance(F, left, right) ** 2)) == pytest.approx(0.25, rel=0.05)
@@ -39,13 +39,13 @@ def test_with_noise_matches_are_as_far_from_it_as_the_noise_is_large():
 
 
 def flat_matches(rng, noise_px=0.25):
-    """Of points at nearly equal depth, which tell F badly."""
+    """Of points at nearly equal depth, which determine F poorly."""
     left, right, _ = matches(head(12, *UNLIKE), np.random.default_rng(8), 200)
     near = np.abs(right[:, 0] - left[:, 0] - np.median(right[:, 0] - left[:, 0])) < 15
     return (images[near] + noise_px * rng.standard_normal((near.sum(), 2)) for images in (left, right))
 
 
-def test_among_all_of_rank_2_it_is_the_one_nearest_to_the_matches():
+def test_F_is_the_matrix_of_rank_2_nearest_to_the_matches():
     """Their distances rise alike to all sides of it; not so of the one that is nearest to a matrix of rank 3."""
     rng = np.random.default_rng(9)
     for _ in range(5):
@@ -58,7 +58,7 @@ def test_among_all_of_rank_2_it_is_the_one_nearest_to_the_matches():
             assert curvature > 0 and abs(ahead - behind) < 0.2 * curvature
 
 
-def test_its_neighbours_are_as_far_away_as_noise_moves_it():
+def test_perturbed_matrices_are_as_far_away_as_noise_moves_F():
     rng = np.random.default_rng(10)
     where = lambda F: np.concatenate([e[:2] / e[2] for e in epipoles(F)])
     found, said = [], []
@@ -72,7 +72,7 @@ def test_its_neighbours_are_as_far_away_as_noise_moves_it():
     np.testing.assert_allclose(np.sqrt(np.median(said, 0)), np.std(found, 0), rtol=0.15)
 
 
-def test_a_match_that_is_moved_across_its_epipolar_line_is_as_far_as_it_was_moved():
+def test_sampsons_distance_is_that_moved_across_the_epipolar_line():
     """To first order; the line of the other image takes its share."""
     left, right, cameras = matches(head(12), np.random.default_rng(3))
     F = fundamental_of(cameras)
@@ -85,7 +85,7 @@ def test_a_match_that_is_moved_across_its_epipolar_line_is_as_far_as_it_was_move
     np.testing.assert_allclose(sampson_distance(F, left, right + 0.01 * across), 0.01 * share, rtol=1e-3)
 
 
-def test_epipoles_are_where_each_camera_sees_the_other():
+def test_epipoles_are_the_images_of_the_other_camera():
     left, right, (camera_left, camera_right) = matches(head(15, *UNLIKE), np.random.default_rng(4))
     of_left, of_right = epipoles(fit_fundamental(left, right))
     for epipole, camera, other in ((of_left, camera_left, camera_right), (of_right, camera_right, camera_left)):
@@ -100,7 +100,7 @@ def test_seven_matches_are_refused():
 
 
 @pytest.mark.parametrize("stereo", [head(0), head(12), head(3, *UNLIKE), head(20, *UNLIKE)])
-def test_with_a_prior_it_is_the_same_without_noise_and_of_many_matches(stereo):
+def test_the_prior_changes_nothing_without_noise_or_with_many_matches(stereo):
     left, right, cameras = matches(stereo, np.random.default_rng(0))
     np.testing.assert_allclose(
         up_to_scale(fit_fundamental_with_prior(left, right)), up_to_scale(fundamental_of(cameras)), atol=1e-6
@@ -112,7 +112,7 @@ def test_with_a_prior_it_is_the_same_without_noise_and_of_many_matches(stereo):
 
 
 @pytest.mark.parametrize("toe_in_deg", [0, 2, 12])
-def test_with_a_prior_other_matches_are_nearer_to_that_of_few_noisy_ones(toe_in_deg):
+def test_the_prior_brings_other_matches_nearer_to_the_F_of_few_noisy_ones(toe_in_deg):
     """Exact ones, of 60 draws on average and of the worst tenth."""
     away = {fit_fundamental: [], fit_fundamental_with_prior: []}
     for seed in range(60):
@@ -126,6 +126,6 @@ def test_with_a_prior_other_matches_are_nearer_to_that_of_few_noisy_ones(toe_in_
     assert np.percentile(with_prior, 90) < 0.85 * np.percentile(without, 90)
 
 
-def test_with_a_prior_too_few_matches_are_refused():
+def test_too_few_matches_are_refused_with_a_prior():
     with pytest.raises(ValueError, match="at least 8 matches"):
         fit_fundamental_with_prior(np.zeros((7, 2)), np.zeros((7, 2)))

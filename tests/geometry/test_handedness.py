@@ -47,7 +47,7 @@ def least_squares_of_singular_maps(demo, own, rng):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_its_squares_are_what_the_best_map_that_does_not_reflect_leaves_in_addition(seed):
+def test_its_squares_are_those_that_the_best_orientation_preserving_map_adds(seed):
     """The least of a convex function over maps of determinant ≥ 0 is at determinant 0 if it is not within."""
     rng = np.random.default_rng(seed)
     axes = axes_of(rng)
@@ -64,7 +64,7 @@ def test_its_squares_are_what_the_best_map_that_does_not_reflect_leaves_in_addit
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_map_that_does_not_reflect_pays_nothing(seed):
+def test_a_map_that_does_not_reflect_has_no_residual(seed):
     rng = np.random.default_rng(seed)
     axes = axes_of(rng)
     demo, own = bodies(rng, 1, axes)
@@ -92,7 +92,7 @@ def test_neither_the_choice_of_axes_nor_the_order_of_points_matters(sign):
         assert paid(again) == pytest.approx(first)
 
 
-def test_principal_axes_span_all_that_varies():
+def test_principal_axes_span_the_variation():
     rng = np.random.default_rng(2)
     axes = axes_of(rng)
     images = rng.normal(size=(40, 3)) @ axes.T + 100
@@ -110,7 +110,7 @@ def seen_of(world, rng, postures=20):
 
 
 @pytest.mark.parametrize("name", scene_names())
-def test_in_the_same_posture_no_shipped_scene_pays(name):
+def test_no_shipped_scene_reflects_in_the_same_posture(name):
     scene = load_scene(name)
     for points in scene.points:
         demo, own, _ = seen_of(World(scene, int(points)), np.random.default_rng(3))
@@ -144,7 +144,7 @@ def test_markers_on_both_sides_are_a_mirror_image_in_the_mirrored_posture(text, 
         assert handedness.is_mirrored(apply(world.own_images(-theta)[0])) is True
 
 
-def test_left_and_right_in_each_others_place_are_a_mirror_image():
+def test_swapped_left_and_right_are_a_mirror_image():
     demo, own, _ = seen_of(World(load_scene("panda"), 16), np.random.default_rng(5))
     exchanged = own[..., [2, 3, 0, 1]]
     axes = principal_axes(np.concatenate([demo, exchanged]).reshape(-1, 4))
@@ -152,8 +152,8 @@ def test_left_and_right_in_each_others_place_are_a_mirror_image():
 
 
 @pytest.mark.parametrize("noise_px", [0.1, 1.0])
-def test_what_noise_may_have_made_tells_no_handedness(noise_px):
-    """Depth of the points, rms, of MIN_DEPTH_SIGMA standard deviations is the least that tells: of both bodies."""
+def test_a_body_as_flat_as_noise_has_no_handedness(noise_px):
+    """Depth of the points, rms, of MIN_DEPTH_SIGMA standard deviations is the smallest that shows: of both bodies."""
     rng = np.random.default_rng(6)
     axes = axes_of(rng)
     unit = np.linalg.svd(rng.normal(size=(POINTS, 3)), full_matrices=False)[0]
@@ -167,7 +167,7 @@ def test_what_noise_may_have_made_tells_no_handedness(noise_px):
 
 
 @pytest.mark.parametrize("depth", [3.5, 6.0, 50.0])
-def test_noise_hides_the_handedness_but_never_turns_it_round(depth):
+def test_noise_hides_the_handedness_but_never_inverts_it(depth):
     """depth: of both bodies, in standard deviations of the noise."""
     rng = np.random.default_rng(7)
     axes, told = axes_of(rng), 0

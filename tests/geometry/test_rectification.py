@@ -1,4 +1,4 @@
-"""After rectification matches lie in equal rows and epipoles at infinity; where nothing is wrong, nothing is asked."""
+"""Rectified matches lie in equal rows and epipoles at infinity; images that need no rectification get none."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ PARALLEL = [head(0), head(0, *UNLIKE)]
 
 
 @pytest.mark.parametrize("stereo", NEEDED)
-def test_matches_lie_in_equal_rows_also_those_that_it_was_not_found_from(stereo):
+def test_other_matches_get_equal_rows_too(stereo):
     rng = np.random.default_rng(0)
     found = fit_rectification(*matches(stereo, rng)[:2])
     left, right, _ = matches(stereo, rng)
@@ -33,7 +33,7 @@ def test_matches_lie_in_equal_rows_also_those_that_it_was_not_found_from(stereo)
 
 @pytest.mark.parametrize("stereo", PARALLEL)
 @pytest.mark.parametrize("roll_deg", [0, 8])
-def test_matches_of_parallel_axes_lie_in_equal_rows_once_they_are_level(stereo, roll_deg):
+def test_similarities_rectify_parallel_axes(stereo, roll_deg):
     left, right, _ = matches(stereo, np.random.default_rng(0))
     turn = np.radians([roll_deg, -2 * roll_deg])
     left, right = (
@@ -57,7 +57,7 @@ def test_epipoles_are_at_infinity_along_the_rows(stereo):
 
 
 @pytest.mark.parametrize("stereo", NEEDED)
-def test_pixels_stay_as_large_and_upright_in_the_middle_of_the_right_image(stereo):
+def test_pixels_keep_size_and_orientation_in_the_middle_of_the_right_image(stereo):
     left, right, _ = matches(stereo, np.random.default_rng(2))
     found, middle, small = fit_rectification(left, right), right.mean(0), 1e-4
     around = middle + small * np.array([[0, 0], [1, 0], [0, 1]])
@@ -67,7 +67,7 @@ def test_pixels_stay_as_large_and_upright_in_the_middle_of_the_right_image(stere
     assert np.linalg.det(derivative) > 0 and derivative[0, 0] > 0.7
 
 
-def test_of_parallel_equal_cameras_the_right_image_stays_as_it_is_and_the_left_one_its_rows():
+def test_equal_parallel_cameras_keep_the_right_image_and_the_rows_of_the_left():
     left, right, _ = matches(head(0), np.random.default_rng(3))
     found = rectify(fit_fundamental(left, right), left, right)
     np.testing.assert_allclose(found.right, np.eye(3), atol=1e-6)
@@ -76,12 +76,12 @@ def test_of_parallel_equal_cameras_the_right_image_stays_as_it_is_and_the_left_o
 
 @pytest.mark.parametrize("stereo", PARALLEL)
 @pytest.mark.parametrize("noise_px", [0.0, 0.25, 2.0])
-def test_parallel_axes_ask_for_none_also_with_unlike_cameras_and_noise(stereo, noise_px):
+def test_parallel_axes_need_no_rectification_even_of_unlike_cameras_with_noise(stereo, noise_px):
     rng = np.random.default_rng(4)
     assert all(fit_rectification(*matches(stereo, rng, 40, noise_px)[:2]) is None for _ in range(20))
 
 
-def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
+def test_toed_in_cameras_are_rectified_despite_noise_and_wrong_matches():
     rng = np.random.default_rng(5)
     for _ in range(20):
         left, right, _ = matches(head(12), rng, 60, 0.25)
@@ -90,7 +90,7 @@ def test_toed_in_cameras_ask_for_it_through_noise_and_wrong_matches():
     assert fit_rectification(left[:10], right[:10]) is None  # too few to tell
 
 
-def test_what_noise_leaves_open_are_seven_others_that_make_rows_equal_as_well_as_noise_allows():
+def test_seven_perturbed_rectifications_give_equal_rows_as_well_as_noise_allows():
     rng = np.random.default_rng(7)
     assert fit_rectification(*matches(head(12), rng)[:2]).perturbed == ()
     left, right, _ = matches(head(12), rng, 60, 0.25)
@@ -102,7 +102,7 @@ def test_what_noise_leaves_open_are_seven_others_that_make_rows_equal_as_well_as
         assert apart == pytest.approx(0.25**2, rel=0.5)
 
 
-def test_a_batch_is_mapped_as_each_of_it():
+def test_a_batch_equals_a_loop():
     left, right, _ = matches(head(8, EQUAL, UNLIKE[1]), np.random.default_rng(6))
     found, images = fit_rectification(left, right), np.concatenate([left, right], 1)
     together = found.apply(np.stack([images[:20], images[20:40]])[:, None])
@@ -110,7 +110,7 @@ def test_a_batch_is_mapped_as_each_of_it():
 
 
 @pytest.mark.parametrize("apart_px", [0.0, 1e-3, 3.4e-3, 4.4e-3, 1e-2])
-def test_rows_that_are_nearly_equal_are_never_farther_from_an_affine_geometry(apart_px):
+def test_nearly_equal_rows_are_near_an_affine_geometry(apart_px):
     rng = np.random.default_rng(4)
     left = rng.uniform(0, 640, (40, 2))
     right = np.stack([left[:, 0] - rng.uniform(10, 60, 40), left[:, 1] + apart_px * rng.choice([-1, 1], 40)], 1)

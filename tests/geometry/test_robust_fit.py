@@ -1,4 +1,4 @@
-"""Matches that contradict the head are found, and no other, held against the F of cameras that are known."""
+"""Outliers among matches are found, and no inliers, checked against the F of known cameras."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_a_fifth_of_wrong_matches_is_found_and_nothing_else(stereo, noise_px):
 
 
 @pytest.mark.parametrize("stereo", HEADS.values(), ids=HEADS)
-def test_with_few_matches_of_which_none_is_wrong_none_is_found(stereo):
+def test_no_outlier_is_found_among_few_inliers(stereo):
     for seed in range(10):
         rng = np.random.default_rng(seed)
         left, right, _ = matches(stereo, rng, 20, 0.25)
@@ -41,14 +41,14 @@ def test_with_few_matches_of_which_none_is_wrong_none_is_found(stereo):
         assert not detect_outliers(left[:8], right[:8], 0.25, rng).any()
 
 
-def test_where_no_geometry_fits_nothing_is_told():
+def test_no_outlier_is_found_where_no_geometry_fits():
     rng = np.random.default_rng(0)
     left, right = rng.uniform(0, 300, (2, 60, 2))
     assert not detect_outliers(left, right, 0.25, rng).any() and not all_inliers(left, right, 0.25)
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.25])
-def test_matches_of_parallel_cameras_agree_until_one_is_moved_out_of_its_row(noise_px):
+def test_matches_of_parallel_cameras_are_inliers_until_one_is_moved_out_of_its_row(noise_px):
     left, right, _ = matches(HEADS["parallel, unlike"], np.random.default_rng(1), 40, noise_px)
     assert all_inliers(left, right, noise_px) and all_inliers(left[:5], right[:5] + 20, noise_px)
     along, across = right.copy(), right.copy()
@@ -58,7 +58,7 @@ def test_matches_of_parallel_cameras_agree_until_one_is_moved_out_of_its_row(noi
 
 
 @pytest.mark.parametrize("count, geometry", [(20, fit_row_geometry), (200, fit_geometry)])
-def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count, geometry):
+def test_the_deviation_of_equal_rows_is_at_least_that_of_rounding(count, geometry):
     """Whole pixels of parallel cameras: rows differ by -1, 0 or 1, mostly 0, whose deviation is at least rounding's."""
     rounding_px = 1 / np.sqrt(12)
     for seed in range(6):
@@ -74,7 +74,7 @@ def test_rows_that_rounding_made_equal_do_not_make_a_pixel_many_deviations(count
         assert np.abs(fit.distance(left[:1], wrong))[0] > fit.threshold * fit.std_px
 
 
-def test_of_few_matches_what_is_far_from_all_others_is_held_to_the_noise_that_it_would_add():
+def test_a_match_far_from_few_others_is_judged_by_the_squares_that_it_adds():
     """Whatever it is that they tell of F: deviations of further matches are those of a standard normal variable, though
     they lie where F is extrapolated."""
     deviations = []

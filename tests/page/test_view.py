@@ -14,9 +14,9 @@ from viewimit.simulation.scene_geometry import (
     FOV,
     HALF_NAME,
     LINE,
-    fitted_view,
+    default_view,
+    fit_view,
     floor_lines,
-    looking,
     unhidden,
 )
 from viewimit.simulation.world import World
@@ -38,9 +38,9 @@ def view(camera):
 
 @pytest.mark.parametrize("aspect", [0.5, 0.77, 1.0, 2.0])
 def test_all_landmarks_are_in_sight_above_what_is_covered(aspect):
-    position, target = fitted_view(LANDMARKS, aspect, BELOW)
-    right, down, depth = ((LANDMARKS - position) @ looking()).T
-    assert np.allclose(np.cross(target - position, looking()[:, 2]), 0, atol=1e-9)
+    position, target = fit_view(LANDMARKS, aspect, BELOW)
+    right, down, depth = ((LANDMARKS - position) @ default_view()).T
+    assert np.allclose(np.cross(target - position, default_view()[:, 2]), 0, atol=1e-9)
     x, y = (value / (depth * np.tan(FOV / 2)) for value in (right, down))
     assert (np.abs(x) <= aspect).all() and (y >= -1).all() and (y <= 1 - 2 * BELOW).all()
 
@@ -54,7 +54,7 @@ def test_the_pixel_ratio_does_not_matter_and_another_shape_does(view, camera):
     for size in ((300, 720), (1060, 1080)):
         camera.image_width, camera.image_height = size
         view.follow(lambda: LANDMARKS)
-        np.testing.assert_allclose(camera.position, fitted_view(LANDMARKS, size[0] / size[1], BELOW)[0])
+        np.testing.assert_allclose(camera.position, fit_view(LANDMARKS, size[0] / size[1], BELOW)[0])
 
 
 def test_a_camera_that_the_visitor_has_moved_stays(view, camera):
@@ -75,7 +75,7 @@ def test_a_browser_that_tells_late_where_the_page_had_put_it_is_followed_on(view
         camera.position = earlier
     camera.image_width = 250
     view.follow(lambda: LANDMARKS)
-    np.testing.assert_allclose(camera.position, fitted_view(LANDMARKS, 250 / 720, BELOW)[0])
+    np.testing.assert_allclose(camera.position, fit_view(LANDMARKS, 250 / 720, BELOW)[0])
 
 
 def test_a_canvas_without_a_size_is_waited_for(camera):
@@ -120,7 +120,7 @@ def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_te
     camera.position = np.array(before)
     view.follow(lambda: LANDMARKS)
     put = camera.position
-    np.testing.assert_allclose(put, fitted_view(LANDMARKS, 552 / 720, BELOW)[0])
+    np.testing.assert_allclose(put, fit_view(LANDMARKS, 552 / 720, BELOW)[0])
     assert not view.astray
     camera.position = np.array(before)  # the browser had no camera yet that could be put there
     assert view.astray
@@ -137,7 +137,7 @@ def test_no_body_hides_a_name_on_the_floor(box):
     place, size = np.array([-0.16, -0.31, 0.05]), 0.8
     body = trimesh.creation.box(box).sample(20_000, seed=0) + [0, 0, box[2] / 2]
     found = unhidden(place, body, size)
-    right, down, forward = ((body - found) @ looking()).T
+    right, down, forward = ((body - found) @ default_view()).T
     over = (np.abs(right) < HALF_NAME * size) & (-LINE * size < down) & (down < 0) & (forward < 0)
     assert not over.any() and found[2] == place[2]
     assert (found == place).all() == (box[1] < 1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.sensing.point_checks import FAR, is_far_outlier, is_missing_value
+from viewimit.sensing.frames import FAR_OUTLIER, is_far_outlier, is_missing_value
 
 
 def test_a_point_is_lost_at_both_coordinates_of_a_mark_only():
@@ -11,7 +11,7 @@ def test_a_point_is_lost_at_both_coordinates_of_a_mark_only():
     assert is_missing_value(image).tolist() == [[True] * 3, [False] * 3]
 
 
-@pytest.mark.parametrize("times, beyond", [(0.9 * FAR, False), (1.1 * FAR, True)])
+@pytest.mark.parametrize("times, beyond", [(0.9 * FAR_OUTLIER, False), (1.1 * FAR_OUTLIER, True)])
 def test_a_point_is_astray_beyond_so_many_times_what_the_others_lie_apart(times, beyond):
     """Wherever they are, and however large they are seen."""
     turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)

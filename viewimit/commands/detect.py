@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
@@ -26,8 +27,9 @@ from .options import (
     require_files_apart,
 )
 
-Found = tuple[str, float, float, float]  # point, x, y px, confidence
-Detect = Callable[[NDArray], Iterator[Found]]  # in a picture
+Picture = NDArray[np.uint8]
+Point = tuple[str, float, float, float]  # name, x, y [px], confidence
+Detector = Callable[[Picture], Iterator[Point]]
 CERTAIN = 1.0
 NAMED = re.compile(r"(?:^|[^A-Za-z])(?:(?P<body>(?i:demo|own))[_-](?P<side>(?i:left|right))|(?P<view>[lrLR]))$")
 
@@ -71,27 +73,27 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
     if args.out.suffix.lower() != ".csv":
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
-    files = _by_view(args)
-    names, detect = _balls(args) if args.aruco is None else _square_markers(args)
+    files = _files_by_view(args)
+    names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import read_pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
-    told = {}
+    counts = {}
     for view, paths in files.items():
-        rows[view], count = [], 0
+        rows[view], frames = [], 0
         with naming(option(VIEW_NAMES[view])):
             for picture in (picture for path in paths for picture in read_pictures(path)):
-                rows[view] += [(count, *found) for found in detect(picture)]
-                count += 1
-        told[VIEW_NAMES[view]] = {"frames": count, "points_a_frame": len(rows[view]) / count}
+                rows[view] += [(frames, *point) for point in detect(picture)]
+                frames += 1
+        counts[VIEW_NAMES[view]] = {"frames": frames, "points_a_frame": len(rows[view]) / frames}
     markers = len(names) or len({point for each in rows.values() for _, point, *_ in each})
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json(args, {"markers": markers, "views": told, "file": str(args.out)})
+        print_json(args, {"markers": markers, "views": counts, "file": str(args.out)})
     else:
-        for view, each in told.items():
-            print(f"{view:<10}  {each['frames']} frames, {each['points_a_frame']:.1f} of {markers} points in each")
+        for name, count in counts.items():
+            print(f"{name:<10}  {count['frames']} frames, {count['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
     empty = [VIEW_NAMES[view] for view in files if not rows[view]]
     if empty:
@@ -100,37 +102,36 @@ def run(args: argparse.Namespace) -> int:
     return MISSED if empty else DONE
 
 
-def _balls(args: argparse.Namespace) -> tuple[list[str], Detect]:
-    """Names of the points that there can be, and how they are found. Raises BadInput."""
+def _ball_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
+    """Names of all points, and the detector. Raises BadInput."""
     with naming("--markers"):
         hue_deg = load_markers(args.markers).hue_deg
     from ..sensing.detection import detect  # loads OpenCV
 
-    def found(picture: NDArray) -> Iterator[Found]:
+    def points(picture: Picture) -> Iterator[Point]:
         balls = detect(picture, hue_deg, args.middle)
-        for k in range(len(hue_deg)):
-            if balls.found[k]:
-                yield str(k), float(balls.points[k, 0]), float(balls.points[k, 1]), float(balls.confidence[k])
+        for k in np.flatnonzero(balls.found).tolist():
+            yield str(k), float(balls.points[k, 0]), float(balls.points[k, 1]), float(balls.confidence[k])
 
-    return [str(k) for k in range(len(hue_deg))], found
+    return [str(k) for k in range(len(hue_deg))], points
 
 
-def _square_markers(args: argparse.Namespace) -> tuple[list[str], Detect]:
-    """As `_balls`; which numbers there are, the pictures say. Raises BadInput."""
+def _square_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
+    """No names, because the pictures tell which numbers there are, and the detector. Raises BadInput."""
     from ..sensing.detection import Fiducials  # loads OpenCV
 
     with naming("--aruco"):
         fiducials = Fiducials(args.aruco)
 
-    def found(picture: NDArray) -> Iterator[Found]:
+    def points(picture: Picture) -> Iterator[Point]:
         first = round((1 - args.middle) / 2 * picture.shape[1])
         for number, (x, y) in sorted(fiducials.detect(picture[:, first : picture.shape[1] - first]).items()):
             yield str(number), float(x) + first, float(y), CERTAIN
 
-    return [], found
+    return [], points
 
 
-def _by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
+def _files_by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
     files: dict[str, list[Path]] = {view: list(vars(args)[VIEW_NAMES[view]]) for view in VIEWS}
     for path in args.files:
         named = NAMED.search(path.stem)

@@ -1,4 +1,4 @@
-"""viewimit scene: what is chosen for a robot of which only the URDF is known, as a scene file to be edited."""
+"""viewimit scene: a scene made for a robot of which only the URDF is known, as a file to be edited."""
 
 import argparse
 import dataclasses
@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 
 from ..simulation.scene import MAX_CHOSEN_JOINTS, load_robot, load_scene, scene_for_urdf
+from ..simulation.scene_writing import scene_file
 from ..simulation.urdf.reference import is_reference, parse_reference
 from . import BadInput
 from .json_output import print_json
@@ -29,15 +30,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="URDF", help="the path of a .urdf file, or a name of robot_descriptions")
     add_chain_options(parser)
     parser.add_argument(
-        "--joints", type=joints, metavar="N,N", help="that move, from 1, or all (the two that move the image most)"
+        "--joints", type=joints, metavar="N,N", help="moving joints, from 1, or all (the two that move the image most)"
     )
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it there, as .toml (to standard output)")
     add_json_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..simulation.scene_writing import scene_file
-
     if args.out and args.out.suffix.lower() != ".toml":
         raise BadInput(f"--out: {args.out} must end in .toml")
     with naming("URDF"):
@@ -55,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     fields = msgspec.to_builtins(scene)
     for eye in ("left", "right"):
         del fields["head"][eye]
-    fields["robot"] = _from(args.out, name)
+    fields["robot"] = _relative_robot(args.out, name)
     if args.json:
         print_json(args, {"scene": fields})
     text = scene_file(fields, load_robot(name), "Made from a URDF by `viewimit scene`: edit it, and use it by --scene")
@@ -68,8 +67,8 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _from(out: Path | None, name: str) -> str:
-    """The robot as the scene file says it: from that file's folder, or else from here."""
+def _relative_robot(out: Path | None, name: str) -> str:
+    """The robot's path from the folder of the scene file, or from the current folder."""
     found = parse_reference(name)
     path = found.path if out is None else Path(os.path.relpath(found.path, out.parent))
     return str(dataclasses.replace(found, path=path))

@@ -1,2 +1,4 @@
-"""SVG and HTML of all that is seen, on the page and in files: each figure is drawn once, from what it is given. Nothing
-is fitted, projected or analysed here."""
+"""SVG and HTML of images, landscapes, curves, equations and status, for the page, files and notebooks.
+
+Drawings compute nothing: they are given snapshots, landscapes and the like. `export` also computes these for files.
+"""

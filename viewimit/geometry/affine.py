@@ -5,8 +5,8 @@ of the images [p], [q] is f = (f13, f23, f31, f32) and f33, so that a match sati
 
     f13 x_p + f23 y_p + f31 x_q + f32 y_q + f33 = 0.
 
-Points are (..., N, 2) or (..., N, 4) px. Scatter matrices, and what is computed from them, have their component axes
-first and the batch last, so that long batches stay contiguous in memory. W of Eq. (2) is kept as its 2 x 2 blocks
+Points are (..., N, 2) or (..., N, 4) px. Scatter matrices and their eigenvectors have the component axes first and the
+batch last, so that long batches stay contiguous in memory. W of Eq. (2) is kept as its 2 x 2 blocks
 P = Σ p pᵀ, M = Σ p qᵀ, Q = Σ q qᵀ.
 
 References

@@ -127,8 +127,8 @@ def rectify(F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np
 def rectify_affine(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification:
     """Rectify images of cameras with parallel optical axes by similarities. left, right: (M, 2) px.
 
-    The images are turned so that their affine epipolar lines, Eq. (2), are rows, and the right rows are scaled to be as
-    far apart as the left ones.
+    The images are turned so that their affine epipolar lines, Eq. (2), are rows, and the right rows get the spacing of
+    the left ones.
     """
     mean, matches = centred(np.concatenate([left, right], 1))
     normal = np.linalg.eigh(matches.T @ matches)[1][:, 0]

@@ -153,15 +153,27 @@ def _tail_by_lapack(S: NDArray, rank: int) -> NDArray:
     return np.linalg.eigvalsh(S.transpose(2, 0, 1))[:, :-rank].sum(1)
 
 
-def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
-    """Smallest eigenvalue and unit eigenvector of W = [[P, M], [Mᵀ, Q]], positive semi-definite.
+def smallest_eigenpair(
+    P: NDArray[np.float64], M: NDArray[np.float64], Q: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Smallest eigenvalue λ and unit eigenvector f of W = [[P, M], [Mᵀ, Q]], positive semi-definite.
 
-    P, M, Q: (2, 2, ...) → λ: (...), f: (4, ...), sign arbitrary.
+    Parameters
+    ----------
+    P, M, Q : (2, 2, ...) array
+        Blocks of the matrices.
 
-    λ is a root of the characteristic polynomial. With f = [x; y], the lower half of (W - λ)f = 0 gives
-    y = -(Q - λ)⁻¹Mᵀx, and x is in the kernel of the Schur complement S = P - λ - M(Q - λ)⁻¹Mᵀ, which is taken
-    from its adjugate. Where the smallest two eigenvalues nearly coincide, or f has no part in [p], that
-    vanishes: those few go to LAPACK.
+    Returns
+    -------
+    λ : (...) array
+    f : (4, ...) array
+        With arbitrary sign.
+
+    Notes
+    -----
+    λ is a root of the characteristic polynomial. With f = [x; y], the lower half of (W - λ) f = 0 gives
+    y = -(Q - λ)⁻¹ Mᵀ x. So x is in the kernel of the Schur complement S = P - λ - M (Q - λ)⁻¹ Mᵀ, and follows from its
+    adjugate. That vanishes where the smallest two eigenvalues nearly coincide, or x = 0: these few go to LAPACK.
     """
     if M[0, 0].size <= MIN_QUARTIC_BATCH:
         return _smallest_by_lapack(P, M, Q)
@@ -196,8 +208,10 @@ def smallest_eigenpair(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDA
     return smallest, f
 
 
-def extreme_eigenvalues(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
-    """Smallest and largest eigenvalue of [[P, M], [Mᵀ, Q]], positive semi-definite, from blocks (2, 2, ...)."""
+def extreme_eigenvalues(
+    P: NDArray[np.float64], M: NDArray[np.float64], Q: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Smallest and largest eigenvalue, (...) each, of positive semi-definite [[P, M], [Mᵀ, Q]], blocks (2, 2, ...)."""
     if M[0, 0].size <= MIN_QUARTIC_BATCH:
         values = np.linalg.eigvalsh(_joined(P, M, Q))
         return values[..., 0], values[..., 3]
@@ -208,7 +222,7 @@ def extreme_eigenvalues(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, ND
     return _smallest_root(s3, s2, s1, s0), s3 - _smallest_root(*mirrored)
 
 
-def _quartic_coefficients(P: NDArray, M: NDArray, Q: NDArray):
+def _quartic_coefficients(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
     """s3, s2, s1, s0 of det(W - λ) = λ⁴ - s3 λ³ + s2 λ² - s1 λ + s0, and M adj(Q).
 
     From det(W) = det P det Q - tr(adj(P) M adj(Q) Mᵀ) + (det M)², with P - λ for P and Q - λ for Q.
@@ -231,7 +245,7 @@ def _quartic_coefficients(P: NDArray, M: NDArray, Q: NDArray):
 
 
 def _smallest_root(s3: NDArray, s2: NDArray, s1: NDArray, s0: NDArray) -> NDArray:
-    """Laguerre's iteration from 0: monotone, for all four roots are real and none is negative."""
+    """Laguerre's iteration from 0, which is monotone as all four roots are real and not negative."""
     value, slope, half_curve = s0, -s1, s2  # f, f', f''/2 at 0
     tolerance = QUARTIC_TOL * s3.min(initial=np.inf)
     floor = MIN_SLOPE * s3 * s3 * s3  # of the denominator
@@ -250,7 +264,7 @@ def _smallest_root(s3: NDArray, s2: NDArray, s1: NDArray, s0: NDArray) -> NDArra
         root += step
         if step.max(initial=0) <= tolerance:
             break
-        b3 = root - s3  # divided by (λ - root) again and again, the remainders are f, f', f''/2
+        b3 = root - s3  # the remainders of repeated division by (λ - root) are f, f', f''/2
         b2 = b3 * root + s2
         b1 = b2 * root - s1
         value = b1 * root + s0
@@ -268,14 +282,14 @@ def _inner(a: NDArray, b: NDArray) -> NDArray:
 
 
 def _smallest_by_lapack(P: NDArray, M: NDArray, Q: NDArray) -> tuple[NDArray, NDArray]:
-    """The smallest eigenpair of each: (...), (4, ...)."""
+    """As `smallest_eigenpair`."""
     values, vectors = np.linalg.eigh(_joined(P, M, Q))
     smallest = vectors[..., 0]
     return values[..., 0], smallest.transpose(smallest.ndim - 1, *range(smallest.ndim - 1))
 
 
 def _joined(P: NDArray, M: NDArray, Q: NDArray) -> NDArray:
-    """W: (..., 4, 4) of its blocks (2, 2, ...)."""
+    """W, (..., 4, 4), of its blocks (2, 2, ...)."""
     W = np.empty((4, 4) + M.shape[2:])
     W[:2, :2], W[:2, 2:], W[2:, :2], W[2:, 2:] = P, M, M.swapaxes(0, 1), Q
-    return W.transpose(*range(2, W.ndim), 0, 1)  # np.moveaxis takes longer than all the rest for one posture
+    return W.transpose(*range(2, W.ndim), 0, 1)  # faster than np.moveaxis, which takes most of the time for one posture

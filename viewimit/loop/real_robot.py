@@ -12,8 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.noise import rounding_std
 from ..estimation.views import FourViews, dimensions
 from ..geometry.affine import MIN_POINTS, image_unit
-from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
-from ..sensing.point_checks import is_far_outlier, is_missing_value
+from ..sensing.frames import (
+    MAX_LATENCY_LOOKS,
+    average_frames,
+    estimate_latency,
+    is_far_outlier,
+    is_missing_value,
+    noise_std,
+)
 from .embodiment import (
     TOLERANCE_DEG,
     Arm,

@@ -107,7 +107,7 @@ def detect(picture: Picture, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
 
 
 def reject_partly_hidden(left: Detections, right: Detections) -> tuple[Detections, Detections]:
-    """Remove each ball that is too small in one of two pictures, compared with the other balls, from that picture.
+    """Remove each ball that is too small in one of two pictures, relative to the other balls, from that picture.
 
     An object may hide parts of a ball on several sides, so that the rest looks round.
     """
@@ -177,16 +177,18 @@ def _coloured_part(
 def _marker_by_hue(hue_deg: NDArray[np.float64]) -> NDArray[np.int_]:
     """Index of the marker of the nearest hue, -1 if none is near, for the hues 0°, 1°/HUES_PER_DEGREE … 360°."""
     hue = np.arange(360 * HUES_PER_DEGREE) / HUES_PER_DEGREE
-    away = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
-    apart = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
-    np.fill_diagonal(apart, 180.0)
-    nearest = away.argmin(-1)
-    close = np.take_along_axis(away, nearest[..., None], -1)[..., 0] <= MAX_HUE_FRACTION * apart.min(-1)[nearest]
+    difference = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
+    separation = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)
+    np.fill_diagonal(separation, 180.0)
+    nearest = difference.argmin(-1)
+    close = (
+        np.take_along_axis(difference, nearest[..., None], -1)[..., 0] <= MAX_HUE_FRACTION * separation.min(-1)[nearest]
+    )
     return np.where(close, nearest, -1)
 
 
 def _disc(chroma: NDArray[np.float64]) -> tuple[NDArray[np.float64], float, float]:
-    """Centre (x, y) [px], roundness (shorter axis over longer) and area [px²] of a blob, by its moments.
+    """Centre (x, y) [px], roundness (shorter axis over longer) and area [px²] of a blob, from its second moments.
 
     chroma: 0 outside the blob.
     """

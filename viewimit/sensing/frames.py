@@ -1,4 +1,4 @@
-"""Average several images of the same scene, measure their noise, and find out how late they come.
+"""Average frames of the same scene, measure their noise and latency, and find missing values and far outliers.
 
 A point of a frame is an outlier if it is farther from the median over the frames than OUTLIER_SIGMA times the noise.
 A few outliers do not move a median (Rousseeuw and Leroy, Robust Regression and Outlier Detection, 1987).
@@ -19,6 +19,8 @@ MOVED_PX, MOVED_SIGMA = (
     0.2,
     5.0,
 )  # px of typical images, and times the noise: the body has moved if half the points have
+MISSING_PX = (0.0, -1.0)  # both coordinates of a missing point, as many trackers write it
+FAR_OUTLIER = 100.0  # times the median distance from the median point of an image: no body reaches there
 
 Points = NDArray[np.float64]
 Visible = NDArray[np.bool_]
@@ -81,6 +83,18 @@ def estimate_latency(before: tuple[Points, Visible], look: Look, noise_px: float
     """
     least = MOVED_PX * image_unit(before[0][before[1].all(-1)]) + MOVED_SIGMA * noise_px
     return next((k for k in range(MAX_LATENCY_LOOKS + 1) if _median_shift(before, look(k)) > least), None)
+
+
+def is_missing_value(image: Points) -> Visible:
+    """Return which points are at (0, 0) or (-1, -1) exactly, as trackers mark missing ones: (..., 2) px -> (...)."""
+    return np.isin(image[..., 0], MISSING_PX) & (image[..., 0] == image[..., 1])
+
+
+def is_far_outlier(image: Points) -> Visible:
+    """Return which visible points of one image are farther out than any body reaches: (N, 2) px -> (N,)."""
+    distance = np.linalg.norm(image - np.median(image, 0), axis=-1)
+    half = np.median(distance)
+    return np.asarray((distance > FAR_OUTLIER * half) & (half > 0))
 
 
 def _median_shift(before: tuple[Points, Visible], after: tuple[Points, Visible]) -> float:

@@ -74,11 +74,11 @@ class BroydenModel:
         return self.last.own + self.jacobian @ (displacement - self.last.displacement)
 
     def step_towards(
-        self, observation: Observation, target: NDArray[np.float64], wanted: NDArray[np.bool_]
+        self, observation: Observation, target: NDArray[np.float64], followed: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
         """Return the motion, (m,) rad, that brings the own points to target images: image-based visual servoing.
 
-        It is the damped least-squares solution over the wanted points that are visible, shortened to one motion and
+        It is the damped least-squares solution over the followed points that are visible, shortened to one motion and
         kept inside the joint limits (the paper's Section 5.4).
 
         Parameters
@@ -86,11 +86,11 @@ class BroydenModel:
         observation : Observation
             The last one, which the model has been updated with.
         target : (N, 4) array
-            Where the points should be in [L, R], px.
-        wanted : (N,) bool array
+            Where the points should be in [L, R] [px].
+        followed : (N,) bool array
             Points to bring there.
         """
-        used = repeat_xy(observation.seen) & wanted[:, None] & np.isfinite(target)
+        used = repeat_xy(observation.seen) & followed[:, None] & np.isfinite(target)
         J, error = self.jacobian[used], (target - observation.own)[used]
         normal = J.T @ J
         normal = normal + np.eye(len(normal)) * (DAMPING * np.trace(normal) + 1e-12)

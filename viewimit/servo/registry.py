@@ -185,7 +185,7 @@ def _kalman_equations(state: KalmanState | None, motion: LastMotion) -> tuple[Eq
             Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", "filter: share believed of what was seen", latex, numbers)
+    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
     title = "servo: a share of the residual a motion"
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
@@ -214,14 +214,16 @@ def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
     return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""
 
 
-def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
+def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str) -> ServoMethod:
     return ServoMethod(
         servo=servo,
+        title=title,
+        assumes=assumes,
+        limitations=limitations,
         slow=True,
         stored=(GradientState,),
         equations=lambda state, motion: _gradient_equations(servo.options, state, motion),
         describe_status=_describe_gradient,
-        **described,  # type: ignore[arg-type]
     )
 
 

@@ -28,7 +28,7 @@ class Lens:
     focal: tuple[float, float]  # focal lengths fx, fy [px]
     centre: tuple[float, float]  # principal point [px]
     distortion: RadialDistortion = RadialDistortion()  # of the lens
-    correction: RadialDistortion = RadialDistortion()  # removed from the images, as far as the lens is calibrated
+    correction: RadialDistortion = RadialDistortion()  # removed from the images, as calibrated
 
     @cached_property
     def is_distorted(self) -> bool:

@@ -133,7 +133,7 @@ def require_eyes(sensor: str, scene: Scene) -> None:
         raise ValueError(f"camera images need PyBullet, which has wheels only for {WHEELS}")
     if missing:
         extras = ",".join(NEEDS[package] for package in missing)
-        raise ValueError(f"camera images need what is not installed: pip install 'viewimit[{extras}]'")
+        raise ValueError(f"camera images need packages that are missing: pip install 'viewimit[{extras}]'")
     if scene.robot not in marker_names():
         raise ValueError(f"camera images need markers on the arm, which {' and '.join(marker_names())} have")
     head = scene.stereo_head()

@@ -216,7 +216,7 @@ def load_scene(
     Parameters
     ----------
     name : str or Path
-        One of: a shipped scene by name; the path of a TOML file, where `extends = "panda"` takes what is not repeated
+        One of: a shipped scene by name; the path of a TOML file, where `extends = "panda"` takes the other fields
         from the scene of that name beside the file, or else from the shipped one; the path of a URDF, for which a
         scene is made; or the text of a scene file, which ends with a newline and may name shipped scenes and robots
         only.
@@ -348,8 +348,8 @@ def _require_finite(value: Any, name: str = "") -> None:
     """TOML has nan, inf, and numbers too large to compute with."""
     if isinstance(value, (int, float)) and not abs(value) <= MAX_NUMBER:
         finite = isinstance(value, int) or np.isfinite(value)
-        wanted = f"within ±{MAX_NUMBER:g}" if finite else "a finite number"
-        raise ValueError(f"{name} is {str(value)[:20]}, not {wanted}")
+        expected = f"within ±{MAX_NUMBER:g}" if finite else "a finite number"
+        raise ValueError(f"{name} is {str(value)[:20]}, not {expected}")
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, item in items:
         _require_finite(item, f"{name}.{key}".lstrip("."))

@@ -1,5 +1,7 @@
-"""The furniture of the 3-D scene as plain arrays: what the arms stand on, the head, its frusta, their image plates, and
-what names them. Whoever draws it gives it its colours and its light."""
+"""Geometry of the 3-D scene beside the arms, as plain arrays, and its default view.
+
+It has pedestals, the stereo head, the cameras' frusta with their image plates, the floor, and names.
+"""
 
 from collections.abc import Iterator
 from itertools import product
@@ -17,37 +19,48 @@ from .world import World
 
 PLATE = 0.17  # m from the camera to its image plate
 LABEL_OFFSET = np.array([-0.16, -0.31, 0.05])  # m from a base's foot to its name
-LINE, HALF_NAME = 0.1, 0.25  # m: the height of a line of text, half the length of a base's name
-MOST_STEPS = 8  # by which a name is moved
-SUNK = 0.05  # m, of a base's shape under its origin: less is how it is mounted
+LINE, HALF_NAME = 0.1, 0.25  # m: height of a line of text, half the length of a base's name
+MAX_STEPS = 8  # in which a name is moved
+MIN_LEGS = 0.05  # m: a base whose shape reaches lower under its origin stands on legs; else it is mounted
 VIEW_ROLES = ("demonstrator", "demonstrator", "learner", "learner")
 CELL = 0.5  # m between lines of the floor
+FOV = np.radians(36.0)
+MARGIN = 0.93  # of the half angle that the default view fills
+BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
+AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
 POINT_SIZE = {"learner": 0.021, "demonstrator": 0.027}  # m across: spheres, octahedra
+OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
+OCTAHEDRON_FACES = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
+)
+
+BOX_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+BOX_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+BOX_FACES = BOX_SIDES[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
 
 
 class Solid(NamedTuple):
-    """colour: a field of `Look`; vertices (V, 3), faces (F, 3): m in its own frame, which stands at position (3,) m,
-    turned by turn (3, 3)."""
+    """A body with a mesh in its own frame."""
 
     name: str
-    colour: str
-    vertices: NDArray
-    faces: NDArray
-    position: NDArray
-    turn: NDArray
+    colour: str  # a field of `Look`
+    vertices: NDArray  # (V, 3) m
+    faces: NDArray  # (F, 3)
+    position: NDArray  # (3,) m, of the frame in the world
+    turn: NDArray  # (3, 3), of the frame in the world
 
 
 class Label(NamedTuple):
-    """A word in the scene, in the colour of an arm's role. position: (3,) m, its middle."""
+    """A word in the scene."""
 
     name: str
     text: str
-    role: str
-    position: NDArray
+    role: str  # of the arm whose colour it has
+    position: NDArray  # (3,) m, of its middle
 
 
 class Look(NamedTuple):
-    """What of the 3-D scene differs between light and dark: intensities, and colours 0 … 255."""
+    """Light intensities and colours, 0 … 255, of a colour scheme."""
 
     sky: float
     sun: float
@@ -68,24 +81,24 @@ LOOKS = {
 
 
 def cameras_of(world: World) -> tuple[Camera, ...]:
-    """In the order of VIEWS."""
+    """Return the cameras in the order of VIEWS."""
     return (*world.demo_cameras, *world.own_cameras)
 
 
 def bases_of(world: World) -> dict[str, NDArray]:
-    """T_world_base (4, 4) by arm."""
+    """Return T_world_base, (4, 4), by arm."""
     return {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
 
 
 def solids(world: World) -> Iterator[Solid]:
-    """Pedestals and the head."""
+    """Yield pedestals and the parts of the head."""
     for arm, T_world_base in bases_of(world).items():
         yield _pedestal(world, arm, T_world_base)
     yield from _head(world)
 
 
 def labels(world: World) -> Iterator[Label]:
-    """Names of the arms and of the images."""
+    """Yield the names of the arms and of the images."""
     for arm, T_world_base in bases_of(world).items():
         yield Label(f"{arm}_label", arm, arm, name_at(world, T_world_base))
     for view, camera, role in zip(VIEWS, cameras_of(world), VIEW_ROLES):
@@ -95,8 +108,7 @@ def labels(world: World) -> Iterator[Label]:
 
 
 def floor_lines(world: World, cells: int) -> NDArray:
-    """(n, 2 cells + 1, 3) m, points from end to end of each line of the floor, within so many cells of the middle of
-    what stands there."""
+    """Return points along each line of the floor, (n, 2 cells + 1, 3) m, up to `cells` cells from the middle."""
     cell = CELL * world.scene.size
     middle = np.round(landmarks(world)[:, :2].mean(0) / cell) * cell
     across = np.arange(1 - cells, cells)
@@ -107,24 +119,27 @@ def floor_lines(world: World, cells: int) -> NDArray:
 
 
 def frustum(camera: Camera, size: float) -> NDArray:
-    """(8, 2, 3) m: the edges of a camera's image plate, and from its eye to the corners. size: the scene's."""
+    """Return the edges of a camera's image plate and of its frustum, (8, 2, 3) m. size: the scene's."""
     plate, eye = on_plate(camera, corners(camera), size), camera.T_world_camera[:3, 3]
     return np.array([(plate[i], plate[(i + 1) % 4]) for i in range(4)] + [(eye, corner) for corner in plate])
 
 
 def landmarks(world: World) -> NDArray:
-    """(k, 3) m: what the default view must hold of it."""
+    """Return points that the default view must show, (k, 3) m, without those of the arms."""
     bases = bases_of(world).values()
     feet = [T[:3, 3] * [1, 1, 0] for T in bases]
     head, size = np.array(world.scene.head.position) * [1, 1, 0], world.scene.size
     plates = [on_plate(camera, corners(camera), size) for camera in cameras_of(world)]
-    aside = size * looking()[:, 0]
-    names = [name_at(world, T) + side * aside for T in bases for side in (-HALF_NAME, HALF_NAME)]
+    sideways = size * default_view()[:, 0]
+    names = [name_at(world, T) + side * sideways for T in bases for side in (-HALF_NAME, HALF_NAME)]
     return np.concatenate([*plates, [head], feet, names])
 
 
 def arm_landmarks(world: World, theta: NDArray, theta_demo: NDArray) -> NDArray:
-    """(k, 3) m: and of the arms, where they are and at the ends of their range. theta, theta_demo: (m,) rad."""
+    """Return points of the arms that the default view must show, (k, 3) m, also at the ends of their ranges.
+
+    theta, theta_demo: postures, (m,) rad.
+    """
     postures = theta, theta_demo, world.scene.lower, world.scene.upper
     outline = {link: extreme_vertices(mesh.vertices) for link, mesh in link_meshes(world.scene.robot).items()}
     points: list[NDArray] = []
@@ -136,22 +151,24 @@ def arm_landmarks(world: World, theta: NDArray, theta_demo: NDArray) -> NDArray:
 
 
 def name_at(world: World, T_world_base: NDArray) -> NDArray:
-    """(3,) m, where nothing of what stands still hides an arm's name in the default view."""
+    """Return a place for an arm's name, (3,) m, where its base does not hide it in the default view."""
     base = link_meshes(world.scene.robot)[0].vertices @ T_world_base[:3, :3].T + T_world_base[:3, 3]
     size = world.scene.size
     return unhidden(T_world_base[:3, 3] * [1, 1, 0] + size * LABEL_OFFSET, base, size)
 
 
 def unhidden(place: NDArray, body: NDArray, size: float) -> NDArray:
-    """(3,) m on the floor, there or as much nearer to the default view as nothing of a body (k, 3) m hides a name
-    there. size: the scene's."""
-    right, _, forward = looking().T
+    """Move a place on the floor, (3,) m, towards the default view until a body does not hide a name there.
+
+    body: points, (k, 3) m; size: the scene's.
+    """
+    right, _, forward = default_view().T
     nearer = -forward * [1, 1, 0]
     shadow = np.linalg.norm(nearer) / -forward[2]  # m on the floor behind a metre of height
     nearer /= np.linalg.norm(nearer)
-    for _ in range(MOST_STEPS):
-        aside, along = (body - place) @ right, (body - place) @ nearer
-        hides = (np.abs(aside) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
+    for _ in range(MAX_STEPS):
+        sideways, along = (body - place) @ right, (body - place) @ nearer
+        hides = (np.abs(sideways) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
         if not hides.any():
             break
         place = place + (along[hides].max() + LINE * size / 2) * nearer
@@ -159,12 +176,12 @@ def unhidden(place: NDArray, body: NDArray, size: float) -> NDArray:
 
 
 def on_plate(camera: Camera, image: NDArray, size: float = 1.0) -> NDArray:
-    """image: (k, 2) px → (k, 3) m on the plate in front of the camera, where their rays meet it. size: the scene's."""
+    """Project image points, (k, 2) px, on the plate in front of the camera, (k, 3) m. size: the scene's."""
     return camera.T_world_camera[:3, 3] + size * PLATE * camera.ray(image)
 
 
 def corners(camera: Camera) -> NDArray:
-    """(4, 2) px, clockwise from the top left."""
+    """Return the corners of the image, (4, 2) px, clockwise from the top left."""
     return np.array([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], float)
 
 
@@ -176,14 +193,13 @@ def _pedestal(world: World, arm: str, T_world_base: NDArray) -> Solid:
 
 
 def _below(world: World, T_world_base: NDArray) -> float:
-    """m from a base's origin down to the lowest of what is drawn of it, as of a body that stands on legs; what is drawn
-    of a base that is mounted begins there."""
+    """Return the height of a base's lowest vertex above its origin, negative for legs, m; 0 for a mounted base."""
     lowest = float((link_meshes(world.scene.robot)[0].vertices @ T_world_base[2, :3]).min())
-    return lowest if lowest < -SUNK * world.scene.size else 0.0
+    return lowest if lowest < -MIN_LEGS * world.scene.size else 0.0
 
 
 def _head(world: World) -> Iterator[Solid]:
-    """The head between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
+    """Yield the head, turned between its two gazes: a stand, a bar of the baseline's length, a camera at each end."""
     centre, size = np.array(world.scene.head.position), world.scene.size
     below = centre - [0, 0, 0.045 * size]
     forward = sum(camera.T_world_camera[:3, 2] for camera in cameras_of(world)) * [1, 1, 0]
@@ -205,24 +221,15 @@ def _solid(
 # Shapes. All are closed and their faces turn outwards: a renderer then draws one side only, in half the time, and casts
 # shadows from behind, so that no shape shadows itself.
 
-OCTAHEDRON_VERTICES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float32)
-OCTAHEDRON_FACES = np.array(
-    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]], dtype=np.uint32
-)
-
-BOX_CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
-BOX_SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
-BOX_FACES = BOX_SIDES[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-
 
 def octahedron(size: float) -> tuple[NDArray, NDArray]:
-    """Vertices and faces with vertices split, so that it shades as eight facets. size: m across."""
+    """Return vertices and faces that share no vertices, so that it shades as eight facets. size: m across."""
     vertices = OCTAHEDRON_VERTICES[OCTAHEDRON_FACES].reshape(-1, 3) * (size / 2)
     return vertices, np.arange(24, dtype=np.uint32).reshape(8, 3)
 
 
 def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray, NDArray]:
-    """A solid of revolution about z. profile: (radius, z) m from the bottom up; edges stay sharp."""
+    """Return a solid of revolution about z with sharp edges. profile: (radius, z) m from the bottom up."""
     angles = np.linspace(0, 2 * np.pi, sides, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], -1)
     vertices: list[NDArray] = []
@@ -239,50 +246,45 @@ def turned(profile: list[tuple[float, float]], sides: int = 32) -> tuple[NDArray
 
 
 def pedestal(height: float) -> tuple[NDArray, NDArray]:
-    """A column on a plate; its top is the origin."""
+    """Return a column on a plate; its top is the origin."""
     return turned([(0, -height), (0.2, -height), (0.2, 0.03 - height), (0.11, 0.03 - height), (0.11, 0.0), (0, 0.0)])
 
 
 def stand(height: float) -> tuple[NDArray, NDArray]:
-    """A thin post on a plate; its top is the origin."""
+    """Return a thin post on a plate; its top is the origin."""
     return turned([(0, -height), (0.16, -height), (0.16, 0.02 - height), (0.022, 0.02 - height), (0.022, 0), (0, 0)])
 
 
 def sheet(corners: NDArray) -> tuple[NDArray, NDArray]:
-    """A quadrilateral, (4, 3) m, that is seen from both sides."""
+    """Return a quadrilateral, (4, 3) m, that is visible from both sides."""
     faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
     return np.concatenate([corners, corners]).astype(np.float32), np.concatenate([faces, faces[:, ::-1] + 4])
 
 
 def box(size: tuple[float, float, float]) -> tuple[NDArray, NDArray]:
-    """An axis-aligned box about the origin, its faces flat."""
+    """Return an axis-aligned box about the origin with flat faces."""
     vertices = (BOX_CORNERS[BOX_FACES].reshape(-1, 3) * size).astype(np.float32)
     return vertices, np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
 
 
-# Where the 3-D scene is looked at from: a fixed direction, fitted to what must be seen and to the canvas.
-
-FOV = np.radians(36.0)
-MARGIN = 0.93  # of the half angle that the default view fills
-BELOW = 0.24  # of the canvas's height, from the bottom: what status and curves cover
-AZIMUTH, ELEVATION = np.radians((-134.0, 27.0))  # from behind left: no image plate is seen edge-on
+# The default view
 
 
-def looking() -> NDArray:
-    """R_world_camera (3, 3) of the default view: right, down, forward."""
+def default_view() -> NDArray:
+    """Return R_world_camera, (3, 3), of the default view: right, down, forward in columns."""
     forward = -np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
     right = np.cross(forward, [0, 0, 1.0])
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(forward, right), forward], axis=-1)
 
 
-def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
-    """Position and target of a camera from AZIMUTH, ELEVATION and FOV that just holds (k, 3) points.
+def fit_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, NDArray]:
+    """Return position and target, m, of a camera with the default direction and FOV that just shows points, (k, 3) m.
 
-    below: share of the height, from the bottom, that stays free. Each side of the frame is a plane through the
+    below: share of the height that stays free at the bottom. Each side of the frame is a plane through the
     eye, with a slope per depth; along its normal the points give one bound, and opposite bounds meet at the eye.
     """
-    right, down, forward = looking().T
+    right, down, forward = default_view().T
     up, backward = -down, -forward
     tan = np.tan(FOV / 2)
     x, y, z = points @ right, points @ up, points @ backward
@@ -295,7 +297,7 @@ def fitted_view(points: NDArray, aspect: float, below: float) -> tuple[NDArray, 
         distance = (high - low) / (high_slope + low_slope)
         eye.append((distance, high_slope, low_slope, high, low))
     distance = max(eye[0][0], eye[1][0])
-    centres = []  # of the room that is left where the other direction decides the distance
+    centres = []  # where the other direction decides the distance, centre in the room that is left
     for _, high_slope, low_slope, high, low in eye:
         centres.append((high - high_slope * distance + low + low_slope * distance) / 2)
     position = centres[0] * right + centres[1] * up + distance * backward

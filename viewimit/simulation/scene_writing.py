@@ -95,7 +95,7 @@ def _commented_lines(fields: dict[str, Any], robot: Robot) -> Iterator[str]:
                 yield f"{key} = ["
                 yield from (f"  {toml(point)},  # {_link_comment(robot, point[0])}" for point in value)
                 yield "]"
-            elif isinstance(value, dict):  # a camera of the head, after all that both cameras have
+            elif isinstance(value, dict):  # a camera of the head, after the values of both cameras
                 given = {k: v for k, v in value.items() if v is not None and tuple(v) != Eye().distortion}
                 if given:
                     yield from ("", f"[{name}.{key}]", *(f"{k} = {toml(v)}" for k, v in given.items()))

@@ -62,7 +62,7 @@ export const broyden = {
     const predicted = found.startE - found.E, step = found.theta.map((v, k) => v - seen.displacement[k]);
     if (largest(step) < MIN_STEP_RAD) {
       const cutShort = radius < 2 * MIN_STEP_RAD && predicted > MIN_GAIN_LEFT * seen.E; // by the region, not by the model
-      return [{...state, predicted: null, status: cutShort ? "stalled" : "rests", probe: false}, step.map(() => 0)];
+      return [{...state, predicted: null, status: cutShort ? "no-progress" : "settled", probe: false}, step.map(() => 0)];
     }
     return [{...state, predicted, status: "moving", probe: false}, step];
   },

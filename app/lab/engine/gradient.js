@@ -50,7 +50,7 @@ const gradientLaw = constants => ({
     });
     const progress = E < PROGRESS * state.bestE, sinceBest = progress ? 0 : state.sinceBest + 1;
     /** @type {ServoStatus} */
-    const status = sinceBest >= MAX_MOTIONS_WITHOUT_PROGRESS ? "stalled" : "moving";
+    const status = sinceBest >= MAX_MOTIONS_WITHOUT_PROGRESS ? "no-progress" : "moving";
     return [{jacobian, covariance, displacement, E, bestE: progress ? E : state.bestE, sinceBest, status, probe: false}, step];
   },
 });

@@ -2,8 +2,8 @@
  * What a servo is given, and what it answers. It sees image points and its own displacements: never a posture, a body or
  * a camera.
  *
- * @typedef {"moving" | "rests" | "stalled"} ServoStatus rests: the next motion would be too small to be worth it;
- *   stalled: no way to a smaller E was found
+ * @typedef {"moving" | "settled" | "no-progress"} ServoStatus settled: the next motion would be too small to be worth it;
+ *   no-progress: no way to a smaller E was found
  *
  * @typedef {Object} Observation
  * @property {Float64Array} own (4 N) px, the learner's points in [L, R]; they mean nothing where they are not seen

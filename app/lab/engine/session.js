@@ -8,8 +8,8 @@
  * @typedef {import("./world.js").Views} Views
  * @typedef {import("./transfers.js").Fitted} Fitted
  * @typedef {import("./servo.js").ServoState} ServoState
- * @typedef {"ready" | "stopped" | import("./servo.js").ServoStatus} Status ready: no motion was made yet; stopped: too few
- *   points are seen in all four images
+ * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet; too-few-points:
+ *   too few points are seen in all four images
  *
  * @typedef {Object} Moment
  * @property {number} motion how many were made until then
@@ -76,8 +76,8 @@ export class Session {
     const seen = this.#observation(now), servo = SERVOS[this.settings.servo];
     const [servoState, displacement] = servo.step(now.servoState ?? servo.start(seen), seen, this.#predictedConflict(now));
     if (displacement.every(v => v === 0)) {
-      const status = servoState.status === "moving" ? "stalled" : servoState.status;
-      this.#replace({...now, servoState, status, frozen: status === "rests" ? now.fitted : now.frozen});
+      const status = servoState.status === "moving" ? "no-progress" : servoState.status;
+      this.#replace({...now, servoState, status, frozen: status === "settled" ? now.fitted : now.frozen});
       return false;
     }
     const {lower, upper} = this.world.scene, theta = now.theta.map((v, k) => clamp(v + displacement[k], lower[k], upper[k]));
@@ -93,6 +93,11 @@ export class Session {
     if (this.history.length < 2) return false;
     this.history.pop();
     return true;
+  }
+
+  /** What would be seen of a posture, as of now: nothing moves. @param {number[]} theta */
+  observe(theta) {
+    return this.#observed(theta, this.now.thetaDemo, this.now.look, this.now);
   }
 
   /** Move the demonstrator, at any time: the learner looks again, and a servo at rest wakes up. @param {number[]} theta */
@@ -144,7 +149,7 @@ export class Session {
     const views = this.observer.views(theta, thetaDemo, look), shown = seenTwice(views.demoSeen);
     const usable = seenTwice(views.ownSeen).filter(i => shown.includes(i));
     const common = {...rest, theta, thetaDemo, look, views, usable};
-    if (usable.length < this.minPoints) return {...common, fitted: null, E: NaN, status: "stopped"};
+    if (usable.length < this.minPoints) return {...common, fitted: null, E: NaN, status: "too-few-points"};
     const demo = select(views.demo, usable), own = select(views.own, usable);
     const fitted = TRANSFERS[this.settings.transfer].fit(demo, own);
     return {...common, fitted, E: energyOf(residual(fitted, demo, own))};

@@ -9,7 +9,8 @@
  *
  * @typedef {Object} Scene what Python writes, to the last digit; angles in rad, lengths in m
  * @property {string} title
- * @property {string[]} joints names of the moving joints
+ * @property {string[]} joints symbols of the moving joints
+ * @property {string[]} names of the moving joints, with their symbols
  * @property {number[]} lower limits of the moving joints
  * @property {number[]} upper
  * @property {number[]} demonstrator its posture at first

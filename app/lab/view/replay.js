@@ -21,7 +21,7 @@ const begin = (run, meshes) => {
   const put = (id, html) => {
     if (shownHTML[id] !== html) $(id).innerHTML = shownHTML[id] = html;
   };
-  const woven = ({pieces, ways}, k) => ways[k].map(i => pieces[i]).join("");
+  const joined = ({pieces, indices}, k) => indices[k].map(i => pieces[i]).join("");
   const pose = share => {
     if (!view) return;
     const from = moments[now], to = moments[Math.min(now + 1, last)], eased = share * share * (3 - 2 * share);
@@ -32,7 +32,7 @@ const begin = (run, meshes) => {
   };
   const show = k => {
     now = Math.max(0, Math.min(last, k));
-    put("images", woven(run.panels.images[now], chosen));
+    put("images", joined(run.panels.images[now], chosen));
     for (const id of PANELS) put(id, run.panels[id][now]);
     put("ground", run.panels.grounds[run.panels.ground[now]]);
     const words = `${run.motions[now]} of ${run.motions[last]}`;
@@ -69,7 +69,7 @@ const begin = (run, meshes) => {
     const k = run.panels.points.indexOf(point);
     if (k < 0) return;
     chosen = k;
-    put("images", woven(run.panels.images[now], chosen));
+    put("images", joined(run.panels.images[now], chosen));
   };
   const nearest = event => {
     const drawn = event.target.closest("#images svg"), view = drawn && /vi-at-([lrLR])/.exec(drawn.getAttribute("class"));

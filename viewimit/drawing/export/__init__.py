@@ -1,2 +1,1 @@
-"""What a session is handed on as: a replay, one file that any browser opens, and pictures that can be cited.
-No server is in it."""
+"""Export of a session: a replay in one HTML file, and pictures that can be cited."""

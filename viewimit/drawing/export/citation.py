@@ -1,4 +1,4 @@
-"""What makes a picture or a replay citable: what it shows, of which settings, seed and version, what repeats it."""
+"""Citations of pictures and replays: method, settings, seed, version, and the command that repeats them."""
 
 from dataclasses import dataclass
 
@@ -16,23 +16,22 @@ PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar G
 
 @dataclass(frozen=True)
 class Citation:
-    """title: of the method; conditions: a line of settings, with the seed; software: a sentence; command, python: that
-    repeat it, each None where nothing of the kind can."""
+    """What a reader needs to cite and repeat a result."""
 
-    title: str
-    conditions: str
-    software: str
-    command: str | None
-    python: str | None
+    title: str  # of the method
+    conditions: str  # settings with the seed, in one line
+    software: str  # name, version and paper
+    command: str | None  # repeats the result; None if no command can
+    python: str | None  # repeats the result; None if it needs more than settings and actions
 
     @property
     def repeated_by(self) -> str:
-        """In one line, for a caption; "" if nothing of one line does."""
+        """The command, for a caption; "" without one."""
         return self.command or ""
 
 
 def cite(session: Session, motion: int | None = None) -> Citation:
-    """A session up to a motion, None for its last that is kept."""
+    """Cite a session up to a motion; None for its last one in the history."""
     motion = session.history[-1].motion if motion is None else motion
     moment = session.history[motion]
     command = python = None
@@ -40,42 +39,42 @@ def cite(session: Session, motion: int | None = None) -> Citation:
         script = session.log.script(motion).renamed(file_name)
         python = as_python(script)
         command = as_command(script)
-    except ValueError:  # some of it cannot be said in words
+    except ValueError:  # some action has no words
         pass
     title = f"{moment.method.title}, {moment.servo.title}"
-    return Citation(title, conditions_of(moment.settings), software(), command, python)
+    return Citation(title, _conditions(moment.settings), _software(), command, python)
 
 
 def cite_both(one: Session, other: Session) -> Citation:
-    """Of two sessions that go on side by side, each at its present: the conditions are the first one's."""
+    """Cite two sessions side by side, each at its present motion, with the conditions of the first."""
     first, second = (cite(each, each.snapshot.motion) for each in (one, other))
     command = python = None
     if first.command and second.command:
         command = f"{first.command} ; {second.command}"
     if first.python and second.python:
         python = f"{first.python}\n\n{second.python}"
-    return Citation(f"{first.title} against {second.title}", first.conditions, software(), command, python)
+    return Citation(f"{first.title} against {second.title}", first.conditions, _software(), command, python)
 
 
 def cite_experiment(name: str, settings: Settings, motion: object = None) -> Citation:
-    """motion: the demonstrator's, by its name, or one that was recorded, which a command cannot say."""
+    """Cite an experiment. motion: the demonstrator's, by its name; a recorded one has no command."""
     command = None
     if motion is None or isinstance(motion, str):
         try:
             command = as_reproduction(name, settings, motion)
         except ValueError:
             pass
-    return Citation(title_of(settings), conditions_of(settings), software(), command, None)
+    return Citation(_method_title(settings), _conditions(settings), _software(), command, None)
 
 
-def title_of(settings: Settings) -> str:
+def _method_title(settings: Settings) -> str:
     return f"{TRANSFERS[settings.transfer].title}, {SERVOS[settings.servo].title}"
 
 
-def conditions_of(settings: Settings) -> str:
+def _conditions(settings: Settings) -> str:
     frames = f" · {settings.frames} frames" if settings.frames > 1 else ""
     return f"{describe_settings(settings)}{frames} · seed {settings.seed}"
 
 
-def software() -> str:
+def _software() -> str:
     return f"viewimit {__version__}, after {PAPER}"

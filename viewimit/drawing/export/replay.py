@@ -1,11 +1,11 @@
-"""A session as one page that needs no server and asks nobody for anything: a file, or a notebook's cell.
+"""A session as one HTML file that needs no server, also for a notebook's cell.
 
-It plays recorded drawings of the page beside a small WebGL view of its own: a tenth of the size of viser's client, and
-nothing that a new version of viser could break.
+It plays recorded drawings of the page beside a small WebGL view of its own, a tenth of the size of viser's client and
+independent of viser's versions.
 """
 
-import html
 from functools import cache
+from html import escape
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -27,25 +27,63 @@ HERE = Path(__file__).parent
 
 
 class Replay:
-    """html: the whole page. In a notebook it shows itself."""
+    """A recorded session as an HTML page; a notebook shows it as the value of a cell.
 
-    def __init__(self, page: str):
-        self.html = page
+    Parameters
+    ----------
+    html
+        Text of the page.
+    """
+
+    def __init__(self, html: str):
+        self.html = html
 
     def save(self, path: str | Path) -> int:
-        """As a file → its bytes. Raises OSError."""
+        """Write the page to a file.
+
+        Parameters
+        ----------
+        path
+            Of the file, by convention ending in .html.
+
+        Returns
+        -------
+        int
+            Bytes written.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
         return Path(path).write_bytes(self.html.encode())
 
     def _repr_html_(self) -> str:
         style = f"width:100%;height:{CELL_HEIGHT}px;border:0;border-radius:8px"
-        return f'<iframe title="Replay" style="{style}" srcdoc="{html.escape(self.html)}"></iframe>'
+        return f'<iframe title="Replay" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
 
 
 def replay(session: Session, title: str = "", chosen: int | None = None) -> Replay:
-    """All moments of a session in a scene that its history keeps, from the first on.
+    """Record a session in a scene, with all motions of its history, as one HTML page.
 
-    title: in place of the method's name; chosen: a body point whose construction is drawn until another is chosen,
-    None for the one with the largest residual. Raises ValueError without a scene, and for a point that there is not.
+    Parameters
+    ----------
+    session
+        The session; it is not changed.
+    title
+        Title of the page; "" for the method's name.
+    chosen
+        The body point whose construction is drawn at first; None for the one with the largest residual.
+
+    Returns
+    -------
+    Replay
+        The page.
+
+    Raises
+    ------
+    ValueError
+        If the session has no scene, or the body no such point.
     """
     world, first = session.world, session.history[0]
     if chosen is None:
@@ -56,37 +94,37 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     space, meshes = describe_space(session, kept)
     left, right, end = paired_axis(len(session.history) - 1)
     panels = draw_panels(session, kept, chosen)
-    told = {"motions": kept, "space": space, "axis": [left, right, end], "chosen": chosen}
-    told["panels"] = msgspec.to_builtins(panels)
-    return Replay(_page(title, cite(session), told, meshes))
+    run = {"motions": kept, "space": space, "axis": [left, right, end], "chosen": chosen}
+    run["panels"] = msgspec.to_builtins(panels)
+    return Replay(_page(title, cite(session), run, meshes))
 
 
-def _page(title: str, citation: Citation, told: dict[str, Any], meshes: bytes) -> str:
-    last = told["motions"][-1]
+def _page(title: str, citation: Citation, run: dict[str, Any], meshes: bytes) -> str:
+    last = run["motions"][-1]
     return _template().substitute(
-        title=html.escape(title or citation.title),
-        conditions=html.escape(citation.conditions),
+        title=escape(title or citation.title),
+        conditions=escape(citation.conditions),
         motions=last,
         made=count_motions(last),
-        software=html.escape(citation.software),
+        software=escape(citation.software),
         repeated=_repeated(citation),
-        line=html.escape(citation.repeated_by or citation.software),
+        line=escape(citation.repeated_by or citation.software),
         styles=_styles(),
         words=cards(),
-        run=packed(msgspec.json.encode(told)),
+        run=packed(msgspec.json.encode(run)),
         meshes=packed(meshes),
         script=_scripts(),
     )
 
 
 def _repeated(citation: Citation) -> str:
-    """What repeats it, each with a button that copies it."""
+    """Build the texts that repeat the session, each with a button that copies it."""
     parts = []
     for name, text in (("As a command", citation.command), ("In Python", citation.python)):
         if text is not None:
             parts.append(
                 f'<h2>{name}</h2><button type="button" class="copy" aria-label="Copy: {name}">Copy</button>'
-                f'<pre tabindex="0">{html.escape(text)}</pre>'
+                f'<pre tabindex="0">{escape(text)}</pre>'
             )
     return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 

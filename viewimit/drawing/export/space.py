@@ -1,4 +1,7 @@
-"""The 3-D scene of a session as numbers that a small renderer in a browser draws: shapes once, a pose a moment."""
+"""The 3-D scene of a session as JSON and packed meshes for the renderer in app/lab/view/space.js.
+
+Meshes are stored once; each moment holds only postures and points.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,21 +15,22 @@ from ...simulation import scene_geometry as geometry
 from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
+from ..images.planes import image_points
 
-STEPS = 65_535  # of a coordinate between the ends of its mesh
-TENTHS_OF_MM, MICRORAD = 4, 6  # digits of m and of rad that are kept
-DIRECTIONS = 400  # in which the outermost points are looked for
+STEPS = 65_535  # of a coordinate over the extent of its mesh
+TENTHS_OF_MM, MICRORAD = 4, 6  # decimals of m and of rad
+DIRECTIONS = 400  # for finding the outermost points
 
 
 class Shapes:
-    """Meshes in one array of bytes: 16 bits a coordinate, 16 or 32 an index."""
+    """Meshes packed into bytes: 16 bits per coordinate, 16 or 32 per index."""
 
     def __init__(self):
         self._parts: list[bytes] = []
         self._length = 0
 
     def add(self, vertices: NDArray, faces: NDArray) -> dict[str, Any]:
-        """(V, 3) m, (F, 3) → where they are, and how to read them."""
+        """Add a mesh, (V, 3) m and (F, 3). → its offsets and how to decode it."""
         low, high = vertices.min(0), vertices.max(0)
         span = np.maximum(high - low, 1e-9)
         steps = np.rint((vertices - low) / span * STEPS).astype("<u2")
@@ -41,6 +45,7 @@ class Shapes:
 
     @property
     def packed(self) -> bytes:
+        """All meshes."""
         return b"".join(self._parts)
 
     def _put(self, data: bytes) -> int:
@@ -52,10 +57,10 @@ class Shapes:
 
 
 def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, Any], bytes]:
-    """What stands still and what is seen at each of these motions, and the bytes of its meshes."""
+    """Describe the scene, and its postures and points at these motions. → JSON data, packed meshes."""
     world, shapes, history = session.world, Shapes(), session.history
-    moments = [history[k] for k in motions]
-    ends = [posture for each in (moments[0], moments[-1]) for posture in (each.theta, each.theta_demo)]
+    snapshots = [history[k] for k in motions]
+    ends = [posture for each in (snapshots[0], snapshots[-1]) for posture in (each.theta, each.theta_demo)]
     space = describe_robot(world.scene.robot, shapes)
     space["chain"] = [
         {"T": rows_of(joint.T_parent_joint), "axis": _unit(joint.axis), "joint": k, "multiplier": 1.0, "offset": 0.0}
@@ -64,12 +69,12 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
     space["bases"] = {arm: rows_of(T) for arm, T in geometry.bases_of(world).items()}
     space["points"] = {"link": world.body.link.tolist(), "local": _plain(world.body.local)}
     space["stage"] = describe_stage(world, shapes, ends)
-    space["moments"] = [_at(world, moment) for moment in moments]
+    space["moments"] = [_at(world, moment) for moment in snapshots]
     return space, shapes.packed
 
 
 def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) -> dict[str, Any]:
-    """What all scenes of a robot share, as app/lab/view/space.js takes it. most_faces: of each link, None for all."""
+    """Describe what all scenes of a robot share. most_faces: of each link, None for all."""
     links = []
     for link, mesh in sorted(link_meshes(robot).items()):
         vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
@@ -85,7 +90,7 @@ def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) ->
 
 
 def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray]) -> dict[str, Any]:
-    """What stands still in a scene. postures: (m,) rad each, in which the first view must hold both arms."""
+    """Describe the static parts of a scene. postures: (m,) rad each, which the first view must show."""
     size = world.scene.size
     return {
         "size": size,
@@ -115,7 +120,7 @@ def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray]) ->
 
 
 def thinned(vertices: NDArray, faces: NDArray, most_faces: int) -> tuple[NDArray, NDArray]:
-    """A mesh of fewer faces: the vertices (V, 3) m in a cell of a grid become their mean (Rossignac & Borrel 1993)."""
+    """Simplify a mesh: vertices, (V, 3) m, in one cell of a grid become their mean (Rossignac & Borrel 1993)."""
     low, span = vertices.min(0), float(np.ptp(vertices, axis=0).max()) or 1.0
     cells = 256
     while len(faces) > most_faces and cells > 4:
@@ -130,13 +135,13 @@ def thinned(vertices: NDArray, faces: NDArray, most_faces: int) -> tuple[NDArray
 
 
 def outermost(points: NDArray) -> NDArray:
-    """Those of points (k, 3) m that reach farthest in some direction: what holds these in sight holds all."""
+    """Keep points, (k, 3) m, that are farthest in some direction: a view of these shows all."""
     directions = np.random.default_rng(0).normal(size=(DIRECTIONS, 3))
     return points[np.unique((points @ directions.T).argmax(0))]
 
 
 def rows_of(T: NDArray) -> list[float]:
-    """The first three rows of a transform, one after the other."""
+    """Return the first three rows of a transform as one list."""
     return np.asarray(T, float)[:3].ravel().round(7).tolist()
 
 
@@ -147,10 +152,10 @@ def _landmarks(world: World, postures: Sequence[NDArray]) -> NDArray:
 
 
 def _at(world: World, moment: Snapshot) -> dict[str, Any]:
-    """What moves, at one moment. Points that are not seen, or not recovered, are null."""
+    """Describe one moment. Points that are not visible or not recovered are None."""
     views, size = moment.views, world.scene.size
-    images = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2).swapaxes(0, 1)
-    plates = [geometry.on_plate(camera, image, size) for camera, image in zip(geometry.cameras_of(world), images)]
+    pairs = zip(geometry.cameras_of(world), image_points(views))
+    plates = [geometry.on_plate(camera, image, size) for camera, image in pairs]
     recovered = triangulate(*world.own_cameras, moment.recovered)
     return {
         "learner": _angles(world, moment.theta),

@@ -1,2 +1,1 @@
-"""The four images: which part of each is shown, what the transfer says about them, how a point is recovered, and how
-they look when they are rectified. Pictures that cameras take are only placed here."""
+"""The four images: planes, arms, marks, the construction of a point, rectified images, tracked points."""

@@ -1,7 +1,7 @@
-"""How the chosen point is recovered, in the four images: all at once, or built up stage by stage.
+"""The construction of the chosen point in the four images: complete, or stage by stage.
 
-Where a transfer crosses epipolar lines: the point in l, its line, the point in r, the second line, the crossing, the
-way to the own point. Else steps from the middle of the points to this one, and the same steps carried over.
+If the transfer intersects epipolar lines, the stages are: the point in l, its line, the point in r, the second line,
+the intersection, and the arrow to the own point. Other transfers repeat the steps from the points' centroid.
 """
 
 import numpy as np
@@ -20,32 +20,33 @@ CROSSED = (
     ("recovered", "Where they cross it is recovered."),
     ("own", "The arrow leads on to the own point."),
 )
-CARRIED = (
+REPEATED = (
     ("l", "Point {} in l and r, …"),
     ("steps", "… by three steps from the middle of all."),
-    ("carried", "The same steps in L and R, …"),
+    ("repeated", "The same steps in L and R, …"),
     ("recovered", "… and it is recovered."),
     ("own", "The arrow leads on to the own point."),
 )
-WITH = {"r": "l"}  # what stands in no stage of its own comes with another
-FARTHEST = 400.0  # px: a longer half axis looks the same
+WITH = {"r": "l"}  # a part without a stage of its own → the stage it appears in
+MAX_HALF_AXIS = 400.0  # px: a longer one looks the same
 
 
 def last_stage(crossed: bool) -> int:
-    return len(CROSSED if crossed else CARRIED) - 1
+    """Return the index of the last stage. crossed: whether the transfer intersects epipolar lines."""
+    return len(CROSSED if crossed else REPEATED) - 1
 
 
-def stands(stage: int | None, crossed: bool, what: str) -> bool:
-    """Whether a part is there at a stage."""
-    names = [name for name, _ in (CROSSED if crossed else CARRIED)]
+def is_shown(stage: int | None, crossed: bool, what: str) -> bool:
+    """Say whether a part is shown at a stage; None for the complete construction."""
+    names = [name for name, _ in (CROSSED if crossed else REPEATED)]
     return stage is None or names.index(what if what in names else WITH[what]) <= stage
 
 
 def describe(construction: Construction | None, point: int, stage: int | None, crossed: bool) -> str:
-    """HTML: the words of a stage, or what all of it says."""
+    """Write the words of a stage, or of the complete construction, as HTML."""
     name = f"<b>{point}</b>"
     if stage is not None:
-        words = (CROSSED if crossed else CARRIED)[stage][1]
+        words = (CROSSED if crossed else REPEATED)[stage][1]
         return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(name)}"
     if construction is None:
         return f"Point {name} is not seen in all four images."
@@ -60,23 +61,36 @@ def describe(construction: Construction | None, point: int, stage: int | None, c
 def draw(
     construction: Construction, windows: dict[str, Window], stage: int | None, own: NDArray, gain: float
 ) -> dict[str, str]:
-    """By view. own: (2, 2) px in L, R, the learner's own point; gain: of its arrow, which stages show once more as all
-    else is faint then."""
+    """Draw the construction by view.
+
+    Parameters
+    ----------
+    construction
+        Of the chosen point.
+    windows
+        The shown part of each image.
+    stage
+        The last stage to draw; None for all. Stages repeat the recovered point and its arrow, as other marks are faint.
+    own
+        The learner's own point in L and R, (2, 2) px.
+    gain
+        How many times longer than the residual its arrow is.
+    """
     crossed, drawn = construction.steps is None, dict.fromkeys("lrLR", "")
     if construction.steps is not None:
         path = placed(construction.steps, windows, "lrLR")
         for k, view in enumerate("lrLR"):
-            if stands(stage, crossed, "steps" if view in "lr" else "carried"):
+            if is_shown(stage, crossed, "steps" if view in "lr" else "repeated"):
                 drawn[view] += f'<path class="vi-steps" d="{svg.path(path[k])}"/>'
                 drawn[view] += f'<path class="vi-stop" d="{svg.dots(path[k, :-1])}"/>'
-    if not stands(stage, crossed, "recovered"):
+    if not is_shown(stage, crossed, "recovered"):
         return drawn
     centres = placed(construction.recovered[:, None], windows, "LR")[:, 0]
     for k, view in enumerate("LR"):
         drawn[view] += _ellipse(centres[k], construction.half_axes[k], construction.direction[k], windows[view].scale)
         if stage is not None:
             drawn[view] += f'<path class="vi-found" d="{svg.diamonds(centres[k : k + 1], RECOVERED)}"/>'
-    if stage is not None and stands(stage, crossed, "own"):
+    if stage is not None and is_shown(stage, crossed, "own"):
         tips = centres + gain * (placed(own[:, None], windows, "LR")[:, 0] - centres)
         for k, view in enumerate("LR"):
             drawn[view] += f'<path class="vi-e" d="{svg.segments(centres[k : k + 1], tips[k : k + 1])}"/>'
@@ -84,7 +98,7 @@ def draw(
 
 
 def _ellipse(centre: NDArray, half_axes: NDArray, direction: float, scale: float) -> str:
-    """centre: (2,) px of the drawing; half_axes: (2,) px of the image; direction: rad"""
+    """Draw an ellipse. centre: (2,) px of the drawing; half_axes: (2,) px of the image; direction: rad."""
     turn = f"translate({centre[0]:.1f} {centre[1]:.1f})rotate({np.degrees(direction):.1f})"
-    long, short = np.minimum(scale * half_axes, FARTHEST).tolist()
+    long, short = np.minimum(scale * half_axes, MAX_HALF_AXIS).tolist()
     return f'<ellipse class="vi-spread" rx="{long:.1f}" ry="{short:.1f}" transform="{turn}"/>'

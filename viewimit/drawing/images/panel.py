@@ -21,8 +21,11 @@ from . import planes
 from .planes import SIZES, Window, Windows
 
 GAINS = (10, 5, 2)
-READOUT_UP = 17  # px from the foot of L and R, where a caption lies over both
-SMALL, LONGEST = 8.0, 20.0  # px: below SMALL the residuals are drawn larger, but not longer than LONGEST
+READOUT_UP = 17  # px from the bottom of L and R, where a caption lies over both
+SMALL, MAX_ARROW = 8.0, 20.0  # px: residuals below SMALL are drawn larger, up to MAX_ARROW
+AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill-conditioned, and badly so
+COLUMNS, LETTER = (0, 86, 152, 258, 352), 5.4  # px: of the metrics; width of a letter of their labels
+LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 CAPTIONS = {"own": "the learner sees itself", "demo": "sees the demonstrator"}  # over L and R, over l and r
 RECTIFIED = {**CAPTIONS, "own": "the learner sees itself; all four then rectified"}
@@ -40,17 +43,35 @@ def draw_images(
     construction: Construction | None = None,
     stage: int | None = None,
 ) -> str:
-    """HTML of the panel: a drawing of each image, the legend and the figures, which the page places.
+    """Draw the panel as HTML: the four images, the legend and the metrics, which the page's stylesheet arranges.
 
-    chosen: a body point, to be ringed, with its construction, of which all is shown or a stage; gain: of the residual
-    arrows, None for automatic; pictures: JPEGs of the whole frames by view, which stand behind the drawing; standing:
-    where the learner is, if what is drawn is a see-through arm elsewhere.
+    Parameters
+    ----------
+    snapshot
+        What the learner sees, and what the transfer makes of it.
+    bodies
+        Both arms in the images.
+    windows
+        Which part of each image is shown.
+    chosen
+        A body point with a ring and its construction; None for no point.
+    whole_frames
+        Whether the whole images are shown.
+    gain
+        How many times longer than they are the residual arrows are drawn; None for automatic.
+    pictures
+        JPEGs of the whole frames by view, drawn behind everything.
+    standing
+        Both arms where they are, if `bodies` previews another posture.
+    construction
+        How the chosen point is recovered.
+    stage
+        The last stage of the construction to draw; None for all of it.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
     gain = arrow_gain(lengths) if gain is None else gain
-    images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
-    images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
+    images = planes.image_points(snapshot.views)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     crossed = snapshot.method.crosses_lines
@@ -70,9 +91,9 @@ def draw_images(
         behind = planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         all_points = marks[view] if stage is None else f'<g class="vi-faint">{marks[view]}</g>'
         inside = behind + content[view] + lines[view] + all_points + built[view]
-        if build.stands(stage, crossed, view if view in "lr" else "own"):
+        if build.is_shown(stage, crossed, view if view in "lr" else "own"):
             inside += rings[k]
-        if view in "LR" and chosen is not None and build.stands(stage, crossed, "own"):
+        if view in "LR" and chosen is not None and build.is_shown(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
     captions = CAPTIONS if snapshot.rectification is None else RECTIFIED
@@ -90,15 +111,15 @@ def draw_images(
 
 
 def arrow_gain(lengths: NDArray) -> float:
-    """How many times longer than they are residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
+    """Choose how many times longer residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
     largest = lengths.max(initial=0.0)
     if lengths.size == 0 or largest >= SMALL:
         return 1
-    return next((gain for gain in GAINS if gain * largest <= LONGEST), 1)
+    return next((gain for gain in GAINS if gain * largest <= MAX_ARROW), 1)
 
 
 def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
-    """Silhouettes and skeletons by view; in L and R also the recovered skeleton."""
+    """Draw silhouettes and skeletons by view; in L and R also the recovered skeleton."""
     drawn = {}
     for view, (hulls, bones) in planes.draw_arm(bodies.demo, windows, whole, "lr").items():
         drawn[view] = f'<g class="vi-demo"><path class="vi-hull" d="{hulls}"/><path class="vi-bone" d="{bones}"/></g>'
@@ -112,11 +133,11 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
 
 
 def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
-    """Observed demonstrator points in l and r; those not seen in all four images are faint."""
+    """Draw the demonstrator's points in l and r; those not visible in all four images are faint."""
     used, drawn = points[:, snapshot.usable], {}
     for k, view in enumerate("lr"):
         drawn[view] = f'<path class="vi-seen" d="{_observed(used[k].tobytes())}"/>'
-    for k, idle in _idle(snapshot, "lr"):
+    for k, idle in _partly_visible(snapshot, "lr"):
         drawn["lr"[k]] += f'<path class="vi-seen vi-idle" d="{_observed(points[k, idle].tobytes())}"/>'
     return drawn
 
@@ -127,17 +148,17 @@ def _observed(points: bytes) -> str:
 
 
 def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
-    """Own points, recovered points and the residuals from these to those, in L and R."""
+    """Draw own points, recovered points, and residuals from recovered to own points, in L and R."""
     own, known = points[:, snapshot.usable], snapshot.transfer is not None
     numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
-    drawn = dict(zip("LR", svg.filled(_form(own.shape[1], known), numbers).split("|")))
-    for k, idle in _idle(snapshot, "LR"):
+    drawn = dict(zip("LR", svg.filled(_marks_template(own.shape[1], known), numbers).split("|")))
+    for k, idle in _partly_visible(snapshot, "LR"):
         drawn["LR"[k]] += f'<path class="vi-own vi-idle" d="{svg.dots(points[k, idle])}"/>'
     return drawn
 
 
 def _with_residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float) -> NDArray:
-    """(2, 14 k) px: what `_form` is filled with, in L and in R. own: (2, k, 2) px."""
+    """Return the numbers that fill `_marks_template`, (2, 14 k) px, in L and in R. own: (2, k, 2) px."""
     e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
     recovered = own - e
     tips = recovered + gain * e
@@ -146,9 +167,8 @@ def _with_residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float)
 
 
 @lru_cache(64)
-def _form(count: int, known: bool) -> str:
-    """Of so many own points in L and R; known: with the recovered ones and the residuals that begin there. One format
-    is faster than many."""
+def _marks_template(count: int, known: bool) -> str:
+    """Write a template of `count` own points in L and R, with recovered points and residuals if these are known."""
     form = f'<path class="vi-own" d="{svg.DOT * count}"/>'
     if known:
         form += (
@@ -159,8 +179,8 @@ def _form(count: int, known: bool) -> str:
     return f"{form}|{form}"
 
 
-def _idle(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
-    """The places in a pair of those views that show points which not all do, and which points, (N,) bool."""
+def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
+    """List the views of a pair with points that are not visible in all views, and which points these are, (N,) bool."""
     if snapshot.views.complete:
         return []
     idle = snapshot.views.visible.T & ~snapshot.usable
@@ -168,7 +188,7 @@ def _idle(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
 
 
 def _rings(snapshot: Snapshot, points: NDArray, chosen: int) -> list[str]:
-    """In l, r, L, R; "" where the chosen point is not seen. points: (4, N, 2) px."""
+    """Draw the ring in l, r, L, R; "" where the chosen point is not visible. points: (4, N, 2) px."""
     return [
         f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
         for (x, y), seen in zip(points[:, chosen].tolist(), snapshot.views.visible[chosen].tolist())
@@ -176,7 +196,7 @@ def _rings(snapshot: Snapshot, points: NDArray, chosen: int) -> list[str]:
 
 
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
-    """The chosen point's residual in this image, px, in a corner that the arm leaves free."""
+    """Write the chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
     length = svg.number(math.hypot(*e.tolist()))
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
@@ -186,15 +206,16 @@ def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: t
 def _epipolar_lines(
     snapshot: Snapshot, windows: dict[str, Window], chosen: int | None, stage: int | None
 ) -> dict[str, str]:
-    """The chosen point's lines by view: from the left and the right image of the other pair, from the partner. While
-    they are built up only those in L and R that are there at the stage."""
+    """Draw the chosen point's epipolar lines by view; during the construction only those of the stage, in L and R."""
     drawn = dict.fromkeys("lrLR", "")
     lines = None if chosen is None else snapshot.epipolar_lines(chosen)
     if chosen is None or lines is None:
         return drawn
     seen = snapshot.views.visible[chosen].tolist()
     for k, source, line in zip(LINE_VIEWS.tolist(), POINT_VIEWS.tolist(), lines.tolist()):
-        if seen[source] and (stage is None or k > 1 >= source and build.stands(stage, True, ("left", "right")[source])):
+        if seen[source] and (
+            stage is None or k > 1 >= source and build.is_shown(stage, True, ("left", "right")[source])
+        ):
             view = "lrLR"[k]
             if d := _chord(line, windows[view]):
                 drawn[view] += f'<path class="vi-line{_line_style(source, k)}" d="{d}"/>'
@@ -208,8 +229,10 @@ def _line_style(source: int, into: int) -> str:
 
 
 def _chord(line: list[float], window: Window) -> str:
-    """A path: what the circle around a window cuts off a line a x + b y + c = 0, image px; "" where they do not meet.
-    A dozen lines are soon told number by number: each call of numpy takes as long as one of them."""
+    """Write the part of a line a x + b y + c = 0, image px, inside the circle around a window; "" without any.
+
+    For a dozen lines, plain numbers are faster than numpy.
+    """
     a, b, c = line
     length, middle_x, middle_y = math.hypot(a, b), window.w / 2, window.h / 2
     if not length > 0:
@@ -225,16 +248,12 @@ def _chord(line: list[float], window: Window) -> str:
     return f"M{x - along_x:.1f} {y - along_y:.1f}L{x + along_x:.1f} {y + along_y:.1f}"
 
 
-# Legend and figures of the panel Images.
-
-AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill and badly conditioned
-COLUMNS, LETTER = (0, 86, 152, 258, 352), 5.4  # px, LETTER of a label
-LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px
+# Legend and metrics
 
 
 @lru_cache(256)
 def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
-    """A drawing of its own: two rows. crossed: whether the chosen point's epipolar lines are drawn, or steps to it."""
+    """Draw the legend in two rows. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
@@ -259,7 +278,7 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
 
 
 def residual_lengths(snapshot: Snapshot) -> NDArray:
-    """(k, 2) px: |e| in L and in R of the points that are used; none without a transfer."""
+    """Return |e| of the used points in L and in R, (k, 2) px; k is 0 without a transfer."""
     if snapshot.transfer is None:
         return np.empty((0, 2))
     e = snapshot.e[snapshot.usable]
@@ -268,11 +287,14 @@ def residual_lengths(snapshot: Snapshot) -> NDArray:
 
 
 def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
-    """E, mean and largest |e|, the transfer's condition, points seen, each with its "?". lengths: (k, 2) px."""
+    """Draw E, mean and largest |e|, the transfer's condition and the visible points, each with its "?".
+
+    lengths: from `residual_lengths`.
+    """
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, ""
     if known:
-        each = lengths.ravel().tolist()  # few are soon added up: each call of numpy takes as long
+        each = lengths.ravel().tolist()  # for few numbers faster than numpy
         mean, largest = sum(each) / len(each), max(each)
         where = f" px at {snapshot.usable.nonzero()[0][each.index(largest) // 2]}"
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
@@ -295,14 +317,14 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
 
 @lru_cache(32)
 def _asks(labels: tuple[tuple[str, int], ...]) -> str:
-    """A "?" behind each label. labels: what is asked about, and how many letters the label has."""
+    """Build a "?" behind each label. labels: their symbols and lengths in letters."""
     keys = [key_of(symbol) for symbol, _ in labels]
     places = [100 * (x + LETTER * letters + 4) / METRICS_SIZE[0] for x, (_, letters) in zip(COLUMNS, labels)]
     return "".join(ask(key, f"left:{place:.1f}%") for key, place in zip(keys, places) if key is not None)
 
 
 def gauge(condition: float) -> tuple[str, str]:
-    """Colour and word of a transfer's condition."""
+    """Return the colour and the word for a transfer's condition."""
     if condition >= RED:
         return "red", ": too high"
     if condition >= AMBER:
@@ -311,7 +333,7 @@ def gauge(condition: float) -> tuple[str, str]:
 
 
 def _short(value: float, whole_from: float = 1000) -> str:
-    """One digit whatever the size, unlike `svg.short`: large figures that change all the time should not jump."""
+    """Write one decimal for all sizes, unlike `svg.short`: large numbers that change all the time should not jump."""
     if value >= 99_999.5:
         return "∞" if np.isinf(value) else f"{value:.0e}".replace("e+0", "e")
     return svg.number(value, 1 if value < whole_from else 0)

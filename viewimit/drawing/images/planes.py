@@ -1,6 +1,6 @@
-"""How large the four images are drawn, which part of each is shown, and the arms in them.
+"""The four image planes: their sizes, which part of each image is shown, and the arms in them.
 
-An arm covers a small part of its image, so that a window follows the arm's whole range instead of the frame.
+An arm covers a small part of its image, so a window shows the arm's whole range instead of the whole frame.
 """
 
 from base64 import b64encode
@@ -11,37 +11,44 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...estimation.views import FourViews
 from ...simulation.appearance import ArmImages
 from .. import svg
 
-# width and height of each view's drawing, in its own units, by whether whole frames are shown
+# width and height of each view's drawing, px, by whether whole frames are shown
 SIZES = {
     False: {"l": (76, 140), "r": (76, 140), "L": (130, 209), "R": (130, 209)},
     True: dict.fromkeys("lrLR", (210, 79)),
 }
 MARGIN = 10  # image px around the points: about half a link's thickness
-CLEARLY = 0.02  # share of the points by which one corner is worse than another
+MIN_DIFFERENCE = 0.02  # in the share of points by which one corner is worse than another
 
 
 class Window(NamedTuple):
-    """Part (x, y, w, h) px of an image, drawn `scale` times as large. The arm is least seen in the corners
-    where, if True, the locator stands left and the chosen point's residual stands left."""
+    """The shown part of an image."""
 
-    x: float
+    x: float  # px of the image, as y, w and h
     y: float
     w: float
     h: float
-    scale: float
-    locator_left: bool
-    readout_left: bool
+    scale: float  # px of the drawing per px of the image
+    locator_left: bool  # whether the locator is in the left upper corner, as the arm is seen less there
+    readout_left: bool  # whether the chosen point's residual is in the left lower corner
 
 
 Windows = dict[bool, dict[str, Window]]
 
 
 def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windows:
-    """Windows of the four views by whether whole frames are shown. reach: where points may be, (k, 2) px by view;
-    frame: width and height of the images, px."""
+    """Choose the windows of the four views, by whether whole frames are shown.
+
+    Parameters
+    ----------
+    reach
+        Where points can be, (k, 2) px by view.
+    frame
+        Width and height of the images, px.
+    """
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
@@ -60,7 +67,7 @@ def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windo
 
 
 def holds(windows: Windows, points: Mapping[str, NDArray]) -> bool:
-    """Whether the windows show all these points, (k, 2) px by view."""
+    """Say whether the windows show all these points, (k, 2) px by view."""
     for view, seen in points.items():
         x, y, w, h = windows[False][view][:4]
         place = (seen - (x, y)) / (w, h)
@@ -76,18 +83,23 @@ def _span(points: NDArray, frame: tuple[int, int], whole: bool) -> tuple[NDArray
 
 
 def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
-    """Whether a pair's locator and readout stand left. places: points (k, 2) of each view, 0 … 1 over its window."""
+    """Say whether a pair's locator and readout are left. places: points, (k, 2), 0 … 1 over each window."""
     x, y = np.concatenate(list(places.values())).T
     share = lambda where: np.count_nonzero(where) / len(x)
     left, right, top, bottom = x < 0.35, x > 0.65, y < 0.1, y > 0.9
     return (
-        bool(share(left & top) < share(right & top) - CLEARLY),
-        bool(share(left & bottom) < share(right & bottom) + CLEARLY),
+        bool(share(left & top) < share(right & top) - MIN_DIFFERENCE),
+        bool(share(left & bottom) < share(right & bottom) + MIN_DIFFERENCE),
     )
 
 
+def image_points(views: FourViews) -> NDArray:
+    """Return all points by view, in the order lrLR, (4, N, 2) px."""
+    return np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).swapaxes(0, 1)
+
+
 def placed(images: NDArray, windows: Mapping[str, Window], views: str) -> NDArray:
-    """images: (views, ..., 2) px → the same in px of each view's box."""
+    """Convert points of images, (views, ..., 2) px, to px of each view's drawing."""
     corner, scale = _corners_and_scales(tuple([windows[view] for view in views]))
     shape = (len(views),) + (1,) * (images.ndim - 2)
     return (images - corner.reshape(shape + (2,))) * scale.reshape(shape + (1,))
@@ -99,7 +111,7 @@ def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray, NDArray]:
 
 
 def draw_arm(arm: ArmImages, windows: Windows, whole: bool, views: str) -> dict[str, tuple[str, str]]:
-    """Paths of an arm's two images, by view: (hulls, skeleton). What was drawn last of it is kept with it."""
+    """Write path data of an arm's hulls and skeleton by view. The last result is cached with the arm."""
     kept = arm.memory.get(whole)
     if kept and kept[0] is windows:
         return kept[1]
@@ -110,7 +122,7 @@ def draw_arm(arm: ArmImages, windows: Windows, whole: bool, views: str) -> dict[
 
 
 def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:
-    """A picture of the whole frame, (width, height) px, so placed that what the window shows of it fills the box."""
+    """Place a picture of the whole frame, (width, height) px, so that the window's part fills the drawing."""
     k = window.scale
     return (
         f'<image class="vi-photograph" x="{-window.x * k:.2f}" y="{-window.y * k:.2f}" width="{frame[0] * k:.2f}"'
@@ -120,14 +132,14 @@ def photograph(jpeg: bytes, window: Window, frame: tuple[int, int]) -> str:
 
 
 def plane(view: str, window: Window, whole: bool, frame: tuple[int, int], content: str) -> str:
-    """A drawing of one image: background, the frame's border, content that is clipped, name, locator."""
+    """Draw one image: background, the frame's border, clipped content, name, locator."""
     below, above = _plane(view, window, whole, frame)
     return f"{below}{content}{above}</svg>"
 
 
 @lru_cache(256)
 def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int]) -> tuple[str, str]:
-    """What lies under the content, and over it."""
+    """Draw the parts below the content and above it."""
     w, h = SIZES[whole][view]
     k = window.scale
     below = (
@@ -143,7 +155,7 @@ def _plane(view: str, window: Window, whole: bool, frame: tuple[int, int]) -> tu
 
 
 def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
-    """The whole frame, small, and what part of it the window shows."""
+    """Draw the whole frame, small, with the part that the window shows."""
     k = 38 / frame[0]
     x, y, height = (5 if window.locator_left else w - 43), 5, frame[1] * k
     left, top = max(window.x, 0), max(window.y, 0)

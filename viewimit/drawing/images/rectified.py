@@ -1,6 +1,6 @@
-"""The four images as seen and as rectified, beside each other: matches of a pair come to lie in equal rows.
+"""The four images as seen and as rectified: rectification moves matched points of a pair to equal rows.
 
-Across each pair runs the row in which some points lie in its left image; what their right images lack to it is drawn.
+Lines across each pair mark the rows of some points in its left image, and the distances of their right images.
 """
 
 import numpy as np
@@ -20,13 +20,13 @@ TOPS = (22, 140)  # px of the pairs' rows, which are [l, r] and [L, R]
 GAP = 6  # px between the images of a pair
 MARGIN = 8  # px around the points
 ROWS = 5  # that are drawn
-LEAST = 0.01  # px that are told
+MIN_DISTANCE = 0.01  # px: smaller ones are written as "less than"
 AS_THEY_ARE = "Not rectified: one affine", "geometry fits all matches."
 OFF = "Rectification is off", "(folder Display)."
 
 
 def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
-    """HTML of the panel; where nothing is rectified it says why."""
+    """Draw the panel as HTML; without rectification it says why there is none."""
     by = snapshot.rectification
     parts = [svg.text(LEFTS[0], 14, "as seen", "vi-b"), svg.text(LEFTS[1], 14, "rectified", "vi-b")]
     off = OFF if snapshot.settings.rectify == "off" else AS_THEY_ARE
@@ -47,12 +47,12 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
 
 
 def row_distance(images: NDArray) -> float:
-    """px, rms: by how much the rows of matches (N, 4) px differ; NaN of none."""
+    """Return the rms difference between the rows of matches, (N, 4) px; NaN without any."""
     return float(np.sqrt(np.mean((images[:, 3] - images[:, 1]) ** 2))) if len(images) else np.nan
 
 
 def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, by: Rectification | None) -> str:
-    """Both images of a pair, (N, 4) px, rectified if that is given: equally large, and at one height."""
+    """Draw both images of a pair, (N, 4) px, with one scale, at one height. by: rectification, None for none."""
     both = lambda found: found if by is None else by.apply(found)
     images = both(images)
     hulls, bones = both(np.concatenate(list(arm.hulls), -1)), both(np.concatenate(list(arm.origins), -1))
@@ -74,12 +74,13 @@ def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, 
         drawn.append(f'<path class="vi-row-line" d="M{left} {y:.1f}h{2 * IMAGE[0] + GAP}"/>')
         drawn.append(f'<path class="vi-e" d="M{x:.1f} {y:.1f}V{there:.1f}"/>')
     distance = row_distance(images)
-    words = f"rows differ by {'less than ' if distance < LEAST else ''}{svg.number(max(distance, LEAST), 2)} px"
+    less = "less than " if distance < MIN_DISTANCE else ""
+    words = f"rows differ by {less}{svg.number(max(distance, MIN_DISTANCE), 2)} px"
     return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
 
 
 def _image(x: float, y: float, name: str, points: NDArray, hulls: NDArray, bones: NDArray) -> str:
-    """px of the image's box. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2)."""
+    """Draw one image. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2), px of its box."""
     demo = name in "lr"
     arm = f'<path class="vi-hull" d="{svg.polygons(hulls[None])[0]}"/><path class="vi-bone" d="{svg.path(bones)}"/>'
     marks = (

@@ -1,4 +1,4 @@
-"""Tracked points in the four views, with what a transfer makes of them: each view with axes in its pixels."""
+"""Tracked points in the four views with recovered points and residuals; each view has axes in its pixels."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,23 +12,32 @@ from ..theme import HEAD, RECOVERED
 
 WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot
-EXTENT = 0.08  # of the points' extent around them
+MARGIN = 0.08  # around the points, in units of their extent
 DOT = 3.2  # px
 DEMO = {"demo_left": "[l] demonstrator", "demo_right": "[r] demonstrator"}
 TITLES = {**DEMO, "own_left": "[L] learner", "own_right": "[R] learner"}  # by the view's name in files
-LEGEND = 26  # px of the heading above four views, and of the legend beneath
+LEGEND = 26  # px of the heading above four views, and of the legend below
 
 
 def draw_view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[str]) -> str:
-    """SVG of one view, by its name in files, such as demo_left. seen, recovered: (k, 2) px of the image, y downwards;
-    names: (k,) of the points."""
+    """Draw one view as SVG.
+
+    Parameters
+    ----------
+    view
+        Its name in files, such as demo_left.
+    seen, recovered
+        Points, (k, 2) px of the image, y downwards.
+    names
+        Of the points, (k,).
+    """
     return f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{_view(view, seen, recovered, names)}</svg>'
 
 
 def draw_views(
     seen: Mapping[str, NDArray], recovered: Mapping[str, NDArray], names: Sequence[str], heading: str
 ) -> str:
-    """SVG of all four, two by two, with a heading and a legend."""
+    """Draw all four views as SVG, two by two, with a heading and a legend; parameters as for `draw_view`."""
     parts = [svg.text(LEFT, 12, heading, "vi-b")]
     for k, view in enumerate(TITLES):
         inside = _view(view, seen[view], recovered.get(view), names)
@@ -42,7 +51,7 @@ def draw_views(
 
 
 def legend() -> list[tuple[str, str]]:
-    """Marks within 20 px, and what they stand for."""
+    """List marks, 20 px wide, and their meanings."""
     middle = np.array([[10.0, 0.0]])
     start, end = np.array([[[1.0, 0.0]]]), np.array([[[20.0, 0.0]]])
     arrow = f'<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="{svg.arrow_tips(start, end, HEAD)[0]}"/>'
@@ -74,9 +83,9 @@ def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[s
 
 
 def _axes(points: NDArray) -> Axes:
-    """One scale for both directions, y downwards, around all points."""
+    """Make axes around all points, with one scale for both directions, y downwards."""
     low, high = points.min(0), points.max(0)
-    margin = EXTENT * max(*(high - low), 1.0)
+    margin = MARGIN * max(*(high - low), 1.0)
     low, high = low - margin, high + margin
     w, h = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
     half = max((high - low)[0] / w, (high - low)[1] / h) * np.array([w, h]) / 2

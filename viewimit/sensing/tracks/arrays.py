@@ -121,7 +121,7 @@ def open_hdf5(path: Path) -> Iterator[Any]:
     """Open a file with h5py, and turn every error of reading it into ValueError.
 
     Damage shows as any error of h5py, numpy or json. Raises OSError, and ValueError without h5py, or for a file that
-    is no HDF5 file, lacks what is read from it, or is damaged.
+    is no HDF5 file, lacks a part that is read, or is damaged.
     """
     if importlib.util.find_spec("h5py") is None:
         raise ValueError(f"{path}: HDF5 files need h5py: pip install 'viewimit[hdf5]', or export the tracks as CSV")

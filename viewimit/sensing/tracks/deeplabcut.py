@@ -42,8 +42,8 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
         head += islice(lines, 1)
     levels = tuple(cells[0] for _, cells in head)
     if levels not in LEVELS:
-        wanted = " or ".join(", ".join(names) for names in LEVELS)
-        raise ValueError(f"{path}: its first lines must begin with {wanted}, as DeepLabCut's do")
+        expected = " or ".join(", ".join(names) for names in LEVELS)
+        raise ValueError(f"{path}: its first lines must begin with {expected}, as DeepLabCut's do")
     line, parts = head[-2]
     for other, cells in head:
         table.require_count(other, cells, len(parts))

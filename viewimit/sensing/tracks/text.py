@@ -231,14 +231,14 @@ def _find_columns(path: Path, line: int, heading: list[str]) -> dict[str, int]:
     """Column of each quantity. Raises ValueError if one is missing, or two columns could be meant."""
     plain = ["".join(filter(str.isalnum, name.lower())) for name in heading]
     at: dict[str, int] = {}
-    for wanted, names in HEADINGS.items():
+    for quantity, names in HEADINGS.items():
         found = [k for k, name in enumerate(plain) if name in names]
-        exact = [k for k in found if plain[k] == wanted]
+        exact = [k for k in found if plain[k] == quantity]
         if len(found) > 1 and len(exact) != 1:
             named = " or ".join(heading[k] for k in found)
-            raise ValueError(f"{path}: line {line}: is {wanted} the column {named}? Keep one of them, as {wanted}")
+            raise ValueError(f"{path}: line {line}: is {quantity} the column {named}? Keep one of them, as {quantity}")
         if found:
-            at[wanted] = (exact or found)[0]
+            at[quantity] = (exact or found)[0]
     missing = [name for name in REQUIRED if name not in at]
     if missing:
         spaces = len(heading) == 1 and len(heading[0].split()) >= len(REQUIRED)

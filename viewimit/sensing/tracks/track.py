@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import VIEWS, FourViews
-from ..point_checks import is_missing_value
+from ..frames import is_missing_value
 
 MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
@@ -113,16 +113,16 @@ def require_cells(where: str, frames: int, points: int) -> None:
         )
 
 
-def choose_individual(where: str, individuals: Sequence[str], wanted: str | None) -> str:
-    """Return the individual wanted, or the only one. Raises ValueError that lists the individuals."""
-    if wanted is None and len(individuals) <= 1:
+def choose_individual(where: str, individuals: Sequence[str], name: str | None) -> str:
+    """Return the individual of this name, or the only one. Raises ValueError that lists the individuals."""
+    if name is None and len(individuals) <= 1:
         return individuals[0] if individuals else ""
-    if wanted is not None and (wanted in individuals or list(individuals) in ([], [""])):
-        return wanted if wanted in individuals else ""
+    if name is not None and (name in individuals or list(individuals) in ([], [""])):
+        return name if name in individuals else ""
     named = ", ".join(individuals)
-    if wanted is None:
+    if name is None:
         raise ValueError(f"{where}: it has {named}: say who is whom by --demonstrator NAME and --learner NAME")
-    raise ValueError(f"{where}: nobody is named {wanted!r}; it has {named}")
+    raise ValueError(f"{where}: nobody is named {name!r}; it has {named}")
 
 
 class Rows:

@@ -1,0 +1,126 @@
+"""The one file of the lab: scenes, presets, meshes, styles and the modules, as a page that asks nobody for anything."""
+
+import html
+import json
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import msgspec
+import numpy as np
+from viewimit.assets import ROOT
+
+from viewimit import __version__
+from viewimit.drawing.export.bundle import bundle, packed
+from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
+from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
+from viewimit.sensing.files import parse_toml
+from viewimit.simulation.appearance import extreme_vertices
+from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.scene import Scene, extended, load_scene
+from viewimit.simulation.world import World
+
+from .scene import engine_scene
+
+HERE = Path(__file__).parent
+SHIPPED = "panda"
+USUAL_POINTS = 10
+MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
+HULL_DIGITS = 4  # of m
+SENT = "name", "title", "says", "transfer", "servo", "missing", "seed"  # fields of a preset, as they are
+
+
+class Preset(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One of the lab's experiments, described in one sentence. Angles are in degrees."""
+
+    name: str
+    title: str
+    says: str
+    scene: str = ""  # the scene that the lab was given, if empty
+    head: dict[str, Any] = {}  # fields of the scene's head that differ
+    points: int = USUAL_POINTS
+    transfer: str = "epipolar"
+    servo: str = "broyden"
+    noise_px: float = 0.0
+    missing: float = 0.0  # share of points that a picture does not show
+    seed: int = 7
+
+
+def presets() -> list[Preset]:
+    """Return the shipped presets, in their order."""
+    fields = parse_toml(ROOT.joinpath("lab", "presets.toml").read_bytes())
+    return msgspec.convert(fields["preset"], list[Preset])
+
+
+def lab_page(scene: Scene | None = None) -> str:
+    """Return the lab as one HTML page.
+
+    Parameters
+    ----------
+    scene
+        With which it begins, in place of the shipped one. Presets of other scenes are then left out.
+
+    Raises
+    ------
+    ValueError
+        For a scene of other than two moving joints, or with lenses that distort.
+    """
+    given = scene or load_scene(SHIPPED)
+    offered = [preset for preset in presets() if scene is None or not preset.scene]
+    shapes, scenes, chosen = Shapes(), {}, []
+    robot = describe_robot(given.robot, shapes, MAX_FACES)
+    for preset in offered:
+        used = load_scene(preset.scene) if preset.scene else given
+        used = extended(used, {"head": preset.head}) if preset.head else used
+        key = preset.name if preset.scene else "given"
+        if key not in scenes:
+            scenes[key] = {**engine_scene(with_few_points(used)), "stage": _stage(used, shapes)}
+        layout = min(map(int, scenes[key]["layouts"]), key=lambda count: abs(count - preset.points))
+        fields = {
+            name: getattr(preset, name) for name in ("name", "title", "says", "transfer", "servo", "missing", "seed")
+        }
+        chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
+    if scene is not None:
+        chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
+    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": _hulls(given.robot)}
+    return _template().substitute(
+        version=html.escape(__version__),
+        styles=_styles(),
+        data=packed(json.dumps(data, separators=(",", ":")).encode()),
+        meshes=packed(shapes.packed),
+        script=bundle("view/lab.js"),
+    )
+
+
+def with_few_points(scene: Scene) -> Scene:
+    """Return the scene with a layout of four points as well, the first ones of the smallest it has."""
+    smallest = scene.points[min(scene.points, key=int)]
+    return msgspec.structs.replace(scene, points={"4": smallest[:4], **scene.points})
+
+
+def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
+    world = World(scene, min(map(int, scene.points)))
+    demo = np.radians(scene.posture_deg)[scene.moving]
+    stage = describe_stage(world, shapes, [np.radians(scene.start_deg), demo])
+    return stage
+
+
+def _hulls(robot: str) -> dict[str, Sequence]:
+    """The outermost vertices of each link, from which its outlines in the images are drawn."""
+    meshes = link_meshes(robot)
+    corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
+    return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
+
+
+@cache
+def _template() -> Template:
+    return Template(HERE.joinpath("view", "lab.html").read_text("utf-8"))
+
+
+@cache
+def _styles() -> str:
+    own = HERE.joinpath("view", "lab.css").read_text("utf-8")
+    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
+    return "\n".join((schemes, font_faces(), DRAWING_CSS, own))

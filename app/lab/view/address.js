@@ -1,0 +1,90 @@
+/**
+ * The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&start=25,-25&law=broyden.
+ *
+ * @typedef {Object} Preset
+ * @property {string} name
+ * @property {string} title
+ * @property {string} says
+ * @property {string} scene
+ * @property {number} points
+ * @property {string} transfer
+ * @property {string} servo
+ * @property {number} noisePx
+ * @property {number} missing
+ * @property {number} seed
+ *
+ * @typedef {Object} State all that the page shows follows from it
+ * @property {string} preset
+ * @property {number[]} demonstrator rad
+ * @property {number[]} start rad
+ * @property {number} points
+ * @property {string} transfer
+ * @property {string} servo
+ * @property {number} noisePx
+ * @property {number} missing
+ * @property {number} seed
+ * @property {number} steps that were made
+ */
+import {clamp} from "../engine/engine.js";
+import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
+
+const DEGREE = Math.PI / 180, MAX_STEPS = 3000;
+
+/** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
+export function beginning(preset, scene) {
+  const {name, points, transfer, servo, noisePx, missing, seed} = preset;
+  return {preset: name, points, transfer, servo, noisePx, missing, seed, demonstrator: scene.demonstrator, start: scene.start, steps: 0};
+}
+
+/**
+ * Read an address; what it does not say, or says wrongly, is as in the preset.
+ *
+ * @param {string} hash
+ * @param {Preset[]} presets
+ * @param {Record<string, import("../engine/world.js").Scene>} scenes
+ * @returns {State}
+ */
+export function fromAddress(hash, presets, scenes) {
+  const asked = new URLSearchParams(hash.replace(/^#/, "")), preset = presets.find(({name}) => name === asked.get("preset")) ?? presets[0];
+  const scene = scenes[preset.scene], state = beginning(preset, scene);
+  const number = (/** @type {string} */ name, /** @type {number} */ usual, /** @type {number} */ low, /** @type {number} */ high) => {
+    const value = Number(asked.get(name) || NaN);
+    return Number.isFinite(value) ? clamp(value, low, high) : usual;
+  };
+  const posture = (/** @type {string} */ name, /** @type {number[]} */ usual) => {
+    const angles = (asked.get(name) ?? "").split(",").map(text => text ? Number(text) * DEGREE : NaN);
+    return angles.length === usual.length && angles.every(Number.isFinite)
+      ? angles.map((v, k) => clamp(v, scene.lower[k], scene.upper[k])) : usual;
+  };
+  const choice = (/** @type {string} */ name, /** @type {string} */ usual, /** @type {object} */ choices) => {
+    const value = asked.get(name) ?? "";
+    return Object.hasOwn(choices, value) ? value : usual;
+  };
+  const points = number("points", state.points, 0, 1000);
+  return {
+    preset: preset.name,
+    demonstrator: posture("demo", state.demonstrator),
+    start: posture("start", state.start),
+    points: String(points) in scene.layouts ? points : state.points,
+    transfer: choice("transfer", state.transfer, TRANSFER_WORDS),
+    servo: choice("law", state.servo, SERVO_WORDS),
+    noisePx: number("noise", state.noisePx, 0, 20),
+    missing: number("lost", 100 * state.missing, 0, 100) / 100,
+    seed: Math.round(number("seed", state.seed, 0, 2 ** 32 - 1)),
+    steps: Math.round(number("steps", 0, 0, MAX_STEPS)),
+  };
+}
+
+/** As short as it can be: what is as in the preset is left out, but for the postures. @param {State} state @param {Preset} preset @param {import("../engine/world.js").Scene} scene */
+export function toAddress(state, preset, scene) {
+  const usual = beginning(preset, scene), degrees = (/** @type {number[]} */ angles) => angles.map(v => String(Number((v / DEGREE).toFixed(2)))).join();
+  const parts = [`preset=${state.preset}`, `demo=${degrees(state.demonstrator)}`, `start=${degrees(state.start)}`];
+  if (state.servo !== usual.servo) parts.push(`law=${state.servo}`);
+  if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);
+  if (state.points !== usual.points) parts.push(`points=${state.points}`);
+  if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
+  if (state.missing !== usual.missing) parts.push(`lost=${Number((100 * state.missing).toFixed(3))}`);
+  if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
+  if (state.steps) parts.push(`steps=${state.steps}`);
+  return `#${parts.join("&")}`;
+}

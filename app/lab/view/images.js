@@ -1,0 +1,211 @@
+/**
+ * The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
+ *
+ * @typedef {import("../engine/world.js").World} World
+ * @typedef {import("../engine/session.js").Moment} Moment
+ * @typedef {import("../engine/affine.js").Line} Line
+ * @typedef {Object} Picture what is drawn
+ * @property {Moment} moment
+ * @property {Float64Array} recovered (4 N) px, NaN where not usable
+ * @property {Line[]} lines of the chosen point
+ * @property {number} chosen
+ * @property {boolean} goal whether the learner is drawn as well as it would be in the demonstrator's pose
+ * @property {number} ease share of their way that the windows go to fit what is drawn: 1 for all at once
+ */
+import {projectPoint, transform} from "../engine/engine.js";
+import {add, fixed, px, say, set} from "./svg.js";
+
+const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
+const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18;
+const COMPASS = Array.from({length: 16}, (_, k) => [Math.cos(k * Math.PI / 8), Math.sin(k * Math.PI / 8)]);
+const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-line vi-from-right", "vi-line vi-partner",
+  "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own", "vi-seen", "vi-found", "vi-ring"];
+
+/** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
+/** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px per px */
+
+export class Images {
+  /** @param {Record<string, HTMLElement>} boxes by view @param {Record<string, number[][]>} hulls outermost vertices of links */
+  constructor(boxes, hulls) {
+    this.hulls = Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
+    this.views = VIEWS.map((view, k) => {
+      const svg = add(boxes[view], "svg", {class: `vi${k < 2 ? " vi-demo" : ""}`, role: "img"});
+      const plane = add(svg, "rect", {class: "vi-plane", x: .5, y: .5, rx: 5}), frame = add(svg, "rect", {class: "vi-rule"});
+      const layers = LAYERS.map(name => add(svg, "path", {class: name}));
+      const name = add(svg, "text", {class: "vi-name vi-halo", x: 8, y: 18}), note = add(svg, "text", {class: "vi-chosen vi-halo vi-end"});
+      name.textContent = view;
+      /** @type {Window} */
+      const window = {x: 0, y: 0, scale: 0};
+      return {view, k, svg, box: boxes[view], plane, frame, layers, note, window, width: 1, height: 1};
+    });
+    /** @type {Record<string, {key: string, outlines: Outline[]}>} */
+    this.known = {};
+    /** Whether the windows have to fit at once. */
+    this.fresh = true;
+  }
+
+  /** The sizes of the drawings are those of their boxes. */
+  measure() {
+    for (const view of this.views) {
+      [view.width, view.height] = [Math.max(view.box.clientWidth, 40), Math.max(view.box.clientHeight, 40)];
+      set(view.svg, {viewBox: `0 0 ${view.width} ${view.height}`});
+      set(view.plane, {width: view.width - 1, height: view.height - 1});
+      set(view.note, {x: view.width - 8, y: view.height - 9});
+    }
+    this.fresh = true;
+  }
+
+  /** @param {World} world @param {Picture} picture @returns {boolean} whether the windows have still to move */
+  draw(world, picture) {
+    const {moment} = picture, ease = this.fresh ? 1 : picture.ease;
+    const demo = this.#outlines(world, "demonstrator", moment.thetaDemo, "demo");
+    const own = this.#outlines(world, "learner", moment.theta, "own");
+    const goal = this.#outlines(world, "learner", moment.thetaDemo, "goal");
+    const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease)].some(Boolean);
+    this.fresh = false;
+    const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
+    const bones = this.#recoveredBones(moment, demo);
+    for (const view of this.views) {
+      const side = view.k & 1, isDemo = view.k < 2;
+      this.#drawView(view, world.scene.cameras[view.k], picture, (isDemo ? demo : own)[side], isDemo || !picture.goal ? null : goal[side], goalImages, isDemo ? null : bones?.[side] ?? null);
+    }
+    return moves;
+  }
+
+  /** A point under a finger. @param {PointerEvent} event @returns {{view: number, point: number} | null} */
+  hit(event, /** @type {Moment} */ {views}) {
+    const view = this.views.find(({svg}) => svg.contains(/** @type {Node} */ (event.target)));
+    if (!view) return null;
+    const [x, y] = this.under(event, view.k), images = view.k < 2 ? views.demo : views.own;
+    let point = -1, least = TOUCH_PX / view.window.scale;
+    for (let i = 0; i < images.length / 4; i++) {
+      const away = Math.hypot(images[4 * i + 2 * (view.k & 1)] - x, images[4 * i + 2 * (view.k & 1) + 1] - y);
+      if (away < least) [point, least] = [i, away];
+    }
+    return point < 0 ? null : {view: view.k, point};
+  }
+
+  /** The image's px under a pointer. @param {PointerEvent} event @param {number} k the view */
+  under(event, k) {
+    const {svg, window: {x, y, scale}} = this.views[k], box = svg.getBoundingClientRect();
+    return [(event.clientX - box.left) / scale + x, (event.clientY - box.top) / scale + y];
+  }
+
+  /** Silhouettes of the links and the line through their origins, in both images. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {string} name @returns {Outline[]} */
+  #outlines(world, who, theta, name) {
+    const key = `${world.scene.title} ${theta.join()}`;
+    if (this.known[name]?.key === key) return this.known[name].outlines;
+    const frames = world.arms[who].linkFrames(theta);
+    const outlines = world.pairs[who].map(camera => ({
+      hulls: this.hulls.map(({link, vertices}) => {
+        const seen = vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M));
+        return COMPASS.map(([a, b]) => {
+          let best = seen[0], most = -Infinity;
+          for (const p of seen) {
+            const along = a * p[0] + b * p[1];
+            if (along > most) [most, best] = [along, p];
+          }
+          return best;
+        });
+      }),
+      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
+    }));
+    this.known[name] = {key, outlines};
+    return outlines;
+  }
+
+  /** The demonstrator's skeleton as the transfer puts it into the learner's views. @param {Moment} moment @param {Outline[]} demo */
+  #recoveredBones({fitted}, demo) {
+    if (!fitted) return null;
+    const joints = demo[0].bones.map((p, i) => [p[0], p[1], demo[1].bones[i][0], demo[1].bones[i][1]]);
+    const found = fitted.recover(Float64Array.from(joints.flat()));
+    return [0, 2].map(from => joints.map((_, i) => [found[4 * i + from], found[4 * i + from + 1]]));
+  }
+
+  /** Move a pair's windows to what they show. @param {number} first @param {Outline[][]} bodies @param {number} ease */
+  #fit(first, bodies, ease) {
+    const pair = this.views.slice(first, first + 2);
+    const spans = pair.map((_, side) => {
+      const points = bodies.flatMap(body => [...body[side].hulls.flat(), ...body[side].bones]);
+      const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
+      return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+    });
+    const scale = Math.min(MAX_SCALE, ...pair.map(({width, height}, k) => Math.min(
+      (width - 2 * MARGIN_PX) / Math.max(spans[k][2] - spans[k][0], 1), (height - 2 * MARGIN_PX) / Math.max(spans[k][3] - spans[k][1], 1))));
+    let off = 0;
+    pair.forEach((view, k) => {
+      const [x0, y0, x1, y1] = spans[k], {window} = view;
+      const wanted = {x: (x0 + x1) / 2 - view.width / scale / 2, y: (y0 + y1) / 2 - view.height / scale / 2, scale};
+      const share = window.scale ? ease : 1;
+      for (const name of /** @type {const} */ (["x", "y", "scale"])) window[name] += share * (wanted[name] - window[name]);
+      off = Math.max(off, Math.abs(wanted.x - window.x) + Math.abs(wanted.y - window.y), 60 * Math.abs(wanted.scale - window.scale));
+    });
+    return off > .3;
+  }
+
+  /**
+   * @param {Images["views"][number]} view
+   * @param {import("../engine/camera.js").Camera} camera
+   * @param {Picture} picture
+   * @param {Outline} outline
+   * @param {Outline | null} ghost
+   * @param {Float64Array | null} goalImages
+   * @param {number[][] | null} bones
+   */
+  #drawView(view, camera, {moment, recovered, lines, chosen}, outline, ghost, goalImages, bones) {
+    const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
+    const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;
+    const X = (/** @type {number} */ a) => px((a - x) * scale), Y = (/** @type {number} */ b) => px((b - y) * scale);
+    const polyline = (/** @type {number[][]} */ points) => `M${points.map(p => `${X(p[0])} ${Y(p[1])}`).join("L")}`;
+    const closed = (/** @type {number[][][]} */ hulls) => hulls.map(points => `${polyline(points)}z`).join("");
+    /** @param {Float64Array} of @param {(a: number, b: number, i: number) => string} mark */
+    const each = (of, mark) => {
+      let d = "";
+      for (let i = 0; i < of.length / 4; i++) {
+        const a = of[4 * i + 2 * side], b = of[4 * i + 2 * side + 1];
+        if (Number.isFinite(a)) d += mark((a - x) * scale, (b - y) * scale, i);
+      }
+      return d;
+    };
+    const dot = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a)} ${px(b)}h0`;
+    const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
+    const shown = (/** @type {(a: number, b: number) => string} */ mark) => (/** @type {number} */ a, /** @type {number} */ b, /** @type {number} */ i) => seen[2 * i + side] ? mark(a, b) : "";
+    /** @type {Record<string, string>} */
+    const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};
+    if (isDemo) d["vi-seen"] = each(images, shown(diamond(3.6)));
+    else {
+      if (ghost) {
+        d["vi-goal"] = closed(ghost.hulls);
+        d["vi-goal-bone"] = polyline(ghost.bones);
+      }
+      if (goalImages) d["vi-goal-dot"] = each(goalImages, dot);
+      d["vi-own"] = each(images, shown(dot));
+      d["vi-found"] = each(recovered, diamond(3.9));
+      if (bones) d["vi-bone vi-found"] = polyline(bones);
+      let tips = "";
+      d["vi-e"] = each(recovered, (a, b, i) => {
+        const c = (images[4 * i + 2 * side] - x) * scale, e = (images[4 * i + 2 * side + 1] - y) * scale, length = Math.hypot(c - a, e - b);
+        if (length > 6) {
+          const u = (c - a) / length * 5, v = (e - b) / length * 5;
+          tips += `M${px(c)} ${px(e)}L${px(c - u - v / 2)} ${px(e - v + u / 2)}L${px(c - u + v / 2)} ${px(e - v - u / 2)}z`;
+        }
+        return `M${px(a)} ${px(b)}L${px(c)} ${px(e)}`;
+      });
+      d["vi-tip"] = tips;
+    }
+    const at = [images[4 * chosen + 2 * side], images[4 * chosen + 2 * side + 1]], r = isDemo ? 8 : 10;
+    if (seen[2 * chosen + side]) d["vi-ring"] = `M${px((at[0] - x) * scale - r)} ${Y(at[1])}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
+    for (const {into, from, a, b, c} of lines) if (into === view.k) {
+      const kind = from >> 1 === into >> 1 ? "vi-line vi-partner" : from & 1 ? "vi-line vi-from-right" : "vi-line";
+      const middle = [x + view.width / scale / 2, y + view.height / scale / 2], off = a * middle[0] + b * middle[1] + c;
+      const [fx, fy, half] = [middle[0] - a * off, middle[1] - b * off, 1000];
+      d[kind] = `${d[kind] ?? ""}M${X(fx - b * half)} ${Y(fy + a * half)}L${X(fx + b * half)} ${Y(fy - a * half)}`;
+    }
+    view.layers.forEach((layer, k) => set(layer, {d: d[LAYERS[k]] ?? ""}));
+    set(view.frame, {x: px(-x * scale), y: px(-y * scale), width: px(camera.width * scale), height: px(camera.height * scale)});
+    const e = [recovered[4 * chosen + 2 * side] - at[0], recovered[4 * chosen + 2 * side + 1] - at[1]], length = Math.hypot(e[0], e[1]);
+    say(view.note, isDemo ? "" : Number.isFinite(length) ? `point ${chosen}: ${fixed(length)} px` : `point ${chosen}: not seen`);
+    set(view.svg, {"aria-label": isDemo ? `Image ${view.view}: the demonstrator seen by the ${side ? "right" : "left"} eye`
+      : `Image ${view.view}: the learner's own arm; residual of point ${chosen}: ${Number.isFinite(length) ? length.toFixed(1) : "no"} px`});
+  }
+}

@@ -1,0 +1,195 @@
+/** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
+import {clamp} from "../engine/engine.js";
+import {px, set} from "./svg.js";
+
+/** @typedef {import("../engine/landscape.js").Landscape} Landscape */
+
+const DEGREE = Math.PI / 180;
+const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
+const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000; // E is shaded over a range of this factor, up to BRIGHTEST px²
+const PAD = {left: 42, top: 8, right: 12, bottom: 31};
+
+/**
+ * Marching squares: where a grid of values crosses a level, in grid units.
+ *
+ * @param {Float64Array} z row by row
+ * @param {number} rows
+ * @param {number} columns
+ * @param {number} level
+ * @param {(x0: number, y0: number, x1: number, y1: number) => void} line
+ */
+export function contour(z, rows, columns, level, line) {
+  for (let i = 0; i < rows - 1; i++) for (let j = 0; j < columns - 1; j++) {
+    const at = i * columns + j, a = z[at] - level, b = z[at + 1] - level, c = z[at + columns + 1] - level, d = z[at + columns] - level;
+    const key = +(a > 0) | +(b > 0) << 1 | +(c > 0) << 2 | +(d > 0) << 3;
+    if (key === 0 || key === 15) continue;
+    const top = [j + a / (a - b), i], right = [j + 1, i + b / (b - c)], bottom = [j + d / (d - c), i + 1], left = [j, i + a / (a - d)];
+    const cut = (/** @type {number[]} */ p, /** @type {number[]} */ q) => line(p[0], p[1], q[0], q[1]);
+    if (key === 1 || key === 14) cut(left, top);
+    else if (key === 2 || key === 13) cut(top, right);
+    else if (key === 3 || key === 12) cut(left, right);
+    else if (key === 4 || key === 11) cut(right, bottom);
+    else if (key === 6 || key === 9) cut(top, bottom);
+    else if (key === 7 || key === 8) cut(left, bottom);
+    else if (key === 5) { cut(left, top); cut(right, bottom); }
+    else { cut(top, right); cut(left, bottom); }
+  }
+}
+
+export class EnergyMap {
+  /** @param {HTMLElement} box */
+  constructor(box) {
+    this.box = box;
+    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
+    this.over = /** @type {SVGSVGElement} */ (box.querySelector("svg"));
+    this.image = document.createElement("canvas");
+    /** @type {{lower: number[], upper: number[], joints: string[]}} */
+    this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
+    this.labels = "";
+    this.last = "";
+    this.z = new Float64Array(0);
+    this.width = 1;
+    this.height = 1;
+  }
+
+  /** Where a posture is drawn, px. @param {number[]} theta */
+  place([first, second]) {
+    const {lower, upper} = this.range;
+    return [
+      PAD.left + (second - lower[1]) / (upper[1] - lower[1]) * (this.width - PAD.left - PAD.right),
+      PAD.top + (upper[0] - first) / (upper[0] - lower[0]) * (this.height - PAD.top - PAD.bottom),
+    ];
+  }
+
+  /** The posture at a place, within the limits. @param {number} x @param {number} y */
+  posture(x, y) {
+    const {lower, upper} = this.range;
+    return [
+      clamp(upper[0] - (y - PAD.top) / (this.height - PAD.top - PAD.bottom) * (upper[0] - lower[0]), lower[0], upper[0]),
+      clamp(lower[1] + (x - PAD.left) / (this.width - PAD.left - PAD.right) * (upper[1] - lower[1]), lower[1], upper[1]),
+    ];
+  }
+
+  /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
+  ground(landscape, range) {
+    this.range = range;
+    this.width = this.box.clientWidth;
+    this.height = this.box.clientHeight;
+    const {canvas, width, height} = this, ratio = Math.min(3, devicePixelRatio || 1);
+    if (width < PAD.left + PAD.right + 20 || height < PAD.top + PAD.bottom + 20) return;
+    const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    set(this.over, {viewBox: `0 0 ${width} ${height}`});
+    const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
+    if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
+    const z = this.z;
+    let most = -Infinity, least = Infinity;
+    for (let g = 0; g < z.length; g++) {
+      z[g] = Math.log(Math.max(E[g], 1e-9));
+      if (z[g] > most) most = z[g];
+      if (z[g] < least) least = z[g];
+    }
+    most = Math.min(most, Math.log(BRIGHTEST));
+    least = Math.min(Math.max(least, most - Math.log(RANGE)), most - .5);
+    const style = getComputedStyle(document.documentElement), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+    this.#shade(rows, columns, least, most, role("hills"));
+    const brush = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    const left = PAD.left, top = PAD.top, right = width - PAD.right, bottom = height - PAD.bottom;
+    const stepX = (right - left) / (columns - 1), stepY = (bottom - top) / (rows - 1);
+    brush.setTransform(ratio, 0, 0, ratio, 0, 0);
+    brush.clearRect(0, 0, width, height);
+    brush.save();
+    brush.beginPath();
+    brush.rect(left, top, right - left, bottom - top);
+    brush.clip();
+    brush.imageSmoothingQuality = "high";
+    brush.drawImage(this.image, left - stepX / 2, top - stepY / 2, right - left + stepX, bottom - top + stepY);
+    brush.strokeStyle = role("ink");
+    brush.globalAlpha = .5;
+    brush.lineWidth = .8;
+    brush.lineJoin = brush.lineCap = "round";
+    brush.beginPath();
+    const middle = this.place(landscape.minimum?.theta ?? landscape.posture(0));
+    const corners = [[left, top], [right, top], [left, bottom], [right, bottom]], away = (/** @type {number[]} */ p) => Math.hypot(p[0] - middle[0], p[1] - middle[1]);
+    const far = corners.reduce((a, b) => away(b) > away(a) ? b : a), ray = Math.atan2(far[1] - middle[1], far[0] - middle[0]);
+    /** @type {number[][]} */
+    const taken = [];
+    this.labels = "";
+    for (const level of LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS)) {
+      const best = [{off: Infinity, x: 0, y: 0}, {off: Infinity, x: 0, y: 0}]; // on the ray from the minimum, and behind it
+      contour(z, rows, columns, Math.log(level), (x0, y0, x1, y1) => {
+        const x = left + x0 * stepX, y = bottom - y0 * stepY, turn = Math.atan2(y - middle[1], x - middle[0]) - ray;
+        brush.moveTo(x, y);
+        brush.lineTo(left + x1 * stepX, bottom - y1 * stepY);
+        const off = Math.abs(Math.atan2(Math.sin(turn), Math.cos(turn)));
+        if (off < best[0].off) best[0] = {off, x, y};
+        if (Math.PI - off < best[1].off) best[1] = {off: Math.PI - off, x, y};
+      });
+      for (const {off, x, y} of best) {
+        const inside = x > left + 14 && x < right - 16 && y > top + 9 && y < bottom - 9;
+        if (!(off < .2 && inside && away([x, y]) > 24 && taken.every(p => Math.hypot(p[0] - x, p[1] - y) > 28))) continue;
+        taken.push([x, y]);
+        this.labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
+      }
+    }
+    brush.stroke();
+    brush.restore();
+    this.last = "";
+  }
+
+  /** @param {number} rows @param {number} columns @param {number} least @param {number} most @param {string} hills */
+  #shade(rows, columns, least, most, hills) {
+    const {image, z} = this, rgb = [1, 3, 5].map(k => parseInt(hills.slice(k, k + 2), 16));
+    [image.width, image.height] = [columns, rows];
+    const brush = /** @type {CanvasRenderingContext2D} */ (image.getContext("2d")), pixels = brush.createImageData(columns, rows), {data} = pixels;
+    for (let i = 0; i < rows; i++) for (let j = 0; j < columns; j++) {
+      const t = clamp((z[i * columns + j] - least) / (most - least), 0, 1), at = 4 * ((rows - 1 - i) * columns + j);
+      data[at] = rgb[0];
+      data[at + 1] = rgb[1];
+      data[at + 2] = rgb[2];
+      data[at + 3] = 205 * t * (.25 + .75 * t);
+    }
+    brush.putImageData(pixels, 0, 0);
+  }
+
+  /**
+   * @param {Object} what
+   * @param {number[]} what.demonstrator
+   * @param {number[]} what.learner
+   * @param {number[] | null} what.minimum
+   * @param {{theta: number[], probe: boolean}[]} what.path postures visited
+   */
+  marks({demonstrator, learner, minimum, path}) {
+    const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
+    const at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [dx, dy] = this.place(demonstrator), [x, y] = this.place(learner);
+    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
+      const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
+      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
+        : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
+    }).join("");
+    const name = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ kind, /** @type {string} */ text, /** @type {boolean} */ up) => {
+      const isRight = a > width - 120;
+      return `<text class="${kind} vi-halo vi-b${isRight ? " vi-end" : ""}" x="${px(a + (isRight ? -12 : 12))}" y="${px(b + (up ? -9 : 18))}">${text}</text>`;
+    };
+    const way = `M${[...path.map(({theta}) => theta), learner].map(at).join("L")}`;
+    const visited = path.map(({theta, probe}) => {
+      const [a, b] = this.place(theta);
+      return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
+    }).join("");
+    const cross = minimum && this.place(minimum);
+    const [jx, jy] = [(left + width - PAD.right) / 2, (PAD.top + bottom) / 2];
+    const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
+<text class="vi-2nd vi-mid vi-halo" x="${px(jx)}" y="${bottom + 29}">${joints[1]}</text><text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px(jy)}) rotate(-90)">${joints[0]}</text>${this.labels}
+<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
+<path class="vi-seen" d="M${px(dx - 6.5)} ${px(dy)}l6.5-6.5 6.5 6.5-6.5 6.5z"/>${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
+${name(dx, dy, "vi-of-demo", "demonstrator", true)}${Math.hypot(x - dx, y - dy) > 30 ? name(x, y, "vi-of-own", "learner", false) : ""}`;
+    if (html !== this.last) this.over.innerHTML = this.last = html;
+  }
+}
+
+/** Round numbers of degrees between two, some five. @param {number} low @param {number} high */
+function nice(low, high) {
+  const step = [5, 10, 15, 30, 45, 90].find(each => (high - low) / each <= 5) ?? 90, found = [];
+  for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
+  return found;
+}

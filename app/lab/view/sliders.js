@@ -1,0 +1,69 @@
+/** A slider for each joint: those of the demonstrator pose it, those of the learner show its goal as well. */
+import {fixed, say} from "./svg.js";
+
+const DEGREE = Math.PI / 180;
+
+export class Sliders {
+  /**
+   * @param {HTMLElement} box
+   * @param {"demonstrator" | "learner"} who
+   * @param {(joint: number, angle: number) => void} moved
+   * @param {(held: boolean) => void} held whether a finger is on one of them
+   */
+  constructor(box, who, moved, held) {
+    this.box = box;
+    this.who = who;
+    this.moved = moved;
+    this.held = held;
+    /** @type {number[]} */
+    this.lower = [];
+    /** @type {number[]} */
+    this.upper = [];
+    /** @type {{input: HTMLInputElement, output: HTMLOutputElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
+    this.rows = [];
+    /** @type {HTMLInputElement | null} that a finger is on */
+    this.busy = null;
+  }
+
+  /** @param {string[]} joints @param {number[]} lower @param {number[]} upper */
+  build(joints, lower, upper) {
+    this.lower = lower;
+    this.upper = upper;
+    this.box.replaceChildren();
+    this.rows = joints.map((name, k) => {
+      const row = this.box.appendChild(document.createElement("label"));
+      row.className = `joint of-${this.who}`;
+      const rail = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="none" aria-hidden="true"><path/></svg><input type="range"><s></s></span>';
+      row.innerHTML = `<span class="name"></span>${this.who === "learner" ? rail : '<input type="range">'}<output></output>`;
+      const input = /** @type {HTMLInputElement} */ (row.querySelector("input")), label = /** @type {HTMLElement} */ (row.querySelector(".name"));
+      label.textContent = name;
+      Object.assign(input, {min: (lower[k] / DEGREE).toFixed(1), max: (upper[k] / DEGREE).toFixed(1), step: "0.5"});
+      input.setAttribute("aria-label", `${name} of the ${this.who}`);
+      input.addEventListener("input", () => {
+        this.busy = input;
+        this.moved(k, Number(input.value) * DEGREE);
+      });
+      input.addEventListener("pointerdown", () => this.held(true));
+      for (const end of ["change", "pointerup", "pointercancel"]) input.addEventListener(end, () => {
+        this.busy = null;
+        this.held(false);
+      });
+      return {input, label, output: /** @type {HTMLOutputElement} */ (row.querySelector("output")), gap: row.querySelector("path")};
+    });
+  }
+
+  /** @param {number[]} theta @param {number[]} goal */
+  show(theta, goal) {
+    const {lower, upper} = this, share = (/** @type {number[]} */ angles, /** @type {number} */ k) => (angles[k] - lower[k]) / (upper[k] - lower[k]);
+    this.rows.forEach(({input, output, gap}, k) => {
+      const text = `${fixed(theta[k] / DEGREE)}°`;
+      if (this.busy !== input) input.value = String(theta[k] / DEGREE);
+      input.style.setProperty("--at", `${100 * share(theta, k)}%`);
+      input.setAttribute("aria-valuetext", `${(theta[k] / DEGREE).toFixed(1)} degrees`);
+      say(output, text);
+      if (!gap) return;
+      /** @type {HTMLElement} */ (input.parentElement).style.setProperty("--goal", String(share(goal, k)));
+      gap.setAttribute("d", `M${100 * share(theta, k)} 11H${100 * share(goal, k)}`);
+    });
+  }
+}

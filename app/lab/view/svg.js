@@ -1,0 +1,37 @@
+/** SVG elements whose attributes are rewritten in place, and numbers as text. */
+
+const NAMESPACE = "http://www.w3.org/2000/svg";
+
+/**
+ * @template {keyof SVGElementTagNameMap} K
+ * @param {Element} within
+ * @param {K} tag
+ * @param {Record<string, string | number>} [attributes]
+ * @returns {SVGElementTagNameMap[K]}
+ */
+export function add(within, tag, attributes = {}) {
+  const made = document.createElementNS(NAMESPACE, tag);
+  set(made, attributes);
+  within.append(made);
+  return made;
+}
+
+/** @param {Element} element @param {Record<string, string | number>} attributes those that differ are written */
+export function set(element, attributes) {
+  for (const [name, value] of Object.entries(attributes))
+    if (element.getAttribute(name) !== String(value)) element.setAttribute(name, String(value));
+}
+
+/** @param {Element} element @param {string} text */
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** With a real minus. @param {number} value @param {number} [digits] */
+export const fixed = (value, digits = 1) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1").replace("-", "−");
+
+/** E in as many digits as it takes. @param {number} E */
+export const energyText = E => Number.isNaN(E) ? "–" : E >= 100 ? fixed(E, 0) : fixed(E, E < 10 ? 2 : 1);
+
+/** For a path. @param {number} value */
+export const px = value => value.toFixed(1);

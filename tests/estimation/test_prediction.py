@@ -1,0 +1,177 @@
+"""What a servo may ask about images that it predicts, and how a demonstrator goes on."""
+
+import msgspec
+import numpy as np
+
+from viewimit.estimation import prediction
+from viewimit.estimation.noise import HomographyResiduals
+from viewimit.estimation.prediction import VELOCITY_LOOKS, target_velocity
+from viewimit.estimation.rectification import fit_transfer
+from viewimit.estimation.residuals import NoiseReference
+from viewimit.estimation.views import FourViews
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import predicted_residuals
+from viewimit.servo.trust_region.correspondences import swapped, with_swapped
+
+
+def drift_of(session):
+    return velocity_of(session.history.recent(VELOCITY_LOOKS))
+
+
+def velocity_of(moments):
+    return target_velocity([moment.views for moment in moments])
+
+
+def test_residuals_by_another_transfer_of_unknown_points_and_whitened():
+    session = Session(Settings.paper(transfer="epipolar"))
+    now = session.snapshot
+    ask, own = predicted_residuals(now), now.views.own
+    np.testing.assert_allclose(ask(own), now.e)
+    other = Session(Settings.paper(transfer="linear")).snapshot
+    np.testing.assert_allclose(ask(own, "linear"), other.e)
+    unknown = own.copy()
+    unknown[3] = np.nan
+    assert ask(unknown).shape == (9, 4)
+    assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # no points are known
+    weighed = ask(own, None, NoiseReference(own, 1.0))
+    assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
+
+
+def partially_visible(session, points):
+    """Its present, [r] of these points hidden."""
+    views = session.snapshot.views
+    visible, demo = views.visible.copy(), views.demo.copy()
+    visible[points, 1], demo[points, 2:] = False, np.nan
+    return session.snapshot.with_fields(views=FourViews(demo, views.own, visible))
+
+
+def test_partially_visible_points_are_included_on_request_if_the_transfer_supports_them():
+    session = Session(Settings.paper(transfer="projective"))
+    there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
+    now = partially_visible(session, [2, 7])
+    assert now.half_shown == 2 and now.shown == 8
+    ask = predicted_residuals(now)
+    assert ask(there).shape == (8, 4)
+    e = ask.with_partially_visible()(there)
+    assert e.shape == (10, 4) and np.abs(e).max() < 1e-8
+    aside = np.array([there, there])
+    aside[1, 7, 3] += 1.0  # across the line on which it would be recovered
+    assert (ask(aside) == ask(there)).all() and np.abs(ask.with_partially_visible()(aside)[1]).max() > 0.05
+    aside[1, 7] = np.nan
+    assert ask.with_partially_visible()(aside).shape == (2, 9, 4)
+    assert np.isposinf(ask.with_partially_visible()(np.full_like(there, np.nan))).all()
+    np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
+    pairs = ((2, 3),)
+    own = swapped(there, pairs)
+    np.testing.assert_array_equal(with_swapped(ask, pairs).with_partially_visible()(own), e)
+    for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
+        settings = msgspec.structs.replace(now.settings, **changed)
+        assert now.with_fields(settings=settings).half_shown == 0
+
+
+def test_partially_visible_points_are_whitened_near_the_demonstrator_and_unweighted_elsewhere():
+    session = Session(Settings.paper(transfer="projective", scene="panda-toed", points=16, noise_px=0.2))
+    while session.snapshot.rectification is None and session.step():
+        pass
+    there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
+    now = partially_visible(session, [1, 4, 9])
+    ask, own = predicted_residuals(now, noise_px=0.2).with_partially_visible(), now.views.own
+    for like, weighed in ((there, True), (own + 40 * np.sin(own), False)):
+        views = FourViews(now.views.demo, like, now.views.visible)
+        by = (
+            HomographyResiduals.whitened_at(views, now.rectification, 0.1)
+            if weighed
+            else HomographyResiduals.unweighted(views, now.rectification)
+        )
+        np.testing.assert_array_equal(
+            ask(there, noise_reference=NoiseReference(like, 0.1)), by.residual(views.with_own(there))
+        )
+
+
+def test_a_batch_equals_the_loop():
+    now = Session(Settings.paper(transfer="projective")).snapshot
+    ask, own = predicted_residuals(now), now.views.own
+    batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
+    for by in (None, "epipolar"):
+        together = ask(batch, by)
+        for index in np.ndindex(2, 3):
+            np.testing.assert_allclose(together[index], ask(batch[index], by), atol=1e-8)
+
+
+def test_residuals_of_past_looks_are_reused_while_nothing_else_changes(monkeypatch):
+    session = Session(Settings.paper(transfer="projective", servo="trust-region"))
+    for _ in range(3):
+        session.step()
+    now, moments = session.snapshot, list(session.history)
+    own = np.array([moment.views.own for moment in moments])
+    anew, fitted = predicted_residuals(now)(own), []
+    monkeypatch.setattr(prediction, "fit_transfer", lambda *args: fitted.append(args) or fit_transfer(*args))
+    np.testing.assert_allclose(predicted_residuals(now, past=moments)(own), anew, atol=1e-10)
+    assert not fitted
+    elsewhere = now.views.demo.copy()
+    elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
+    moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
+    other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
+    for changed in (moved, other):
+        asked = predicted_residuals(changed, past=moments)(own)
+        np.testing.assert_allclose(asked, predicted_residuals(changed)(own), atol=1e-10)
+        assert not np.allclose(asked, anew, atol=0.1)
+    ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
+    drifted = predicted_residuals(now, ahead, past=moments)(own)
+    np.testing.assert_allclose(drifted, predicted_residuals(now, ahead)(own), atol=1e-10)
+
+
+def test_residuals_use_the_points_of_a_moving_demonstrator_at_the_next_look():
+    now = Session(Settings.paper(transfer="linear")).snapshot
+    drift = np.full_like(now.views.demo, 3.0)
+    ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
+    np.testing.assert_allclose(predicted_residuals(now, drift)(now.views.own), ahead.e)
+
+
+def test_behind_a_moving_demonstrator_with_noise_the_converged_transfer_is_used():
+    first = Session(Settings.paper(transfer="linear", start_deg=(25, -45)))
+    then = first.snapshot.transfer
+    now = first.run().last.with_fields(converged_transfer=then)
+    own, drift = now.views.own, np.ones_like(now.views.demo)
+
+    def of_frozen(by_px):
+        return own - then.recover(now.views.demo_left + by_px, now.views.demo_right + by_px)
+
+    np.testing.assert_allclose(predicted_residuals(now, drift, noise_px=0.5)(own), of_frozen(1.0))
+    assert not np.allclose(predicted_residuals(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_residuals(now, drift)(own), of_frozen(1.0), atol=0.1)
+    assert not np.allclose(predicted_residuals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
+
+
+def test_one_jump_of_the_demonstrator_is_no_velocity():
+    session = Session(Settings.paper(transfer="linear"))
+    session.run(4)
+    session.pose(np.radians([70, -40]))
+    assert not drift_of(session).any()
+    session.step()
+    assert not drift_of(session).any()
+    for angle in (71, 72):
+        session.pose(np.radians([angle, -40]))
+        drift = drift_of(session).any()
+        session.step()
+    assert drift  # it has moved twice
+    session.step()
+    session.step()
+    assert not drift_of(session).any()
+
+
+def test_a_point_invisible_in_one_look_has_no_velocity():
+    session = Session(Settings.paper(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
+    for angle in (71, 72):
+        session.step()
+        session.pose(np.radians([angle, -40]))
+    moments = session.history.recent(VELOCITY_LOOKS)
+    views = moments[1].views
+    demo, visible = views.demo.copy(), views.visible.copy()
+    demo[9], visible[9, 0] = 1e4, False
+    seen = FourViews(demo, views.own, visible)
+    drift = target_velocity([moments[0].views, seen, moments[2].views])
+    assert not drift[9].any()
+    np.testing.assert_array_equal(drift[:9], velocity_of(moments)[:9])
+    assert velocity_of(moments)[9].any()

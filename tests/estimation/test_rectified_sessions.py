@@ -1,0 +1,105 @@
+"""A session rectifies where its cameras ask for it, and only there; it repeats itself, comes back and goes on."""
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+from viewimit.app.sessions.codec import decode, encode
+
+from viewimit.estimation.rectification import MAX_LOOKS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.servo import TrustRegion
+
+TOED = Settings(scene="panda-toed", start_deg=(25, -45))
+
+
+def error_deg(moment):
+    return np.degrees(np.abs(moment.theta - moment.theta_demo).max())
+
+
+def postures(session):
+    return [(moment.theta.tolist(), moment.E, moment.e.tolist()) for moment in session.history]
+
+
+def test_with_toed_in_unlike_cameras_the_learner_arrives_only_if_images_are_rectified():
+    last = Session(TOED).run(40).last
+    assert last.status == "converged" and error_deg(last) < 0.5 and last.rectification is not None
+    assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40).last) > 3
+
+
+@pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
+@pytest.mark.parametrize("noise_px", [0.0, 0.5])
+def test_with_parallel_axes_a_run_equals_one_without_rectification_to_the_last_bit(scene, noise_px):
+    asked = Settings.paper(scene=scene, noise_px=noise_px)
+    auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
+    auto.run(15)
+    off.run(15)
+    assert postures(auto) == postures(off) and all(moment.rectification is None for moment in auto.history)
+
+
+def test_rectification_is_refined_at_each_posture_until_enough_are_known():
+    session = Session(msgspec.structs.replace(TOED, servo="gradient-retuned", noise_px=0.1, frames=1))
+    session.run(MAX_LOOKS + 4)
+    left = [moment.rectification.left.tolist() for moment in session.history]
+    assert len({str(H) for H in left[: MAX_LOOKS + 1]}) == MAX_LOOKS + 1
+    assert left[MAX_LOOKS] == left[MAX_LOOKS + 1] == left[MAX_LOOKS + 4]
+
+
+def test_rig_hypotheses_have_their_own_residuals_and_raise_the_standard_error():
+    session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
+    now = session.run(6).last
+    seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.perturbed
+    assert seen.n_rig_hypotheses == len(others) == 7
+    for head, other in enumerate(others, 1):
+        e = residuals(now.views.own, rig=head)
+        of_other = now.with_fields(rectification=other).transfer.residual(now.views.used)
+        np.testing.assert_array_equal(e, of_other)
+        assert 0 < np.abs(e - residuals(now.views.own)).max() < 2.0
+    last = session.run().last
+    seen, residuals = session.observation(last), session.predicted_residuals(last)
+    of_heads = [
+        TrustRegion().step(last.servo_state, replace(seen, n_rig_hypotheses=heads), residuals)[0].certificate.std_error
+        for heads in (0, 7)
+    ]
+    assert (of_heads[1] > of_heads[0]).all()
+
+
+def test_an_older_snapshot_keeps_its_rectification():
+    session = Session(msgspec.structs.replace(TOED, noise_px=0.25))
+    session.run(4)
+    before = [(moment.E, moment.rectification) for moment in session.history]
+    for _ in range(3):
+        session.undo()
+    assert session.snapshot.E == before[1][0] and session.snapshot.rectification is before[1][1]
+    session.run(4)
+    assert [moment.E for moment in session.history] == [E for E, _ in before]
+
+
+def test_a_stored_session_continues_to_the_last_bit():
+    whole, begun, resumed = (Session(msgspec.structs.replace(TOED, noise_px=0.25)) for _ in range(3))
+    whole.run(8)
+    begun.run(5)
+    resumed.resume(decode(encode(list(begun.history))), begun.cursor)
+    resumed.run(8)
+    assert postures(resumed) == postures(whole)
+
+
+def test_rectification_can_be_switched_off_and_on_during_a_run():
+    session = Session(TOED)
+    session.run(3)
+    E = session.snapshot.E
+    session.change(rectify="off")
+    assert session.snapshot.rectification is None and abs(session.snapshot.E - E) > 0.1 * E
+    session.change(rectify="auto")
+    assert session.snapshot.E == pytest.approx(E, rel=1e-3)
+
+
+def test_a_stored_transfer_of_rectified_images_maps_points_as_before():
+    session = Session(TOED)
+    last = session.run(40).last
+    seen = last.views
+    again = decode(encode([last]))[0].converged_transfer.recover(seen.demo_left, seen.demo_right)
+    np.testing.assert_array_equal(again, last.converged_transfer.recover(seen.demo_left, seen.demo_right))
+    np.testing.assert_allclose(again, seen.own, atol=0.5)

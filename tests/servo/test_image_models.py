@@ -1,0 +1,183 @@
+"""Images predicted by kinematics, and the effect of the own images' noise on derivatives of E."""
+
+import numpy as np
+import pytest
+
+from viewimit import Session, Settings
+from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
+from viewimit.servo.trust_region.image_models import MIN_CONFIRMING, ImageData, estimate_own_noise, observations_of
+
+NOISE_PX = 0.05
+
+
+@pytest.fixture(scope="module")
+def visits():
+    """Of the default learner, with noise: a probe of each joint, and three postures more."""
+    session = Session(Settings.paper())
+    rng, begin = np.random.default_rng(0), session.snapshot.theta
+    told = np.vstack([np.zeros(2), [0.26, 0], [0.26, -0.26], rng.uniform(-0.3, 0.3, (3, 2))])
+    found = []
+    for displacement in told:
+        views = session.observer.four_views(session.settings, begin + displacement, session.snapshot.theta_demo, 0)
+        noise = NOISE_PX * rng.standard_normal(views.own.shape)
+        found.append(Visit.of(displacement, views.own + noise, views.visible[:, 2:]))
+    return found
+
+
+@pytest.fixture(scope="module")
+def images(visits):
+    return ImageData(visits, NOISE_PX, fit_kinematics(observations_of(visits), NOISE_PX)).fit(3)
+
+
+def test_the_jacobian_is_the_difference_of_predicted_images(images):
+    at, h = np.array([0.2, -0.4]), 1e-4
+    for joint, slope in enumerate(images.jacobian(at)):
+        on = h * np.eye(2)[joint]
+        np.testing.assert_allclose(slope, (images.predict(at + on) - images.predict(at - on)) / (2 * h), atol=1e-3)
+
+
+def test_predictions_near_the_visits_are_better_than_any_single_image(images, visits):
+    spread = images.prediction_std(np.array([visit.displacement for visit in visits]))
+    assert (spread < NOISE_PX).all()
+    assert (images.prediction_std(np.array([[1.0, -1.5]])) > spread.max(0)).any()
+
+
+def test_samples_vary_as_the_covariance_says(images):
+    """2,000 draws: variances to 5 √(2/2000), of coordinates of a point together."""
+    at = np.array([0.3, -0.2])
+    drawn, _ = images.posterior_samples(at, 2000, seed=1)
+    spread = np.sqrt((drawn**2).mean((0, 2)))
+    np.testing.assert_allclose(spread, images.prediction_std(at[None])[0], rtol=5 * np.sqrt(2 / 2000))
+
+
+def test_sampled_jacobians_are_differences_of_sampled_images(images):
+    at, h = np.array([0.3, -0.2]), 1e-3
+    slopes = images.posterior_samples(at, 5, seed=2)[1]
+    for joint in range(2):
+        on = h * np.eye(2)[joint]
+        ahead, behind = (images.posterior_samples(at + way, 5, seed=2)[0] for way in (on, -on))
+        np.testing.assert_allclose(slopes[:, joint], (ahead - behind) / (2 * h), atol=1e-2 * np.abs(slopes).max())
+
+
+def test_the_process_predicts_points_unknown_to_the_kinematics(visits):
+    hidden = [
+        Visit.of(visit.displacement, visit.own, visit.seen & ~((np.arange(10) == 8) & (k == 2))[:, None])
+        for k, visit in enumerate(visits)
+    ]
+    hidden = [*hidden[:3]]  # the second joint was not asked of it, and the first alone moves others too
+    kinematics = fit_kinematics(observations_of(hidden), NOISE_PX)
+    assert kinematics.unknown.tolist() == [k == 8 for k in range(10)]
+    images, process = ImageData(hidden, NOISE_PX, kinematics).fit(1), GaussianProcessImages.fit(hidden, 1, NOISE_PX)
+    at = np.array([0.1, -0.1])
+    np.testing.assert_array_equal(images.predict(at)[8], process.predict(at)[8])
+    assert images.prediction_std(at[None])[0, 8] == process.prediction_std(at[None])[0, 8]
+    assert images.jacobian_std(at)[8] == process.jacobian_std(at)[8]
+    assert np.isfinite(images.posterior_samples(at, 3, seed=0)[0][:, :8]).all()
+
+
+def test_the_hessian_bias_is_the_mean_square_of_sampled_jacobians(images):
+    """With images themselves as residuals; as many draws of another seed agree to 5 √(2/8)."""
+    at = np.array([0.3, -0.2])
+    found = estimate_own_noise(images, lambda own: own, at, NOISE_PX, 20, seed=3).hessian_bias
+    slopes = images.posterior_samples(at, 500, seed=4)[1].reshape(500, 2, -1)
+    expected = np.einsum("dik,djk->ij", slopes, slopes) / (500 * 10)
+    np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=5 * np.sqrt(2 / 8))
+
+
+@pytest.mark.parametrize("count", [MIN_CONFIRMING - 1, MIN_CONFIRMING])
+def test_hidden_points_count_as_seen_only_where_enough_others_are_visible(visits, count):
+    """A posture at which nearly nothing was seen does not confirm the predictions of the kinematics."""
+    last = Visit.of(visits[3].displacement, visits[3].own, (np.arange(10) < count)[:, None] & visits[3].seen)
+    shown = [*visits[:3], last]
+    images = ImageData(shown, NOISE_PX, fit_kinematics(observations_of(shown), NOISE_PX)).fit()
+    expected = np.arange(10) < (10 if count == MIN_CONFIRMING else count)
+    np.testing.assert_array_equal(images.seen[3], expected)
+    assert images.seen[:3].all()
+
+
+# Noise of the own images, against drawing it many times
+
+POINTS, NOISE, DRAWS = 8, 0.5, 1500
+PLACES = np.radians([(0, 0), (15, 0), (15, 15), (3, -4), (-2, 6), (1, 1)])
+TOLERANCE = 4 / np.sqrt(DRAWS)  # four standard deviations of a variance that is estimated from so many draws
+
+
+@pytest.fixture(scope="module")
+def body():
+    """A linear body, visited with noise, and residuals that are linear in its images, as if a transfer's twelve
+    parameters took part of them over: seed → surrogate, and own images → residuals."""
+    rng = np.random.default_rng(3)
+    J, y = rng.normal(0, 100, (POINTS, 4, 2)), rng.uniform(0, 240, (POINTS, 4))
+    blind = np.linalg.qr(rng.normal(size=(4 * POINTS, 12)))[0]
+    goal = (y + J @ np.radians((2, 1))).ravel()
+    left = lambda e: e - (e @ blind) @ blind.T
+    residual_of = lambda own: left(own.reshape(*own.shape[:-2], -1) - goal).reshape(own.shape)
+
+    def model(seed):
+        drawn = np.random.default_rng(seed)
+        seen = np.ones((POINTS, 2), bool)
+        visits = [Visit(d, y + J @ d + drawn.normal(0, NOISE, (POINTS, 4)), seen) for d in PLACES]
+        return GaussianProcessImages.fit(visits, len(visits) - 1, NOISE)
+
+    return model, residual_of
+
+
+def slopes(model, residual_of, place):
+    step = 1e-4
+    e = residual_of(model.predict(np.concatenate([place + step * np.eye(2), place - step * np.eye(2), place[None]])))
+    J = (e[:2] - e[2:4]).reshape(2, -1) / (2 * step)
+    return J, e[4].ravel()
+
+
+def test_the_hessian_bias_is_the_curvature_that_noisy_jacobians_add(body):
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    drawn = np.array([slopes(model(k), residual_of, place)[0] for k in range(DRAWS)])
+    mean = drawn.mean(0)
+    added = (drawn @ drawn.swapaxes(1, 2)).mean(0) / POINTS - mean @ mean.T / POINTS
+    said = estimate_own_noise(model(0), residual_of, place, NOISE, 20, 1).hessian_bias
+    share = np.abs(np.linalg.eigvalsh(np.linalg.solve(added, said)) - 1).max()
+    assert share < TOLERANCE + 0.25  # DRAWS of own_noise estimate what is left of 32 - 12 residuals
+
+
+def test_gradient_samples_are_as_large_as_those_that_noise_makes(body):
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    slopes_drawn, e_drawn = zip(*(slopes(model(k), residual_of, place) for k in range(DRAWS)))
+    made = np.array(e_drawn) @ np.mean(slopes_drawn, axis=0).T / POINTS
+    said = np.concatenate(
+        [estimate_own_noise(model(k), residual_of, place, NOISE, 20, k).grad_samples_images for k in range(60)]
+    )
+    np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)
+
+
+def test_debiasing_keeps_curvature_that_is_larger_than_noise(body):
+    model, residual_of = body
+    noise = estimate_own_noise(model(0), residual_of, np.zeros(2), NOISE, 20, 1)
+    for k in range(1, 20):  # noise alone leaves no curvature
+        J = slopes(model(k), residual_of, np.zeros(2))[0]
+        J = J - np.mean([slopes(model(m), residual_of, np.zeros(2))[0] for m in range(1, 20)], axis=0)
+        H = J @ J.T / POINTS
+        assert np.linalg.eigvalsh(noise.debias_hessian(H))[0] < 0.05 * np.trace(noise.hessian_bias)
+    steep = 1e4 * np.trace(noise.hessian_bias) * np.eye(2)
+    np.testing.assert_allclose(noise.debias_hessian(steep), steep, rtol=1e-3, atol=1e-3 * steep[0, 0])
+    both = noise.debias_hessian(np.stack([steep, noise.hessian_bias]))
+    np.testing.assert_allclose(both[0], noise.debias_hessian(steep))
+    assert (np.linalg.eigvalsh(both) > 0).all()
+
+
+def test_noisy_jacobians_change_the_gradient_where_the_demonstrators_noise_leaves_residuals(body):
+    """Visits near each other determine e there, but not its derivatives."""
+    model, residual_of = body
+    place = np.radians((2.0, 1.0))
+    left = residual_of(np.random.default_rng(7).normal(0, 20 * NOISE, (POINTS, 4)))
+    with_left = lambda own: residual_of(own) + left
+    gradients = lambda J, e: J @ e / POINTS
+    made = np.array([gradients(*slopes(model(k), with_left, place)) for k in range(DRAWS)])
+    said = [estimate_own_noise(model(k), with_left, place, NOISE, 20, k) for k in range(60)]
+    squares = np.mean(
+        [(one.grad_samples_images**2).mean(0) + (one.grad_samples_jacobian**2).mean(0) for one in said], axis=0
+    )
+    np.testing.assert_allclose(np.sqrt(squares), made.std(0), rtol=0.25)

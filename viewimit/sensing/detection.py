@@ -128,13 +128,13 @@ def read_pictures(path: Path) -> Iterator[Picture]:
         picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
         if picture is None:
             raise ValueError(f"{path}: not a picture that OpenCV reads")
-        yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        yield np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
         return
     video, count = cv2.VideoCapture(str(path)), 0
     _require_pixels(path, int(video.get(cv2.CAP_PROP_FRAME_WIDTH)), int(video.get(cv2.CAP_PROP_FRAME_HEIGHT)))
     while (read := video.read())[0]:
         count += 1
-        yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)
+        yield np.asarray(cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB), np.uint8)
     video.release()
     if count == 0:
         raise ValueError(f"{path}: not a picture or video that OpenCV reads")

@@ -24,7 +24,7 @@ from waiting import wait_until
 from viewimit.commands.cli import main
 from viewimit.geometry.blas_threads import limit_blas_threads
 
-LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_random_scenes.py"
+LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_scenes.py"
 WAITING = (
     "test_workers.py",
     "test_leases.py",

@@ -39,7 +39,8 @@ def answer(connection: Connection, carry_out: Callable[[str, Any, dict], None]) 
 
 
 def _carry_out(connection: Connection, name: str, settings, options: dict, folder: Path) -> None:
-    from viewimit.experiments import EXPERIMENTS, files
+    from viewimit.experiments import EXPERIMENTS
+    from viewimit.experiments.experiment import write
 
     experiment = EXPERIMENTS[name]
     progress = Progress(connection.send, experiment.figure)
@@ -47,7 +48,7 @@ def _carry_out(connection: Connection, name: str, settings, options: dict, folde
     if experiment.imitation is not None:
         connection.send(("imitation", experiment.imitation(result)))
     connection.send(("found", experiment.figure(result), tuple(result.claims)))
-    connection.send(("files", _zipped(files.write(name, experiment, result, folder))))
+    connection.send(("files", _zipped(write(name, experiment, result, folder))))
 
 
 class Progress:

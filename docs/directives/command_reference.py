@@ -16,22 +16,26 @@ class Commands(SphinxDirective):
             section = nodes.section(ids=[f"viewimit-{name}"], names=[f"viewimit-{name}"])
             section += nodes.title("", f"viewimit {name}")
             section += nodes.paragraph("", text)
-            section += _options(_parser(name))
+            parser = _subparsers(cli.parser_of(name))[name]
+            section += _options(parser)
+            for benchmark, its_parser in _subparsers(parser).items():
+                section += nodes.paragraph("", "", nodes.literal("", f"viewimit {name} {benchmark}"))
+                section += nodes.paragraph("", its_parser.description or "")
+                section += _options(its_parser)
             found.append(section)
         return found
 
 
-def _parser(name: str) -> argparse.ArgumentParser:
-    top = cli.parser_of(name)
-    commands = next(action for action in top._actions if isinstance(action, argparse._SubParsersAction))
-    return commands.choices[name]
+def _subparsers(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
+    found = (action.choices for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return next(found, {})
 
 
 def _options(parser: argparse.ArgumentParser) -> nodes.definition_list:
     formatter = parser._get_formatter()
     listed = nodes.definition_list(classes=["options"])
     for action in parser._actions:
-        if isinstance(action, argparse._HelpAction):
+        if isinstance(action, (argparse._HelpAction, argparse._SubParsersAction)):
             continue
         metavar = (
             formatter._format_args(action, formatter._get_default_metavar_for_optional(action))

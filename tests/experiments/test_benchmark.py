@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from viewimit.analysis import landscape
-from viewimit.commands import bench_tables as tables
 from viewimit.commands.cli import main
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.experiments.bench import baselines, opencv_baseline, speed
+from viewimit.experiments.bench import baselines, speed
 from viewimit.loop.session import Session
 from viewimit.servo import SERVOS
 from viewimit.simulation.scene import load_scene
@@ -53,7 +52,7 @@ def test_the_baselines_agree_with_each_other():
 def test_the_benchmark_compares_like_with_like_and_is_much_faster(quick):
     """Figures are for the command; here only that a fast path is far from the plain one, on however busy a machine."""
     shares = []
-    result = speed.run(tell=shares.append)
+    result = speed.run(progress=shares.append)
     assert (result.postures, result.loop_postures) == (91 * 181, 91 * 181 // 50)
     assert result.batch_agreement < 1e-8 and result.loop_agreement < 1e-8 and result.condition_agreement < 1e-8
     assert result.batch_s > 2 * result.landscape_s["epipolar"]
@@ -74,7 +73,7 @@ def test_what_is_timed_at_one_posture_is_E_of_the_same_images(quick, coarse, mon
     first = np.array([axis[0] for axis in landscape.grid_axes(world)])
     assert one == pytest.approx(baselines.loop(world, demo, first[None])[0])
     if result.opencv:
-        assert result.opencv.posture_s == opencv_baseline.loop(world, demo, first[None])[0] != one
+        assert result.opencv.posture_s == baselines.opencv_loop(world, demo, first[None])[0] != one
 
 
 def test_a_motion_is_timed_from_the_scenes_start_again_whenever_the_servo_rests(quick, coarse, monkeypatch):
@@ -104,9 +103,9 @@ def test_opencvs_E_is_0_in_the_demonstrators_posture_alone_and_grows_away_from_i
     world = World(load_scene(scene))
     theta = np.radians(demonstrator)
     demo, _ = world.demo_images(theta)
-    assert opencv_baseline.loop(world, demo, theta[None])[0] < 1e-6
+    assert baselines.opencv_loop(world, demo, theta[None])[0] < 1e-6
     for direction in np.array([(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1)]):
-        E = opencv_baseline.loop(world, demo, theta + np.radians([[1], [2], [4], [8]]) * direction)
+        E = baselines.opencv_loop(world, demo, theta + np.radians([[1], [2], [4], [8]]) * direction)
         assert E[0] > 1e-3 and (np.diff(E) > 0).all()
 
 
@@ -115,7 +114,7 @@ def test_opencvs_E_is_timed_beside_ours_and_its_own_figures_are_told(cv2, quick)
     assert result.opencv_why_not is None
     assert result.opencv.E_at_demonstrator < 1e-6 and result.opencv.E_median > 1
     assert result.opencv.loop_s > 20 * result.landscape_s["epipolar"]
-    table = tables.speed_table(result)
+    table = speed.speed_table(result)
     assert "OpenCV loop" in table and "OpenCV: perspective" in table and "pip install" not in table
 
 
@@ -130,7 +129,7 @@ def test_without_opencv_or_with_few_points_its_row_says_why(
     quick, coarse, monkeypatch, capsys, points, installed, said
 ):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: object() if installed else None)
-    monkeypatch.setattr(opencv_baseline, "loop", None)
+    monkeypatch.setattr(baselines, "opencv_loop", None)
     assert main(["bench", "speed", "--n-points", str(points), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["speed"]
     assert told["postures"] == 10 * 19
@@ -141,7 +140,7 @@ def test_without_opencv_or_with_few_points_its_row_says_why(
 
 def test_the_table_says_every_figure_in_120_columns():
     times = {1: 100e-6, 8: 200e-6}
-    found = speed.Benchmark(
+    found = speed.Times(
         scene="panda",
         points=10,
         postures=16471,
@@ -162,8 +161,8 @@ def test_the_table_says_every_figure_in_120_columns():
         loop_agreement=2e-13,
         condition_agreement=3e-13,
     )
-    rows = {line[:62].strip(): line[62:].split() for line in tables.speed_table(found).splitlines()}
-    assert max(map(len, tables.speed_table(found).splitlines())) <= 120
+    rows = {line[:62].strip(): line[62:].split() for line in speed.speed_table(found).splitlines()}
+    assert max(map(len, speed.speed_table(found).splitlines())) <= 120
     assert rows["epipolar, 100 points"] == ["60.0", "ms", "6.0", "x"]
     assert rows["linear, 100 points"] == ["42.0", "ms", "14.0", "x"]
     assert rows["numpy batch: eigh and solve"] == ["200.0", "ms", "20.0", "x"]
@@ -177,4 +176,4 @@ def test_the_table_says_every_figure_in_120_columns():
     assert rows["linear, 8 postures together"] == ["200", "µs", "2.0", "x"]
     assert rows["linear, broyden"] == ["900", "µs"]
     assert rows["E to the loop, 1647 postures"] == ["2.0e-13"]
-    assert "(all postures)" in tables.speed_table(replace(found, loop_postures=16471))
+    assert "(all postures)" in speed.speed_table(replace(found, loop_postures=16471))

@@ -7,14 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viewimit.commands.bench_tables import compared_table
 from viewimit.experiments.bench import compare
-from viewimit.experiments.bench.compare import run_draw
-from viewimit.experiments.bench.compare_draws import CASES
-from viewimit.experiments.bench.compare_table import Row, read, write
-from viewimit.experiments.bench.compared import compared
-from viewimit.experiments.bench.intervals import of_median, of_percentile, paired_difference
-from viewimit.experiments.bench.success import wilson
+from viewimit.experiments.bench.benchmark import of_median, of_percentile, paired_difference, wilson
+from viewimit.experiments.bench.compare import CASES, Row, compared, compared_table, read, run_draw, write
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import RunResult

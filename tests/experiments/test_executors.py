@@ -4,6 +4,7 @@ import json
 import math
 import os
 import signal
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +12,13 @@ import pytest
 from numpy.typing import NDArray
 from waiting import wait_until
 
-from viewimit.commands import bench_parts
-from viewimit.experiments.bench import claims, compare, following, robustness, scenes, success
-from viewimit.experiments.executors import cluster, fingerprint, local, study
+from viewimit.commands.bench import current_words
+from viewimit.experiments.bench import calibration, compare, robustness, scenes, success, tracking
+from viewimit.experiments.bench.benchmark import Context
+from viewimit.experiments.executors import cluster, executor, study
 from viewimit.experiments.executors.cluster import Cluster
-from viewimit.experiments.executors.executor import Done, StudyError, carry_out
-from viewimit.experiments.executors.folder import StudyFolder
-from viewimit.experiments.executors.local import LocalPool
-from viewimit.experiments.executors.study import Study, each
+from viewimit.experiments.executors.executor import Done, LocalPool, StudyError, carry_out
+from viewimit.experiments.executors.study import Study, StudyFolder
 from viewimit.servo import ServoStatus
 
 WHAT = {"command": "bench", "seed": 3}
@@ -49,9 +49,9 @@ class Backwards:
 
 def test_results_come_in_the_order_of_the_tasks_whatever_the_executor():
     by = Study(Backwards())
-    assert list(by.each(tenth, TASKS)) == RESULTS == list(each(tenth, TASKS, 1))
+    assert list(by.each(tenth, TASKS)) == RESULTS == list(Study(LocalPool(1)).each(tenth, TASKS))
     assert by.runs == 14 and by.kept == 0 and by.cpu_s >= 0  # a list of two counts as two runs
-    assert list(each(tenth, [], 1)) == []
+    assert list(Study(LocalPool(1)).each(tenth, [])) == []
 
 
 def test_batches_depend_on_the_number_of_tasks_alone_and_hold_them_all():
@@ -115,9 +115,9 @@ def array() -> NDArray:
 
 RESULTS_OF = {
     success.run_pair: [success.Run(3, True, {"own_minimum": 0.1}, {"own_minimum": 1 / 3}, math.nan)],
-    claims.run_once: claims.Ending(ServoStatus.UNOBSERVABLE, 4, True, 1e-17, math.inf),
+    calibration.run_once: calibration.Ending(ServoStatus.UNOBSERVABLE, 4, True, 1e-17, math.inf),
     robustness.run_once: (0.1, 2 / 3, 7, False),
-    following.run_once: array(),
+    tracking.run_once: array(),
     scenes.run_scene: [scenes.Run(array()[0], array()[1], array()[0], 5, np.bool_(True), np.float64(0.7))],
     compare.run_draw: [compare.Ending(9, ServoStatus.SETTLED, 0.1 + 0.2, math.nan, 5e-324)],
 }
@@ -139,8 +139,10 @@ def test_what_a_run_finds_is_read_back_to_the_last_bit(work, tmp_path):
 CASES = compare.CASES[:1]
 
 
-def rows(by):
-    return compare.run(compare.Settings.paper(transfer="projective"), ["broyden", "kalman"], 6, 2, 30, CASES, by)
+def rows(study):
+    return compare.run(
+        compare.Settings.paper(transfer="projective"), ["broyden", "kalman"], 6, 2, 30, CASES, Context(study)
+    )
 
 
 @pytest.fixture
@@ -173,8 +175,8 @@ def loses_a_worker(dask, processes, lose):
 
     settings = compare.Settings.paper(transfer="projective")
     by = Study(Cluster(one.scheduler_address))
-    found = compare.run(settings, ["broyden", "kalman"], 6, 2, 30, CASES, by, tell)
-    assert lost and repr(found) == repr(rows(1))  # every digit, and NaN as NaN
+    found = compare.run(settings, ["broyden", "kalman"], 6, 2, 30, CASES, Context(by, lambda name: nullcontext(tell)))
+    assert lost and repr(found) == repr(rows(Study(LocalPool(1))))  # every digit, and NaN as NaN
     assert by.runs == 12 and by.cpu_s > 0
 
 
@@ -204,7 +206,8 @@ def test_a_cluster_that_cannot_be_used_is_said_in_a_line(dask, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT_S", 20.0)
     one.scale(1)
     wait_until(lambda: len(one.scheduler_info["workers"]) == 1)
-    monkeypatch.setattr(cluster, "code", lambda: "viewimit 0 (0), numpy 0")
+    versions, real = iter(["viewimit 0 (0), numpy 0"]), cluster.code_version()  # of the study, of the workers
+    monkeypatch.setattr(cluster, "code_version", lambda: next(versions, real))
     with pytest.raises(StudyError, match="has viewimit .* and the study is of viewimit 0 .*: install the same there"):
         rows(Study(Cluster(one.scheduler_address)))
     monkeypatch.setattr(cluster.importlib.util, "find_spec", lambda name: None)
@@ -216,24 +219,24 @@ def test_the_fingerprint_is_of_code_that_changes_results(tmp_path, monkeypatch):
     for room in ("servo", "drawing"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "a.py").write_text("1")
-    monkeypatch.setattr(fingerprint, "LIBRARY", tmp_path)
-    first = fingerprint.code.__wrapped__()
+    monkeypatch.setattr(cluster, "LIBRARY", tmp_path)
+    first = cluster.code_version.__wrapped__()
     (tmp_path / "drawing" / "a.py").write_text("2")
-    assert fingerprint.code.__wrapped__() == first and np.__version__ in first
+    assert cluster.code_version.__wrapped__() == first and np.__version__ in first
     (tmp_path / "servo" / "a.py").write_text("2")
-    assert fingerprint.code.__wrapped__() != first
+    assert cluster.code_version.__wrapped__() != first
 
 
 BENCH = "bench", "compare", "--runs", 2, "--max-motions", 4, "--servo", "broyden", "--json"
 
 
 def test_the_command_keeps_goes_on_and_refuses_another_study(ask, tmp_path, monkeypatch):
-    monkeypatch.setitem(bench_parts.CASES, "compare", CASES)
-    monkeypatch.setattr(local.os, "cpu_count", lambda: 1)
+    monkeypatch.setattr(compare.CompareBenchmark, "cases", CASES)
+    monkeypatch.setattr(executor.os, "cpu_count", lambda: 1)
     status, plain, _ = ask(*BENCH)
     status, first, err = ask(*BENCH, "--out", tmp_path / "kept")
     assert status == 0 and "4 runs: " in err and "ms a run; 1,000,000 such runs need" in err
-    monkeypatch.setattr(local, "carry_out", None)  # nothing is left to do
+    monkeypatch.setattr(executor, "carry_out", None)  # nothing is left to do
     status, again, err = ask(*BENCH, "--out", tmp_path / "kept", "--csv", tmp_path / "runs.csv")
     assert status == 0 and "4 runs, 4 of them kept before" in err
     told = [json.loads(words)["compare"] for words in (plain, first, again)]
@@ -247,20 +250,40 @@ def test_the_command_keeps_goes_on_and_refuses_another_study(ask, tmp_path, monk
 def test_the_command_says_how_an_interrupted_study_goes_on(ask, tmp_path, monkeypatch):
     monkeypatch.setattr(LocalPool, "run", Backwards(until=0).run)
     status, out, err = ask(*BENCH, "--out", tmp_path / "kept")
-    assert (status, out) == (130, "") and "kept keeps what is done, and the same command goes on from there" in err
+    assert (status, out) == (130, "") and "kept keeps finished runs, and the same command goes on" in err
 
 
 @pytest.mark.parametrize(
     "words, message",
     [
-        (("speed", "--out", "x"), "--cluster, --out: are of success,"),
-        (("all", "--cluster", "x"), "--cluster, --out: are of success,"),
-        (("claims", "--csv", "x"), "--csv: is of `viewimit bench compare`"),
-        (("claims", "x"), "x: only `viewimit bench robots` and `compare` take a path"),
-        (("compare", "/no/such.csv"), "PATH"),
+        (("speed", "--out", "x"), "bench speed: unrecognized arguments: --out x; see viewimit bench speed --help"),
+        (("all", "--cluster", "x"), "bench all: unrecognized arguments: --cluster x"),
+        (("calibration", "--csv", "x"), "bench calibration: unrecognized arguments: --csv x"),
+        (("calibration", "x"), "bench calibration: unrecognized arguments: x"),
+        (("calibration", "--scene", "iiwa"), "bench calibration: unrecognized arguments: --scene iiwa"),
+        (("tracking", "--servo", "broyden"), "bench tracking: unrecognized arguments: --servo broyden"),
+        (("compare", "/no/such.csv"), "PATH: /no/such.csv: No such file"),
         (("compare", __file__), "is no table of runs that --csv has written"),
+        (("compare", __file__, "--out", "x"), "--cluster, --out: the runs of PATH are made already"),
     ],
 )
-def test_options_that_a_part_does_not_have_are_refused(ask, words, message):
+def test_options_that_a_benchmark_does_not_have_are_refused(ask, words, message):
     status, out, err = ask("bench", *words)
     assert (status, out) == (2, "") and message in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "before, now",
+    [
+        ("claims --runs 3", "calibration --runs 3"),
+        ("--points 16 following --json", "tracking --points 16 --json"),
+        ("--json compare runs.csv", "compare --json runs.csv"),
+        ("--case success", "all --case success"),
+        ("--runs 3", "all --runs 3"),
+        ("", ""),
+    ],
+)
+def test_earlier_forms_of_the_command_are_read_with_a_warning(capsys, before, now):
+    assert current_words(before.split()) == now.split()
+    moved, renamed = before.startswith("--") and not now.startswith("all"), "claims" in before or "following" in before
+    assert capsys.readouterr().err.count("the old") == moved + renamed

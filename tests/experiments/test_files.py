@@ -14,7 +14,8 @@ from viewimit.analysis.landscape import Landscape
 from viewimit.drawing import svg
 from viewimit.drawing.plots import describe_settings
 from viewimit.drawing.theme import ROLES
-from viewimit.experiments import EXPERIMENTS, ON_PICTURES, files
+from viewimit.experiments import EXPERIMENTS, ON_PICTURES
+from viewimit.experiments.experiment import write
 from viewimit.experiments.paper import fig7, fig8, fig9, fig10
 from viewimit.experiments.paper.claims import verdict
 from viewimit.loop.settings import Settings
@@ -36,7 +37,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 def made(request, tmp_path_factory):
     name, folder = request.param, tmp_path_factory.mktemp(request.param) / "made" / "for it"
     result = COARSE[name]()
-    return name, result, folder, files.write(name, EXPERIMENTS[name], result, folder)
+    return name, result, folder, write(name, EXPERIMENTS[name], result, folder)
 
 
 def rows(path):
@@ -109,7 +110,7 @@ def test_pictures_are_pictures_and_repeat_themselves(made, tmp_path):
     shown = np.asarray(image.convert("RGB"))
     assert image.format == "PNG" and image.width > 1200 and (shown[0] == 255).all()  # a white margin
     assert len(np.unique(shown.reshape(-1, 3), axis=0)) > 50
-    again = files.write(name, EXPERIMENTS[name], result, tmp_path)
+    again = write(name, EXPERIMENTS[name], result, tmp_path)
     for path in again:
         assert path.read_bytes() == (folder / path.name).read_bytes() or path.suffix == ".npz", path.name
 
@@ -142,7 +143,7 @@ def test_a_figure_in_a_file_is_the_pages(made):
 
 def test_without_a_renderer_all_but_png_is_written(tmp_path, monkeypatch):
     monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
-    written = files.write("fig9", EXPERIMENTS["fig9"], COARSE["fig9"](), tmp_path)
+    written = write("fig9", EXPERIMENTS["fig9"], COARSE["fig9"](), tmp_path)
     assert {path.suffix for path in written} == {".npz", ".csv", ".json", ".svg"}
 
 
@@ -154,7 +155,7 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
     usable, sag = rng.integers(5, 17, (6, 12)), np.zeros((6, 12, 2))
     settings = Settings.paper(demonstrator_deg=(45, -90), sensor="rendered")
     found = fig8.Fig8(settings, (2, 4), np.array([45.0, -90]), usable, sag, surfaces)
-    written = files.write("fig8", ON_PICTURES["fig8"], found, tmp_path)
+    written = write("fig8", ON_PICTURES["fig8"], found, tmp_path)
     assert {path.name for path in written} >= {
         "fig8.svg",
         "fig8.png",
@@ -180,5 +181,5 @@ OTHERS = {
 @pytest.mark.parametrize("settings", OTHERS.values(), ids=OTHERS)
 def test_other_settings_are_drawn_and_judged(tmp_path, settings):
     result = fig7.run(settings, step_deg=30.0, study=(1, 1))
-    assert len(files.write("fig7", EXPERIMENTS["fig7"], result, tmp_path)) > 5
+    assert len(write("fig7", EXPERIMENTS["fig7"], result, tmp_path)) > 5
     assert any(claim.holds is not None for claim in result.claims)

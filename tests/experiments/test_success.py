@@ -12,11 +12,11 @@ import pytest
 from waiting import wait_until
 
 from viewimit.analysis.landscape import landscape_over
-from viewimit.commands import bench_tables as tables
 from viewimit.commands.cli import main
 from viewimit.commands.json_output import rounded
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines, success
+from viewimit.experiments.bench.benchmark import Context, Share
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
@@ -53,7 +53,7 @@ def test_intervals_are_wilsons(runs):
     stats = pytest.importorskip("scipy.stats")
     for count in sorted({0, 1, runs // 3, runs - 1, runs}):
         expected = stats.binomtest(count, runs).proportion_ci(confidence_level=0.95, method="wilson")
-        share = success.Share.of([True] * count + [False] * (runs - count))
+        share = Share.of([True] * count + [False] * (runs - count))
         assert (share.count, share.runs, share.share) == (count, runs, count / runs)
         assert (share.low, share.high) == pytest.approx((expected.low, expected.high), rel=1e-9, abs=1e-15)
         assert 0 <= share.low <= share.share <= share.high <= 1
@@ -89,7 +89,14 @@ def test_every_transfer_and_servo_gets_the_same_pairs(panda, monkeypatch):
 
     monkeypatch.setattr(Session, "begin", spy)
     pairs = success.random_pairs(panda, 3, 1)
-    success.run(Settings.paper(servo="gradient"), pairs, list(TRANSFERS), ["broyden", "gradient-retuned"], 0, workers=1)
+    success.run(
+        Settings.paper(servo="gradient"),
+        pairs,
+        list(TRANSFERS),
+        ["broyden", "gradient-retuned"],
+        0,
+        Context.in_processes(1),
+    )
     for transfer in TRANSFERS:
         for servo in ("broyden", "gradient-retuned"):
             assert began[transfer, servo] == pairs
@@ -98,7 +105,9 @@ def test_every_transfer_and_servo_gets_the_same_pairs(panda, monkeypatch):
 def test_the_result_does_not_depend_on_the_number_of_processes(panda):
     def made(seed, workers):
         pairs = success.random_pairs(panda, 3, seed)
-        return success.run(Settings.paper(), pairs, list(TRANSFERS), ["gradient-retuned", "broyden"], 12, workers)
+        return success.run(
+            Settings.paper(), pairs, list(TRANSFERS), ["gradient-retuned", "broyden"], 12, Context.in_processes(workers)
+        )
 
     alone = made(0, 1)
     assert alone == made(0, 2)
@@ -107,7 +116,12 @@ def test_the_result_does_not_depend_on_the_number_of_processes(panda):
     assert [(result.transfer, result.servo) for result in alone] == order
     for result in alone:  # a run of its own is what the table has of it
         only = success.run(
-            Settings.paper(), success.random_pairs(panda, 3, 0), [result.transfer], [result.servo], 12, workers=1
+            Settings.paper(),
+            success.random_pairs(panda, 3, 0),
+            [result.transfer],
+            [result.servo],
+            12,
+            Context.in_processes(1),
         )
         assert only == [result]
 
@@ -157,7 +171,7 @@ def test_a_claim_is_false_beyond_a_degree_of_the_transfers_own_minimum(status, c
     monkeypatch.setitem(SERVOS, "broyden", Rests(status))
     starts = [(45.6, -90.0), (46.3, -90.0), (48.3, -90.0), (44.2, -90.0), (70.0, -90.0)]
     pairs = [(start, (45.0, -90.0)) for start in starts]
-    (result,) = success.run(Settings.paper(), pairs, ["linear"], ["broyden"], 10, workers=1)
+    (result,) = success.run(Settings.paper(), pairs, ["linear"], ["broyden"], 10, Context.in_processes(1))
     assert 0.4 < result.bias_deg_median == result.bias_deg_95 < 0.8
     assert (result.claimed.count, result.claimed_falsely.count, result.claimed_falsely.runs) == (claimed, falsely, 5)
     for shares in (result.ended, result.came):
@@ -207,12 +221,16 @@ def test_the_papers_law_hardly_arrives_where_broyden_does(panda):
 def busy():
     """A process that has two others at work, in a group of their own."""
     code = (
+        "from contextlib import nullcontext\n"
         "from viewimit.experiments.bench import success\n"
+        "from viewimit.experiments.bench.benchmark import Context\n"
+        "from viewimit.experiments.executors.executor import LocalPool\n"
+        "from viewimit.experiments.executors.study import Study\n"
         "from viewimit.simulation.scene import load_scene\n"
         "from viewimit.loop.settings import Settings\n"
         "pairs = success.random_pairs(load_scene('panda'), 5000, 0)\n"
-        "success.run(Settings.paper(), pairs, ['linear'], ['gradient'], 100, 2,\n"
-        "            tell=lambda share: print(share, flush=True))\n"
+        "show = lambda name: nullcontext(lambda share: print(share, flush=True))\n"
+        "success.run(Settings.paper(), pairs, ['linear'], ['gradient'], 100, Context(Study(LocalPool(2)), show))\n"
     )
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell ignores it for what runs in the background
@@ -252,14 +270,14 @@ def test_the_command_runs_what_it_is_asked_for(capsys):
     (row,) = json.loads(capsys.readouterr().out)["success"]
     iiwa = load_scene("iiwa")
     pairs = success.grid_pairs(iiwa, (2, 2))
-    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
+    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, Context.in_processes(1))
     assert (row["transfer"], row["servo"], row["runs"], row["motions_95"]) == ("linear", "broyden", 4, 4)
     assert row["came"]["own_minimum"]["3.0"]["low"] == rounded(expected.came["own_minimum"][3.0].low)
     assert row["bias_deg_median"] == rounded(expected.bias_deg_median)
     assert main([*words, "--runs", "3", "--seed", "8"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["success"]
     pairs = success.random_pairs(iiwa, 3, 8)
-    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, workers=1)
+    (expected,) = success.run(Settings.paper(scene="iiwa"), pairs, ["linear"], ["broyden"], 4, Context.in_processes(1))
     assert row["bias_deg_median"] == rounded(expected.bias_deg_median) and "seed 8" in row["pairs"]
     with pytest.raises(SystemExit):
         main([*words, "--grid", "2,2", "--runs", "3"])
@@ -276,7 +294,7 @@ def test_the_command_ends_when_interrupted(capsys, monkeypatch):
 
 
 def test_the_table_says_every_share_with_its_interval_in_120_columns():
-    share = success.Share.of
+    share = Share.of
 
     def some(count, runs):
         return share([True] * count + [False] * (runs - count))
@@ -287,7 +305,7 @@ def test_the_table_says_every_share_with_its_interval_in_120_columns():
         "projective", "gradient-retuned", 100, 3000, by_target, by_target, 7.0, 12.0, some(1999, 2000), some(1, 2000),
         0.5, 1.5,
     )  # fmt: skip
-    table = tables.success_table([result, result], "100 random starts")
+    table = success.success_table([result, result], "100 random starts")
     assert max(map(len, table.splitlines())) <= 120
     assert table.count("97 % (91–99)") == 4 and table.count("100 % (96–100)") == 8  # 2 rows, 2 targets
     assert ">99 % (99–100)" in table and "<1 % (0–1)" in table and "median 0.50°" in table

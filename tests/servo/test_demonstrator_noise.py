@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from viewimit.estimation.residuals import NoiseReference
-from viewimit.experiments.bench.distances import scene_text
+from viewimit.experiments.bench.draws import distant_scene
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
@@ -32,7 +32,7 @@ def is_false(last, error_deg):
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_away(baseline_m, seed):
     """Four times as far as its own body, whose images alone made the floor under E."""
-    _, last, error_deg = run_of(seed, scene=scene_text(4.0, baseline_m))
+    _, last, error_deg = run_of(seed, scene=distant_scene(4.0, baseline_m))
     assert last.status == "converged" and not is_false(last, error_deg)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from sameness import error_deg
 
-from viewimit.experiments.bench.surface import SurfaceEyes, surface_points
+from viewimit.experiments.bench.draws import SurfaceEyes, surface_points
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene

@@ -6,7 +6,7 @@ from axle_markers import axle_markers, in_plane, one_pair
 from sameness import error_deg
 
 from viewimit.estimation.prediction import PredictedResiduals
-from viewimit.experiments.bench.surface import SurfaceEyes
+from viewimit.experiments.bench.draws import SurfaceEyes
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo.trust_region.correspondences import find_swapped_matches, with_swapped

@@ -94,9 +94,9 @@ def test_what_is_missing_is_told_and_no_failure(ask, tmp_path):
         ("imitate --tip nose", "--robot: --base and --tip are of a .urdf file"),
         ("imitate --robot small.urdf.xacro", "--robot: small.urdf.xacro is xacro"),
         ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
-        ("bench robots", "robots: needs the folder of URDF files"),
+        ("bench robots", "the following arguments are required: FOLDER"),
         ("bench robots nowhere", "FOLDER: nowhere: no .urdf file there"),
-        ("bench success nowhere", "nowhere: only `viewimit bench robots` and `compare` take a path"),
+        ("bench success nowhere", "viewimit bench success: unrecognized arguments: nowhere"),
     ],
 )
 def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):

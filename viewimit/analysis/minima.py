@@ -169,7 +169,7 @@ class Convexity:
     @property
     def eigenvalues(self) -> NDArray[np.float64]:
         """(2,) px²/degree², ascending."""
-        return np.linalg.eigvalsh(self.Q)
+        return np.asarray(np.linalg.eigvalsh(self.Q), float)
 
     @property
     def positive_definite(self) -> bool:

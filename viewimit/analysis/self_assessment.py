@@ -72,7 +72,7 @@ def _assess(session: Session, now: Snapshot, cursor: int) -> Assessment | None:
         return None
     certificate = now.certificate
     if certificate is None:
-        points = np.isfinite(model.at_centre).all(-1)
+        points = np.asarray(np.isfinite(model.at_centre).all(-1))
         certificate = certify(
             local_model(EstimationData(visits, len(visits) - 1, seen.E, points, model, seen, residuals), found, here)
         )

@@ -1,162 +1,190 @@
-"""viewimit bench: how fast E is, and how often and how soon each servo arrives."""
+"""viewimit bench: how fast E is, how often and how soon each servo converges, and studies of the method."""
 
 import argparse
+import contextlib
+import dataclasses
 import hashlib
+import math
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import NoneType
+from typing import Any, get_args, get_origin, get_type_hints
+
+from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
-from ..estimation.transfers import TRANSFERS
-from ..experiments.executors import fingerprint
-from ..experiments.executors.cluster import Cluster
-from ..experiments.executors.executor import StudyError
-from ..experiments.executors.folder import StudyFolder
-from ..experiments.executors.local import LocalPool
-from ..experiments.executors.study import Study
+from ..experiments.bench import BENCHMARKS, Benchmark
+from ..experiments.bench.benchmark import Context, OptionError, Progress, SceneOptions
+from ..experiments.executors.cluster import Cluster, code_version
+from ..experiments.executors.executor import LocalPool, StudyError
+from ..experiments.executors.study import Study, StudyFolder
 from ..geometry.affine import require_points
-from ..loop.history import MAX_HISTORY
-from ..loop.self_calibration import MIN_POSTURES
 from ..sensing.files import escape
-from ..servo import SERVOS
 from ..simulation.scene import load_scene, scene_names
 from ..simulation.world import World
 from . import BadInput
-from . import bench_tables as tables
-from .bench_parts import CASES, PARTS
 from .json_output import print_json
-from .options import DONE, USUAL_LAYOUT, add_json_option, between, layout, naming
-from .rehearse import MOST_POSTURES
+from .options import DONE, add_json_option, between, layout, naming
+from .options import option as option_name
 
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
-RUNS, MOST_RUNS, MAX_MOTIONS = 200, 10_000_000, 500
-STUDIES = [name for name in PARTS if name not in ("speed", "robots")]
-NOT_OF_STUDY = {"run", "json", "out", "cluster", "csv", "path", "full_loop"}  # change no result of one
+ALL = "all"
+PARTS = {name: (name,) for name in BENCHMARKS} | {ALL: ("speed", "success")}
+OLD_NAMES = {"claims": "calibration", "following": "tracking"}  # read for one more version
+FLAGS = {"--json", "--full-loop"}  # options without a value
+WITHOUT_EFFECT = {"path", "csv"}  # options that change no result of a study
+EXCLUSIVE = {"runs", "grid"}  # options of which only one can be given
+MILLION, CORES = 1_000_000, 64
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "what",
-        nargs="?",
-        choices=(*PARTS, "all"),
-        default="all",
-        help="success: of every transfer and servo; robustness: with noise, missing and wrong points, seven joints; "
-        "following: a demonstrator that moves; scenes: drawn at random, also with any head; claims: how often they are "
-        "made, and true, also of points with a mirror image; compare: all servos beside each other, in five cases; "
-        "pictures: rendered ones, and how well markers are detected in them; robots: every URDF of a folder, in the "
-        "scene made for it, --runs each; tracks: of stereo rigs, whether `evaluate` rectifies them, and how far "
-        "transfers are off at points held out; all: "
-        "speed and success (%(default)s)",
-    )
-    parser.add_argument(
-        "path",
-        nargs="?",
-        type=Path,
-        metavar="PATH",
-        help="robots: the folder of URDF files; compare: a table of runs that --csv has written, to be judged anew",
-    )
-    parser.add_argument("--scene", default="panda", help="by name or path (%(default)s)")
-    parser.add_argument(
-        "--n-points", dest="points", type=int, metavar="N", help=f"layout of the scene ({USUAL_LAYOUT})"
-    )
-    seed = between(int, 0, 2**32)
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of postures timed, of runs (%(default)s)")
-    timed = parser.add_argument_group("speed, of E over the range, at one posture, and of one motion")
-    timed.add_argument("--full-loop", action="store_true", help="time plain loops on every posture, not a tenth")
-    runs = parser.add_argument_group("success, of every transfer and servo")
-    number, motions = between(int, 1, MOST_RUNS), between(int, 0, MAX_HISTORY)
-    pairs = runs.add_mutually_exclusive_group()
-    pairs.add_argument(
-        "--runs", type=number, default=RUNS, metavar="N", help="random starts and demonstrators (%(default)s)"
-    )
-    pairs.add_argument(
-        "--grid", type=grid, metavar="N,N", help="instead: starts a joint, for the scene's own demonstrator"
-    )
-    runs.add_argument("--transfer", choices=TRANSFERS, help="this one only")
-    runs.add_argument("--servo", choices=SERVOS, help="this one only")
-    runs.add_argument("--max-motions", type=motions, default=MAX_MOTIONS, metavar="N", help="of a run (%(default)s)")
-    runs.add_argument(
-        "--rehearsed",
-        type=between(int, MIN_POSTURES, MOST_POSTURES),
-        default=0,
-        metavar="K",
-        help="of servos that use it, after watching themselves in so many postures, whose motions do not count (none)",
-    )
-    runs.add_argument(
-        "--case",
-        metavar="TEXT",
-        help=f"of {', '.join(CASES)}: the one of this name, or those whose names hold this, as 'hidden' (all)",
-    )
-    runs.add_argument("--csv", type=Path, metavar="FILE", help="of compare: keep every run, a row each")
-    studies = parser.add_argument_group(
-        "large studies",
-        f"of {', '.join(STUDIES)}: the same digits as without; what they cost is said on standard error",
-    )
-    studies.add_argument(
-        "--cluster", metavar="ADDRESS", help="make the runs on the Dask cluster of this scheduler (the processors here)"
-    )
-    studies.add_argument(
-        "--out", type=Path, metavar="DIR", help="keep what is done, and go on with what is kept there (nothing)"
-    )
-    add_json_option(parser)
+    """Add a subcommand for each benchmark; its options are the benchmark's fields."""
+    benchmarks = parser.add_subparsers(dest="benchmark", metavar="benchmark", required=True)
+    for name, parts in PARTS.items():
+        text = "Speed and success; what `viewimit bench` does alone." if name == ALL else BENCHMARKS[name].__doc__
+        one = benchmarks.add_parser(name, help=text, description=text, allow_abbrev=False)
+        fields = {field.name: (field, part) for part in parts for field in dataclasses.fields(BENCHMARKS[part])}
+        groups: list[Any] = []
+        for field, part in fields.values():
+            hint = get_type_hints(BENCHMARKS[part], include_extras=True)[field.name]
+            _add_option(one, groups, field, hint)
+        if name != ALL and BENCHMARKS[name].distributed:
+            studies = one.add_argument_group(
+                "large studies", "The same digits as without; what they cost is said on standard error."
+            )
+            studies.add_argument(
+                "--cluster", metavar="ADDRESS", help="run on the Dask cluster of this scheduler (the processors here)"
+            )
+            studies.add_argument(
+                "--out", type=Path, metavar="DIR", help="keep finished runs, and go on with those kept there (nothing)"
+            )
+        add_json_option(one)
 
 
-def grid(text: str) -> tuple[int, int]:
-    """A type for argparse: starts of both joints."""
-    counts = [between(int, 1, 1000)(word) for word in text.split(",")]
-    if len(counts) != 2:
-        raise argparse.ArgumentTypeError(f"needs two numbers such as 10,13, got {text!r}")
-    return counts[0], counts[1]
+def _add_option(parser: argparse.ArgumentParser, groups: list[Any], field: dataclasses.Field, hint: Any) -> None:
+    """Add the option of a field, made from its `Setting`."""
+    kind, setting = hint.__origin__, hint.__metadata__[-1]
+    if get_origin(kind) is not tuple and NoneType in get_args(kind):
+        (kind,) = set(get_args(kind)) - {NoneType}
+    default, metavar = field.default, setting.unit.upper() or "NAME"
+    in_words = setting.default or ("" if kind is bool or default in (None, dataclasses.MISSING) else str(default))
+    words = setting.description + (f" ({in_words})" if in_words else "")
+    if field.name == "path":
+        nargs = None if default is dataclasses.MISSING else "?"
+        parser.add_argument("path", type=Path, nargs=nargs, metavar=metavar, help=words)
+        return
+    more: dict[str, Any] = {"dest": field.name, "default": default, "help": words}
+    if kind is bool:
+        more["action"] = "store_true"
+    elif setting.choices:
+        more["choices"] = setting.choices
+    else:
+        number = between(int, *(setting.bounds or (-math.inf, math.inf)))
+        more |= {"type": {int: number, str: str, Path: Path}.get(kind, _pair_of(number)), "metavar": metavar}
+    if field.name in EXCLUSIVE and not groups:
+        groups.append(parser.add_mutually_exclusive_group())
+    target = groups[0] if field.name in EXCLUSIVE else parser
+    target.add_argument(option_name(field.name), **more)
+
+
+def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:
+    """A type for argparse: two numbers."""
+
+    def pair(text: str) -> tuple[int, int]:
+        words = text.split(",")
+        if len(words) != 2:
+            raise argparse.ArgumentTypeError(f"needs two numbers such as 10,13, got {text!r}")
+        return number(words[0]), number(words[1])
+
+    return pair
+
+
+def current_words(words: list[str]) -> list[str]:
+    """Return the words of the command in today's form: the benchmark first, by today's name, `all` if none is given.
+
+    Earlier forms give a warning.
+    """
+    takes_value = lambda word: word.startswith("--") and "=" not in word and word not in FLAGS
+    named = (k for k, word in enumerate(words) if word in PARTS | OLD_NAMES and not (k and takes_value(words[k - 1])))
+    at = next(named, None)
+    if at is None:
+        return words if not words or words[0] in ("-h", "--help") or not words[0].startswith("-") else [ALL, *words]
+    name = OLD_NAMES.get(words[at], words[at])
+    if name != words[at]:
+        _warn(f"{words[at]} is now called {name}; the old name will be gone")
+    if at:
+        _warn(f"options follow the benchmark now: viewimit bench {name} …; the old order will be gone")
+    return [name, *words[:at], *words[at + 1 :]]
 
 
 def run(args: argparse.Namespace) -> int:
-    with naming("--scene, --n-points"):
-        scene = load_scene(args.scene)
-        args.points = layout(args, scene)
-        world = World(scene, args.points)
-        require_points(len(world.body))
-        grid_axes(world)
-    _require_fitting(args)
-    told: dict = {}
+    """Run the benchmarks, and print each result as soon as it is known."""
+    kinds = {part: BENCHMARKS[part] for part in PARTS[args.benchmark]}
+    if any(issubclass(kind, SceneOptions) for kind in kinds.values()):
+        with naming("--scene, --n-points"):
+            scene = load_scene(args.scene)
+            args.points = layout(args, scene)
+            world = World(scene, args.points)
+            require_points(len(world.body))
+            grid_axes(world)
+    show = (lambda line: None) if args.json else (lambda text: print(escape(text, len(text), keep="\n"), flush=True))
+    results: dict[str, Any] = {}
     try:
         study = _study(args)
-        for part in ("speed", "success") if args.what == "all" else (args.what,):
-            told[part], table = PARTS[part](args, world.scene, study)
-            if not args.json:
-                print(escape(table, len(table), keep="\n"), flush=True)  # the next part takes minutes
-    except StudyError as error:
+        for part, kind in kinds.items():
+            benchmark = kind(**{field.name: vars(args)[field.name] for field in dataclasses.fields(kind)})
+            results[part], table = benchmark.run(Context(study, _progress, show))
+            show(table)
+    except (StudyError, OptionError) as error:
         raise BadInput(str(error)) from None
     except KeyboardInterrupt:
-        kept = f": {args.out} keeps what is done, and the same command goes on from there" if args.out else ""
-        print(f"viewimit bench: interrupted{kept}", file=sys.stderr)
+        folder = vars(args).get("out")
+        _warn(f"interrupted{f': {folder} keeps finished runs, and the same command goes on' if folder else ''}")
         return INTERRUPTED
     if study.runs:
-        print(tables.cost_line(study), file=sys.stderr)
+        print(cost_line(study), file=sys.stderr)
     if args.json:
-        print_json(args, told)
+        print_json(args, results)
     return DONE
 
 
-def _require_fitting(args: argparse.Namespace) -> None:
-    """Raises BadInput for options that a part does not have."""
-    if args.what == "robots" and args.path is None:
-        raise BadInput("robots: needs the folder of URDF files: viewimit bench robots FOLDER")
-    if args.what not in ("robots", "compare") and args.path is not None:
-        raise BadInput(f"{args.path}: only `viewimit bench robots` and `compare` take a path")
-    if args.case and args.what not in CASES:
-        raise BadInput(f"--case: is of {', '.join(CASES)}")
-    if args.csv and args.what != "compare":
-        raise BadInput("--csv: is of `viewimit bench compare`")
-    if (args.cluster or args.out) and (args.what not in STUDIES or (args.what == "compare" and args.path)):
-        raise BadInput(f"--cluster, --out: are of {', '.join(STUDIES)}")
+def _warn(text: str) -> None:
+    print(f"viewimit bench: {text}", file=sys.stderr)
+
+
+@contextlib.contextmanager
+def _progress(name: str) -> Iterator[Progress]:
+    """A bar on standard error if that is a terminal."""
+    style = "{desc} {percentage:3.0f}% {bar} {elapsed}<{remaining}"
+    with tqdm(total=1.0, desc=name, disable=None, leave=False, bar_format=style) as bar:
+        yield lambda share: bar.update(share - bar.n)
 
 
 def _study(args: argparse.Namespace) -> Study:
-    """Raises StudyError."""
+    """Make the study of these options. Raises StudyError."""
+    given = vars(args)
+    cluster, out = given.get("cluster"), given.get("out")
+    if (cluster or out) and given.get("path"):
+        raise BadInput("--cluster, --out: the runs of PATH are made already")
     folder = None
-    if args.out:
-        what = {name: value for name, value in vars(args).items() if name not in NOT_OF_STUDY}
-        if args.scene not in scene_names():  # a file: what it says, whatever its name
+    if out:
+        kind: type[Benchmark] = BENCHMARKS[args.benchmark]
+        fields = [field.name for field in dataclasses.fields(kind) if field.name not in WITHOUT_EFFECT]
+        study = {"benchmark": args.benchmark, **{name: given[name] for name in fields}}
+        if "scene" in study and args.scene not in scene_names():  # a file: its content, whatever its name
             content = Path(args.scene).read_bytes()
-            what["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
-        folder = StudyFolder(args.out, {**what, "code": fingerprint.code()})
-    return Study(Cluster(args.cluster) if args.cluster else LocalPool(), folder)
+            study["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
+        folder = StudyFolder(out, {**study, "code": code_version()})
+    return Study(Cluster(cluster) if cluster else LocalPool(), folder)
+
+
+def cost_line(study: Study) -> str:
+    """Say what the runs of a study cost, and what a million of them would."""
+    each = study.cpu_s / study.runs
+    kept = f", {study.kept} of them kept before" if study.kept else ""
+    hours = each * MILLION / 3600
+    return (
+        f"{study.runs} runs{kept}: {study.cpu_s:.1f} s of CPU on one core, {each * 1e3:.1f} ms a run; "
+        f"{MILLION:,} such runs need {hours:.1f} h on one core, {hours / CORES:.2f} h on {CORES}"
+    )

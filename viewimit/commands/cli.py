@@ -85,6 +85,15 @@ def _print_no_more() -> None:
 class Parser(argparse.ArgumentParser):
     """That says what is wrong in one line, as all else does, without all options before it."""
 
+    def parse_args(self, args=None, namespace=None):
+        """Parse as argparse does, but name the command whose option is unknown."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            given = vars(found)
+            self.prog = " ".join(filter(None, (self.prog, given.get("command"), given.get("benchmark"))))
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found
+
     def error(self, message: str) -> NoReturn:
         from ..sensing.files import escape
 
@@ -109,7 +118,13 @@ TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
 
 
 def attached(argv: Iterable[str]) -> list[str]:
-    """`--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option."""
+    """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option.
+
+    The words of `bench` are brought to today's form.
+    """
+    argv = list(argv)
+    if argv[:1] == ["bench"]:
+        argv = ["bench", *importlib.import_module(".bench", __package__).current_words(argv[1:])]
     joined: list[str] = []
     for word in argv:
         if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):

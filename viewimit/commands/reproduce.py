@@ -10,7 +10,8 @@ from tqdm import tqdm
 
 from ..analysis.trajectory import MOTIONS, load_motion
 from ..drawing.export import figures
-from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment, files
+from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment
+from ..experiments.experiment import claims_json, write
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
 from .json_output import print_json
@@ -68,8 +69,8 @@ def run(args: argparse.Namespace) -> int:
         written = []
         if args.out:
             with naming("--out"):
-                written = files.write(name, experiment, result, args.out)
-        told[name] = {**files.told(result.claims), "files": [str(path) for path in written]}
+                written = write(name, experiment, result, args.out)
+        told[name] = {**claims_json(result.claims), "files": [str(path) for path in written]}
     if args.json:
         print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)
     else:

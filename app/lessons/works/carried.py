@@ -71,9 +71,8 @@ def _carried(task: Task) -> Carried:
         raise ValueError("too few points are seen in all four images to fit a geometry")
     motion = hand_circle(session.world, last.theta_demo, FRAMES)
     wanted = hand_points(session)
-    right, early = (
-        _followed(session.world, moment, follow(session, moment.transfer, motion, wanted)) for moment in (last, first)
-    )
+    trajectories = (follow(session, transfer, motion, wanted) for transfer in (last.transfer, first.transfer))
+    right, early = (_followed(session.world, *made) for made in zip((last, first), trajectories))
     return Carried(right, early, _mm_a_px(session.world, last.theta_demo))
 
 

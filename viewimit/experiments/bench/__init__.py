@@ -1,2 +1,30 @@
-"""Benchmarks and studies behind the figures of README, each reproducible from a seed. They judge nothing
-by the paper."""
+"""Benchmarks and studies behind the published figures, each reproducible from a seed.
+
+A new benchmark is a file with a `Benchmark`, and a line here. They judge nothing by the paper.
+"""
+
+from .benchmark import Benchmark
+from .calibration import CalibrationBenchmark
+from .compare import CompareBenchmark
+from .robots import RobotsBenchmark
+from .robustness import PicturesBenchmark, RobustnessBenchmark
+from .scenes import ScenesBenchmark
+from .speed import SpeedBenchmark
+from .success import SuccessBenchmark
+from .tracking import TrackingBenchmark
+from .tracks import TracksBenchmark
+
+BENCHMARKS: dict[str, type[Benchmark]] = {
+    "speed": SpeedBenchmark,
+    "success": SuccessBenchmark,
+    "robustness": RobustnessBenchmark,
+    "tracking": TrackingBenchmark,
+    "scenes": ScenesBenchmark,
+    "calibration": CalibrationBenchmark,
+    "compare": CompareBenchmark,
+    "pictures": PicturesBenchmark,
+    "robots": RobotsBenchmark,
+    "tracks": TracksBenchmark,
+}
+
+__all__ = ["BENCHMARKS", "Benchmark"]

@@ -1,9 +1,16 @@
-"""The paper's E over many postures as numpy is plainly written: what the fast path is measured and checked against.
+"""Independent implementations of E, with which the fast path is timed and compared.
 
-Nothing of `geometry`, `transfer` or `Robot.place_points` is used here, only the data of the scene: joints,
-points and cameras. `loop` takes posture by posture, `batch` all of them at once; `conflict` and `conflicts` are
-what they do once they have the images.
+The paper's E in plain numpy uses only the scene's joints, points and cameras, nothing of `geometry` or `estimation`.
+`loop` goes from posture to posture, `batch` takes all at once; `conflict` and `conflicts` do so with given images.
+
+`opencv_conflict` is the perspective counterpart of E, as one would write it with OpenCV. F of ([l], [r]) by the
+eight-point algorithm gives two cameras up to a projective map of space. The demonstrator's points are triangulated with
+them, the views [L] and [R] are resected from the learner's own points, and the triangulated points are projected into
+them. Pinhole views of equal bodies in equal postures agree exactly. Elsewhere this E differs from the affine one, so
+only its time can be compared.
 """
+
+import importlib.util
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,23 +18,27 @@ from numpy.typing import NDArray
 from ...simulation.camera import Camera
 from ...simulation.world import World
 
+MIN_OPENCV_POINTS = 8  # of the eight-point algorithm; the resection of a view needs six
 
-def loop(world: World, demo: NDArray, postures: NDArray) -> NDArray:
-    """E of Eq. (6), posture by posture. demo: (N, 4) px; postures: (G, m) rad → (G,) px²."""
+
+def loop(world: World, demo: NDArray[np.float64], postures: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute E of Eq. (6) posture by posture. demo: (N, 4) px; postures: (G, m) rad → (G,) px²."""
     return np.array([conflict(demo, own_image(world, posture)) for posture in postures])
 
 
 def batch(
-    world: World, demo: NDArray, postures: NDArray, with_condition: bool = False
-) -> tuple[NDArray, NDArray | None]:
-    """E and, if asked, cond(A), all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,)."""
+    world: World, demo: NDArray[np.float64], postures: NDArray[np.float64], with_condition: bool = False
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Compute E and, if asked, cond(A) of all postures at once. demo: (N, 4) px; postures: (G, m) rad → (G,), (G,)."""
     return conflicts(demo, _own_images(world, postures), with_condition)
 
 
-def conflicts(demo: NDArray, own: NDArray, with_condition: bool = False) -> tuple[NDArray, NDArray | None]:
-    """E and, if asked, cond(A). demo: (N, 4) px; own: (G, N, 4) px → (G,) px², (G,).
+def conflicts(
+    demo: NDArray[np.float64], own: NDArray[np.float64], with_condition: bool = False
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Compute E and, if asked, cond(A). demo: (N, 4) px; own: (G, N, 4) px → (G,) px², (G,).
 
-    cond(A) comes from the eigenvalues of AᵀA, which are at hand and cost less than singular values.
+    cond(A) comes from the eigenvalues of AᵀA, which cost less than singular values.
     """
     l, r, L, R = demo[:, :2], demo[:, 2:], own[..., :2], own[..., 2:]
     A, B = np.zeros((len(own), 5, 4)), np.zeros((len(own), 5, 6))
@@ -48,8 +59,8 @@ def conflicts(demo: NDArray, own: NDArray, with_condition: bool = False) -> tupl
     return E, np.sqrt(values[:, -1] / values[:, 0])
 
 
-def conflict(demo: NDArray, own: NDArray) -> float:
-    """E of one posture. demo, own: (N, 4) px → px²."""
+def conflict(demo: NDArray[np.float64], own: NDArray[np.float64]) -> float:
+    """Compute E of one posture. demo, own: (N, 4) px → px²."""
     l, r, L, R = demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:]
     A, B = np.zeros((5, 4)), np.zeros((5, 6))
     for row, (d, o) in enumerate(((l, L), (r, L), (l, R), (r, R))):
@@ -63,7 +74,7 @@ def conflict(demo: NDArray, own: NDArray) -> float:
     return ((own - recovered) ** 2).sum() / (2 * len(demo))
 
 
-def _fundamental(p: NDArray, q: NDArray) -> tuple[NDArray, float]:
+def _fundamental(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Eqs. (2), (3). p, q: (N, 2) px → f: (4,), f33."""
     u = np.hstack([p, q])
     centre = u.mean(0)
@@ -71,7 +82,7 @@ def _fundamental(p: NDArray, q: NDArray) -> tuple[NDArray, float]:
     return vectors[:, 0], -float(centre @ vectors[:, 0])
 
 
-def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:
+def _fundamentals(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Eqs. (2), (3). p, q: (G, N, 2) px → f: (G, 4), f33: (G,)."""
     u = np.concatenate([p, q], -1)
     centre = u.mean(1)
@@ -81,8 +92,8 @@ def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:
     return f, -(centre * f).sum(1)
 
 
-def own_image(world: World, posture: NDArray) -> NDArray:
-    """posture: (m,) rad → (N, 4) px in [L, R]."""
+def own_image(world: World, posture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Project the learner's points. posture: (m,) rad → (N, 4) px in [L, R]."""
     angles = np.radians(world.scene.posture_deg)
     angles[world.scene.moving] = posture
     T = world.T_world_own
@@ -95,7 +106,7 @@ def own_image(world: World, posture: NDArray) -> NDArray:
     return np.hstack([_project(camera, points) for camera in world.own_cameras])
 
 
-def _own_images(world: World, postures: NDArray) -> NDArray:
+def _own_images(world: World, postures: NDArray[np.float64]) -> NDArray[np.float64]:
     """postures: (G, m) rad → (G, N, 4) px in [L, R]."""
     angles = np.tile(np.radians(world.scene.posture_deg), (len(postures), 1))
     angles[:, world.scene.moving] = postures
@@ -111,7 +122,7 @@ def _own_images(world: World, postures: NDArray) -> NDArray:
     return np.concatenate([_project(camera, points) for camera in world.own_cameras], -1)
 
 
-def _turns(axis: NDArray, angle) -> NDArray:
+def _turns(axis: NDArray[np.float64], angle) -> NDArray[np.float64]:
     """Rodrigues' formula. axis: (3,); angle: (...) rad → (..., 4, 4)."""
     x, y, z = axis / np.linalg.norm(axis)
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -122,10 +133,63 @@ def _turns(axis: NDArray, angle) -> NDArray:
     return T
 
 
-def _project(camera: Camera, points: NDArray) -> NDArray:
+def _project(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """points: (..., 3) m in the world → (..., 2) px."""
     in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
     on_plane = in_camera[..., :2] / in_camera[..., 2:]
     if camera.lens.is_distorted:
         on_plane = on_plane * camera.lens.stretch((on_plane**2).sum(-1, keepdims=True))
     return camera.lens.focal * on_plane + camera.lens.centre
+
+
+def opencv_unavailable(points: int) -> str | None:
+    """Return in a line why the OpenCV baseline cannot run with so many points; None if it can."""
+    if importlib.util.find_spec("cv2") is None:
+        return "OpenCV is not installed: pip install 'viewimit[opencv]'"
+    if points < MIN_OPENCV_POINTS:
+        return f"OpenCV is left out: its eight-point algorithm needs at least {MIN_OPENCV_POINTS} points, got {points}"
+    return None
+
+
+def opencv_loop(world: World, demo: NDArray[np.float64], postures: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute E posture by posture. demo: (N, 4) px; postures: (G, m) rad → (G,) px²."""
+    import cv2
+
+    cv2.setNumThreads(1)  # as the other baselines
+    return np.array([opencv_conflict(demo, own_image(world, posture)) for posture in postures])
+
+
+def opencv_conflict(demo: NDArray[np.float64], own: NDArray[np.float64]) -> float:
+    """Compute E of one posture. demo, own: (N, 4) px → px²; NaN where OpenCV finds no F."""
+    import cv2
+
+    l, r = demo[:, :2], demo[:, 2:]
+    F, _ = cv2.findFundamentalMat(l, r, cv2.FM_8POINT)
+    if F is None:
+        return np.nan
+    x, y, z = epipole = np.linalg.svd(F.T)[2][-1]  # e' in [r]: Fᵀ e' = 0
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    P_r = np.column_stack([cross @ F, epipole])  # beside [I | 0]: Hartley and Zisserman, Result 9.14
+    X = cv2.triangulatePoints(np.eye(3, 4), P_r, l.T, r.T).T
+    # Projective points have any scale and any basis. With orthonormal columns they suit the least squares that follow,
+    # as Hartley's normalisation makes image points do.
+    X = np.linalg.qr(X / np.linalg.norm(X, axis=1, keepdims=True))[0]
+    recovered = np.hstack([_project_homogeneous(_resect(X, image), X) for image in (own[:, :2], own[:, 2:])])
+    return float(((own - recovered) ** 2).sum() / (2 * len(demo)))
+
+
+def _resect(X: NDArray[np.float64], image: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Resect a camera by the direct linear transformation. X: (N, 4); image: (N, 2) px → (3, 4)."""
+    centre = image.mean(0)
+    scale = np.sqrt(2) / np.linalg.norm(image - centre, axis=1).mean()
+    x, y = (scale * (image - centre)).T[..., None]
+    nothing = np.zeros_like(X)
+    rows = np.vstack([np.hstack([X, nothing, -x * X]), np.hstack([nothing, X, -y * X])])
+    P = np.linalg.svd(rows)[2][-1].reshape(3, 4)
+    return np.vstack([P[:2] / scale + np.outer(centre, P[2]), P[2]])
+
+
+def _project_homogeneous(P: NDArray[np.float64], X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """P: (3, 4); X: (N, 4) → (N, 2) px."""
+    x = X @ P.T
+    return x[:, :2] / x[:, 2:]

@@ -1,11 +1,12 @@
-"""The Cramér-Rao bound: how exactly the joints can be told at best from noisy images.
+"""The Cramér-Rao bound: the smallest standard error of the joints that an unbiased estimator can have.
 
-What is not known of the two bodies and places is one projective map of space: the demonstrator's points are H times the
-own ones, H (4, 4), so that its images depend on θ and H. Either the own images are granted at every posture, without
-noise; or they are as noisy, and all that tells of the own body is what was seen of it at the postures visited: then
-where its points and joints are, by what each joint's angles are multiplied, and the projective frame A that
-uncalibrated eyes leave open, are not known either. The fundamental matrix of the head is granted. It needs the truth,
-so it is for benchmarks.
+Unknown about the two bodies is one projective map of space: the demonstrator's points are H times the learner's, with H
+of shape (4, 4). So the demonstrator's images depend on θ and H.
+
+Either the learner's own images are granted at every posture without noise. Or they are as noisy, and the learner knows
+its body from the postures visited only. Then these are unknown too: the points and joint axes, a factor for each
+joint's angle, and the projective frame A that uncalibrated cameras leave open. The fundamental matrix of the head is
+granted.
 """
 
 from collections.abc import Sequence
@@ -16,22 +17,39 @@ from numpy.typing import NDArray
 from ...simulation.camera import Cameras
 from ...simulation.world import World
 
-STEP = 1e-5  # rad, m
-SINGULAR = 1e-10  # of the largest singular value: what moves nothing, as scales and where the two bodies stand
-PROJECTIVE = 16  # numbers of a projective map of space
-UNTOLD = 1e-6  # of what a joint moves images by: what the unknown leaves of it, if nothing tells it
+FD_STEP = 1e-5  # rad, m
+MIN_SINGULAR_VALUE = 1e-10  # relative to the largest: parameters below it move no image, such as a scale
+PROJECTIVE = 16  # parameters of a projective map of space
+MIN_IMAGE_MOTION = 1e-6  # relative to the largest: a direction that moves images by less is unobservable
 
 
 def bound(
     world: World,
-    theta: NDArray,
+    theta: NDArray[np.float64],
     noise_px: float,
-    visited: Sequence[NDArray] | None = None,
-    seen: NDArray | None = None,
-) -> NDArray:
-    """theta: (m,) rad, of the demonstrator; noise_px: of image coordinates; visited: (m,) rad each, postures that the
-    own body is known by, None if its images are granted; seen: (N, 2) bool, which images of the demonstrator there are,
-    None for all → standard deviations (m,) rad, inf of joints that nothing tells."""
+    visited: Sequence[NDArray[np.float64]] | None = None,
+    seen: NDArray[np.bool_] | None = None,
+) -> NDArray[np.float64]:
+    """Compute the bound at the demonstrator's posture.
+
+    Parameters
+    ----------
+    world : World
+        Bodies and cameras.
+    theta : (m,) array
+        The demonstrator's posture, rad.
+    noise_px : float
+        Standard deviation of each image coordinate.
+    visited : sequence of (m,) arrays, optional
+        Postures at which the learner has seen its own body, rad; None: its images are granted.
+    seen : (N, 2) bool array, optional
+        Which points are in which image of the demonstrator; None: all.
+
+    Returns
+    -------
+    (m,) array
+        Standard deviations, rad; inf for unobservable joints.
+    """
     J, unknown = _demo_images(world, theta)
     if visited is not None:
         own = np.vstack([_own_images(world, posture) for posture in visited])
@@ -43,71 +61,78 @@ def bound(
         unknown = unknown[:, :PROJECTIVE]
     size = np.linalg.norm(unknown, axis=0)
     U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
-    U = U[:, sigma > SINGULAR * sigma.max(initial=0.0)]
-    left = J - U @ (U.T @ J)
-    told, directions = np.linalg.eigh(left.T @ left)
-    lost = told <= (UNTOLD * np.linalg.norm(J, axis=0).max()) ** 2
-    variances = (directions[:, ~lost] ** 2 / told[~lost]).sum(1)
-    return noise_px * np.where((np.abs(directions[:, lost]) > UNTOLD).any(1), np.inf, np.sqrt(variances))
+    U = U[:, sigma > MIN_SINGULAR_VALUE * sigma.max(initial=0.0)]
+    projected = J - U @ (U.T @ J)
+    information, directions = np.linalg.eigh(projected.T @ projected)
+    lost = information <= (MIN_IMAGE_MOTION * np.linalg.norm(J, axis=0).max()) ** 2
+    variances = (directions[:, ~lost] ** 2 / information[~lost]).sum(1)
+    return noise_px * np.where((np.abs(directions[:, lost]) > MIN_IMAGE_MOTION).any(1), np.inf, np.sqrt(variances))
 
 
 def _demo_images(world: World, theta: NDArray) -> tuple[NDArray, NDArray]:
-    """(4 N, m) px/rad by the joints, and by H, by the frame, which moves none of them, and by the body."""
+    """Derivatives of the demonstrator's images by the joints, (4 N, m) px/rad, and by H, frame and body, (4 N, 32 + P).
+
+    The frame moves none of them.
+    """
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
     H = _similarity(own, demo)[:, :3]
     motions = [_projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape)), _body_motions(world, theta) @ H.T]
     by_image = _image_derivatives(world.demo_pair, demo)
-    return _moved(by_image, _joint_motions(world, theta) @ H.T), _moved(by_image, np.concatenate(motions))
+    return _image_motions(by_image, _joint_motions(world, theta) @ H.T), _image_motions(
+        by_image, np.concatenate(motions)
+    )
 
 
 def _own_images(world: World, theta: NDArray) -> NDArray:
-    """(4 N, 32 + P), as the second of `_demo_images`, of the own ones at a posture: H moves none of them."""
+    """Derivatives of the own images at a posture by H, frame and body, (4 N, 32 + P). H moves none of them."""
     own = world.points_world(theta, world.T_world_own)
     motions = [np.zeros((PROJECTIVE, *own.shape)), _projective_motions(own), _body_motions(world, theta)]
-    return _moved(_image_derivatives(world.own_pair, own), np.concatenate(motions))
+    return _image_motions(_image_derivatives(world.own_pair, own), np.concatenate(motions))
 
 
 def _joint_motions(world: World, theta: NDArray) -> NDArray:
-    """(m, N, 3) m/rad of the own points."""
+    """Derivatives of the own points by the joints, (m, N, 3) m/rad."""
     at = lambda step: world.points_world(theta + step, world.T_world_own)
-    return np.array([(at(step) - at(-step)) / (2 * STEP) for step in STEP * np.eye(len(theta))])
+    return np.array([(at(step) - at(-step)) / (2 * FD_STEP) for step in FD_STEP * np.eye(len(theta))])
 
 
 def _body_motions(world: World, theta: NDArray) -> NDArray:
-    """(P, N, 3) of the own points: with where each point is on its link, with where and how each moving link is on its
-    joint, and with each joint's factor."""
+    """Derivatives of the own points by the body, (P, N, 3).
+
+    They are by the points on their links, by the pose of each moving link on its joint, and by each joint's factor.
+    """
     points, frames = world.points_world(theta, world.T_world_own), world.link_frames(theta, world.T_world_own)
     count, link = len(points), world.body.link
     of_points = np.zeros((count, 3, count, 3))
     of_points[range(count), :, range(count)] = frames[link, :3, :3].swapaxes(1, 2)
     of_joints = [angle * motion for angle, motion in zip(theta, _joint_motions(world, theta))]
     for joint in world.scene.moving:
-        carried, axes = (link > joint)[:, None], frames[joint + 1, :3, :3].T
+        moved, axes = (link > joint)[:, None], frames[joint + 1, :3, :3].T
         arms = points - frames[joint + 1, :3, 3]
-        of_joints += [carried * np.cross(axis, arms) for axis in axes] + [carried * axis for axis in axes]
+        of_joints += [moved * np.cross(axis, arms) for axis in axes] + [moved * axis for axis in axes]
     return np.concatenate([of_points.reshape(-1, count, 3), of_joints])
 
 
 def _projective_motions(points: NDArray) -> NDArray:
-    """(16, N, 3) of points (N, 3) m, by each number of a (4, 4) that maps them, about 1."""
+    """Derivatives of points (N, 3) m by the entries of a (4, 4) map about the identity, (16, N, 3)."""
     h = np.concatenate([points, np.ones((len(points), 1))], 1).T
     affine = h[:, None, :, None] * np.eye(3)[:, None]
     return np.concatenate([affine.reshape(-1, len(points), 3), h[:, :, None] * points])
 
 
 def _image_derivatives(pair: Cameras, points: NDArray) -> NDArray:
-    """(N, 4, 3) px/m, by points (N, 3) m."""
+    """Derivatives of images by points (N, 3) m, (N, 4, 3) px/m."""
     at = lambda step: np.concatenate(list(pair.images(points + step)[0]), 1)
-    return np.stack([(at(step) - at(-step)) / (2 * STEP) for step in STEP * np.eye(3)], -1)
+    return np.stack([(at(step) - at(-step)) / (2 * FD_STEP) for step in FD_STEP * np.eye(3)], -1)
 
 
-def _moved(by_image: NDArray, motions: NDArray) -> NDArray:
-    """(4 N, P) of images with these derivatives, (N, 4, 3), as motions (P, N, 3) move their points."""
+def _image_motions(by_image: NDArray, motions: NDArray) -> NDArray:
+    """Chain rule: image derivatives (N, 4, 3) and motions of the points (P, N, 3) → (4 N, P)."""
     return np.einsum("nij,pnj->nip", by_image, motions).reshape(-1, len(motions))
 
 
 def _similarity(a: NDArray, b: NDArray) -> NDArray:
-    """(3, 4) of b = s R a + t, for points (N, 3) m of bodies that are alike (Umeyama 1991, without noise)."""
+    """The (3, 4) similarity b = s R a + t of points (N, 3) m (Umeyama 1991, without noise)."""
     mean_a, mean_b = a.mean(0), b.mean(0)
     U, sigma, Vt = np.linalg.svd((b - mean_b).T @ (a - mean_a))
     R = U @ np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))]) @ Vt

@@ -1,36 +1,60 @@
-"""How a servo arrives when images and arm are not perfect, and with more joints: a table, seeded.
+"""How a servo copes with imperfect images and arms, with more joints, and with points detected in pictures.
 
-Two joints start and are shown anywhere in their range; all seven within DEMO_DEG of rest, the start so far from there.
+Two joints start and are shown anywhere in their range. All seven joints are shown within DEMO_DEG of the scene's
+posture, and start near that.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import msgspec
 import numpy as np
 
+from ...estimation.transfers import TRANSFERS
+from ...estimation.views import VIEWS
 from ...loop.session import Session
-from ...loop.settings import Settings
-from ..executors.study import Study, each
-from .success import Share
+from ...loop.settings import SENSORS, Settings
+from ...simulation.eyes import require_eyes
+from ...simulation.scene import load_scene
+from .benchmark import (
+    PATIENCE,
+    WITHIN_DEG,
+    CaseOptions,
+    Context,
+    MethodOptions,
+    Progress,
+    RunOptions,
+    SceneOptions,
+    Share,
+    as_json,
+    error_deg,
+    expected_deg,
+    no_progress,
+    option,
+    rms,
+    run_cases,
+    shares_within,
+    table,
+)
+from .draws import DEMO_DEG, draw_postures
+from .success import quick_servos
 
-DEMO_DEG = 20.0
-NEAR_DEG = (0.5, 1.0, 3.0)
-SURELY = 3.0  # standard deviations
-PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
+N_SIGMA = 3.0  # a claim is false if its error is larger than so many standard errors, and WITHIN_DEG[0]
+MAX_MOTIONS = 80
 SEVEN = tuple(range(1, 8))
 SEVEN_16, SEVEN_REHEARSED = {"joints": SEVEN, "points": 16}, 12
+WRONG_DETECTION_PX = 3.0  # a marker's radius: a detection farther from its marker is of something else
 
 
 @dataclass(frozen=True)
 class Case:
-    """changes: of the settings; offset_deg: of the start from the demonstrator, None for anywhere; rehearsed: postures
-    within reach of all starts in which the learner has watched itself before."""
+    """A condition under which runs are made."""
 
     name: str
-    changes: dict
-    offset_deg: float | None = None
-    rehearsed: int = 0
+    changes: dict[str, Any]  # of the settings
+    offset_deg: float | None = None  # largest distance of the start from the demonstrator; None: anywhere
+    rehearsed: int = 0  # postures of a rehearsal, within reach of all starts
 
 
 CASES = (
@@ -57,20 +81,34 @@ CASES = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a case: rms_deg of the largest joint error at the end, expected_deg by the servo's own account;
-    claimed_rms_deg: of claims, None without any; ended: by NEAR_DEG; claimed_falsely: beyond 0.5° and SURELY times
-    what the servo expects."""
+    """The runs of one case."""
 
     case: str
     runs: int
-    rms_deg: float
-    expected_deg: float
-    claimed_rms_deg: float | None
-    ended: dict[float, Share]
+    rms_deg: float  # of the largest joint error at the end
+    expected_deg: float  # rms of what the servo expects of it
+    claimed_rms_deg: float | None  # of claims, None without any
+    ended: dict[float, Share]  # by degrees: shares of runs that ended so near
     motions_median: float
     motions_95: float
     claimed: Share
     claimed_falsely: Share
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobustnessBenchmark(SceneOptions, RunOptions, MethodOptions, CaseOptions):
+    """Robustness: with noise, missing, wrong and swapped points, an inexact arm, and seven joints."""
+
+    cases = CASES
+
+    def run(self, context: Context) -> tuple[Any, str]:
+        """See `Benchmark.run`."""
+        _, points = self.load()
+        settings = self.method(scene=self.scene, points=points)
+        cases = self.chosen_cases()
+        found = run(settings, cases, self.runs, self.seed, context=context)
+        heading = f"{self.runs} random runs a case, seed {self.seed}, largest joint error to the demonstrator"
+        return as_json(found), f"{heading}\n{robustness_table(found)}"
 
 
 def run(
@@ -78,60 +116,160 @@ def run(
     cases: Sequence[Case] = CASES,
     runs: int = 200,
     seed: int = 0,
-    max_motions: int = 80,
-    workers: int | Study | None = None,
-    tell: Callable[[float], None] = lambda share: None,
+    max_motions: int = MAX_MOTIONS,
+    context: Context | None = None,
 ) -> list[Outcome]:
-    """Every case from the same draws. settings: scene, layout, transfer and servo. tell(share done)."""
+    """Run every case from the same draws. settings: scene, layout, transfer and servo. See also `run_cases`."""
     tasks = [
-        (msgspec.structs.replace(settings, **case.changes), case, [seed, k], max_motions)
+        [(msgspec.structs.replace(settings, **case.changes), case, [seed, k], max_motions) for k in range(runs)]
         for case in cases
-        for k in range(runs)
     ]
-    found = []
-    for ended in each(run_once, tasks, workers):
-        found.append(ended)
-        tell(len(found) / len(tasks))
-    return [_outcome(case.name, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]
+    found = run_cases(run_once, tasks, context, "robustness")
+    return [_outcome(case.name, of_case) for case, of_case in zip(cases, found)]
 
 
 def run_once(settings: Settings, case: Case, seed: list[int], max_motions: int) -> tuple[float, float, int, bool]:
-    """Largest joint error at the end and the one that the servo expects, degrees; motions; claimed. settings: the
-    case's."""
-    offset_deg = case.offset_deg
+    """Run once with the case's settings.
+
+    Returns the largest joint error at the end and the one that the servo expects, degrees; the number of motions; and
+    whether it claims to have converged.
+    """
     session, rng = Session(settings), np.random.default_rng(seed)
-    low, high = np.transpose(session.scene.range_deg)
-    if offset_deg is None:
-        demo, start = rng.uniform(low, high, (2, len(low)))
-    else:
-        rest = np.array(session.scene.posture_deg)[session.scene.moving]
-        demo = np.clip(rest + rng.uniform(-DEMO_DEG, DEMO_DEG, len(low)), low, high)
-        start = np.clip(demo + rng.uniform(-offset_deg, offset_deg, len(low)), low, high)
+    postures = draw_postures(session.scene, rng, case.offset_deg)
     noise_seed = int(rng.integers(2**32))
-    postures = {"demonstrator_deg": tuple(demo.tolist()), "start_deg": tuple(start.tolist())}
     if case.rehearsed:
         rest_deg = tuple(np.array(session.scene.posture_deg)[session.scene.moving].tolist())
         session.begin(msgspec.structs.replace(settings, start_deg=rest_deg))
-        session.calibrate(case.rehearsed, noise_seed, None if offset_deg is None else DEMO_DEG + offset_deg)
+        reach_deg = None if case.offset_deg is None else DEMO_DEG + case.offset_deg
+        session.calibrate(case.rehearsed, noise_seed, reach_deg)
     session.begin(msgspec.structs.replace(settings, seed=noise_seed, **postures))
     last = session.run(max_motions, PATIENCE).last
-    error = np.degrees(np.abs(last.theta - last.theta_demo)).max()
-    expected = np.degrees(last.expected_error or 0.0)
-    return float(error), float(expected), last.motion, last.status.is_claim
+    return error_deg(last), expected_deg(last, 0.0), last.motion, last.status.is_claim
 
 
 def _outcome(name: str, found: Sequence[tuple[float, float, int, bool]]) -> Outcome:
     error, expected, motions, claimed = (np.array(column) for column in zip(*found))
-    rms = lambda degrees: float(np.sqrt((degrees**2).mean()))
     return Outcome(
         name,
         len(found),
         rms(error),
         rms(expected),
         rms(error[claimed]) if claimed.any() else None,
-        {near: Share.of(error <= near) for near in NEAR_DEG},
+        shares_within(error),
         float(np.median(motions)),
         float(np.percentile(motions, 95)),
         Share.of(claimed),
-        Share.of(claimed & (error > np.maximum(NEAR_DEG[0], SURELY * expected))),
+        Share.of(claimed & (error > np.maximum(WITHIN_DEG[0], N_SIGMA * expected))),
     )
+
+
+def robustness_table(outcomes: Sequence[Outcome]) -> str:
+    """Lay out the outcomes for people, a row for each case."""
+    columns = [
+        *(("rms", 9), ("expected", 10), ("of claims", 11), ("ended ≤0.5°", 18), ("ended ≤1°", 18), ("motions", 9)),
+        *(("95 %", 7), ("claimed", 18), ("falsely", 16)),
+    ]
+    rows = []
+    for o in outcomes:
+        claims_rms = None if o.claimed_rms_deg is None else f"{o.claimed_rms_deg:.2f}°"
+        errors = f"{o.rms_deg:.2f}°", f"{o.expected_deg:.2f}°", claims_rms, o.ended[0.5], o.ended[1.0]
+        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}"
+        rows.append((o.case, (*errors, *motions, o.claimed, o.claimed_falsely)))
+    return table(columns, rows)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """Detection of markers in rendered pictures of both arms in random postures."""
+
+    scene: str
+    pictures: int
+    markers: int
+    in_sight: float  # share of markers the middle of whose face is visible
+    found: float  # share of all markers
+    found_in_sight: float  # share of those in sight
+    error_px: tuple[float, float, float, float]  # median, 95th and 99th percentile, largest
+    rms_px: float  # of a coordinate
+    bias_px: tuple[float, float]  # mean error in x and y
+    false: int  # detections farther than WRONG_DETECTION_PX from their marker
+    detections: int
+    usable: tuple[int, float]  # fewest and median number of markers found in all four pictures
+
+
+@dataclass(frozen=True, kw_only=True)
+class PicturesBenchmark(SceneOptions, RunOptions, MethodOptions):
+    """Rendered pictures: how well markers are detected in them, and how the servos do on them and on points."""
+
+    def run(self, context: Context) -> tuple[Any, str]:
+        """See `Benchmark.run`."""
+        scene, points = self.load()
+        with option("--scene"):
+            require_eyes("rendered", scene)
+        with context.progress("detection") as progress:
+            detected = run_detection(self.scene, self.runs, self.seed, progress)
+        outcomes: list[Outcome] = []
+        for transfer in [self.transfer] if self.transfer else TRANSFERS:
+            for servo in [self.servo] if self.servo else quick_servos():
+                settings = Settings.paper(scene=self.scene, points=points, transfer=transfer, servo=servo)
+                cases = [Case(f"{transfer}, {servo}, {sensor}", {"sensor": sensor}) for sensor in SENSORS]
+                outcomes += run(settings, cases, self.runs, self.seed, context=context)
+        heading = f"{self.runs} random runs, seed {self.seed}, largest joint error to the demonstrator"
+        found = {"detection": asdict(detected), "servos": as_json(outcomes)}
+        return found, f"{detection_table(detected)}\n{heading}\n{robustness_table(outcomes)}"
+
+
+def run_detection(scene: str, pairs: int, seed: int = 0, progress: Progress = no_progress) -> Detection:
+    """Detect markers in four pictures for each pair of random postures, of demonstrator and learner."""
+    from ...simulation.rendering import RenderedEyes  # loads pybullet and OpenCV
+
+    eyes, rng = RenderedEyes(load_scene(scene)), np.random.default_rng(seed)
+    low, high = eyes.world.scene.lower, eyes.world.scene.upper
+    offsets, sights, finds, usable = [], [], [], []
+    for k in range(pairs):
+        demo, own = rng.uniform(low, high, (2, len(low)))
+        eyes.demo_images(demo)
+        eyes.own_images(own)
+        eyes.look_at("lr")  # once more, because both arms have reached their postures only now
+        eyes.look_at("LR")
+        for view in VIEWS:
+            image, in_sight = eyes.truth(view)
+            offsets.append(eyes.detections[view].points - image)
+            sights.append(in_sight)
+            finds.append(eyes.detections[view].found)
+        usable.append(int(np.all(finds[-len(VIEWS) :], 0).sum()))
+        progress((k + 1) / pairs)
+    in_sight, found = np.array(sights), np.array(finds)
+    errors = np.array(offsets)[found]
+    distance = np.linalg.norm(errors, axis=-1)
+    right = errors[distance <= WRONG_DETECTION_PX]
+    median, p95, p99 = np.percentile(distance, (50, 95, 99)).tolist()
+    bias_x, bias_y = right.mean(0).tolist()
+    return Detection(
+        scene=scene,
+        pictures=len(VIEWS) * pairs,
+        markers=found.shape[1],
+        in_sight=float(in_sight.mean()),
+        found=float(found.mean()),
+        found_in_sight=float(found[in_sight].mean()),
+        error_px=(median, p95, p99, float(distance.max())),
+        rms_px=rms(right),
+        bias_px=(bias_x, bias_y),
+        false=int((distance > WRONG_DETECTION_PX).sum()),
+        detections=int(found.sum()),
+        usable=(min(usable), float(np.median(usable))),
+    )
+
+
+def detection_table(found: Detection) -> str:
+    """Lay out the detection for people."""
+    median, p95, p99, largest = found.error_px
+    bias_x, bias_y = found.bias_px
+    fewest, typical = found.usable
+    return f"""{found.pictures} pictures of {found.scene}, {found.markers} markers an arm, random postures
+  in sight                     {found.in_sight:8.1%}
+  found, of all                {found.found:8.1%}
+  found, of those in sight     {found.found_in_sight:8.1%}
+  error of the middle          median {median:.3f} px, 95 % {p95:.3f}, 99 % {p99:.3f}, most {largest:.2f}
+  of a coordinate              rms {found.rms_px:.3f} px, mean {bias_x:+.3f}, {bias_y:+.3f}
+  false identities             {found.false} of {found.detections}
+  in all four pictures         median {typical:.0f}, fewest {fewest}"""

@@ -1,13 +1,13 @@
-"""The trust of a transfer and a servo over random scenes: with parallel, equal cameras and with any head, with and
-without rectification and noise, beside the Cramér-Rao bound."""
+"""Success over random scenes, beside the Cramér-Rao bound: with parallel, equal cameras and with any head."""
 
 import math
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -17,57 +17,99 @@ from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.eyes import ProjectedEyes, SimulatedEyes
 from ...simulation.scene import Scene
-from ..executors.study import Study, each
+from .benchmark import (
+    FALSE_DEG,
+    PATIENCE,
+    WITHIN_DEG,
+    CaseOptions,
+    Context,
+    MaxMotions,
+    MethodOptions,
+    RunOptions,
+    Share,
+    as_json,
+    expected_deg,
+    rms,
+    run_cases,
+    shares_within,
+    table,
+)
 from .bound import bound
-from .claims import TIMES
-from .random_scenes import Drawn, draw, resize, write
-from .success import FALSE_DEG, WITHIN_DEG, Share
+from .draws import DrawnScene, draw_scene, resize, write_scene
 
-PATIENCE = 20  # looks in a row with too few points, after which a learner is given up
+N_SIGMA = 3.0  # a claim is false if it is FALSE_DEG off and more than so many standard errors
+PAIRS_PER_SCENE = 5  # of start and demonstrator
 
 
 @dataclass(frozen=True)
-class Row:
-    """any_head: of the scenes; changes: of the settings."""
+class Case:
+    """A kind of scenes."""
 
     name: str
     any_head: bool
-    changes: dict
+    changes: dict[str, Any]  # of the settings
 
 
 NOISY = {"noise_px": 0.25, "frames": 25}
-ROWS = (
-    Row("parallel, equal cameras", False, {}),
-    Row("any head, not rectified", True, {"rectify": "off"}),
-    Row("any head, rectified", True, {}),
-    Row("any head, not rectified, 0.25 px, 25 frames", True, {"rectify": "off", **NOISY}),
-    Row("any head, rectified, 0.25 px, 25 frames", True, NOISY),
+CASES = (
+    Case("parallel, equal cameras", False, {}),
+    Case("any head, not rectified", True, {"rectify": "off"}),
+    Case("any head, rectified", True, {}),
+    Case("any head, not rectified, 0.25 px, 25 frames", True, {"rectify": "off", **NOISY}),
+    Case("any head, rectified, 0.25 px, 25 frames", True, NOISY),
 )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a row: shares of runs that ended within so many degrees, largest joint error; rms_deg of all joints' errors,
-    beside what the Cramér-Rao bound leaves to them: bound_deg if own images without noise are granted everywhere,
-    bound_as_seen_deg if all that is known of the own body is what was seen on the way. at_most, at_most_as_seen: the
-    share within so many degrees of an estimator without bias that reaches these bounds with normal errors, by the worst
-    joint alone; beyond: claimed, FALSE_DEG off or more;
-    falsely: and more than TIMES what the learner itself expects."""
+    """The runs of one case.
 
-    row: str
+    `at_most` are the shares that an unbiased estimator with normal errors would reach at the bound, from the worst
+    joint alone.
+    """
+
+    row: str  # name of the case
     runs: int
-    ended: dict[float, Share]
+    ended: dict[float, Share]  # by degrees of the largest joint error
     motions_median: float
     motions_95: float
     motions_most: int
     claimed: Share
-    beyond: Share
-    falsely: Share
-    rms_deg: float
-    bound_deg: float
-    bound_as_seen_deg: float
-    at_most: dict[float, float]
-    at_most_as_seen: dict[float, float]
+    beyond: Share  # claimed, FALSE_DEG off or more
+    falsely: Share  # and more than N_SIGMA times what the learner expects
+    rms_deg: float  # of all joints' errors
+    bound_deg: float  # Cramér-Rao bound with noise-free own images everywhere
+    bound_as_seen_deg: float  # Cramér-Rao bound with the own images that were seen
+    at_most: dict[float, float]  # by degrees, with the first bound
+    at_most_as_seen: dict[float, float]  # with the second bound
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run."""
+
+    error: NDArray  # (m,) degrees, of all joints
+    bound: NDArray  # (m,) degrees
+    bound_as_seen: NDArray  # (m,) degrees
+    motions: int
+    claimed: bool
+    expected: float  # degrees, of the worst joint, inf if the learner says nothing
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScenesBenchmark(RunOptions, MethodOptions, CaseOptions):
+    """Random scenes, with parallel cameras and with any head, beside the Cramér-Rao bound."""
+
+    max_motions: MaxMotions = 500
+    cases = CASES
+
+    def run(self, context: Context) -> tuple[Any, str]:
+        """See `Benchmark.run`."""
+        count, cases = math.ceil(self.runs / PAIRS_PER_SCENE), self.chosen_cases()
+        settings, pairs = self.method(), PAIRS_PER_SCENE
+        found = run(settings, count, pairs, self.seed, self.max_motions, cases, context)
+        heading = f"{count} random scenes, {pairs} random starts and demonstrators in each, seed {self.seed}"
+        return {"pairs": heading, "rows": as_json(found)}, f"{heading}\n{scenes_table(found)}"
 
 
 def run(
@@ -76,44 +118,26 @@ def run(
     pairs: int,
     seed: int,
     max_motions: int,
-    rows: Sequence[Row] = ROWS,
-    workers: int | Study | None = None,
-    tell: Callable[[float], None] = lambda share: None,
+    cases: Sequence[Case] = CASES,
+    context: Context | None = None,
 ) -> list[Outcome]:
-    """The settings' transfer and servo in that many scenes a row, from that many starts to demonstrators in each."""
-    tasks = [
-        (msgspec.structs.replace(settings, **row.changes), row.any_head, [seed, k], pairs, max_motions)
-        for row in rows
-        for k in range(scenes)
-    ]
-    runs: list[Run] = []
-    for found in each(run_scene, tasks, workers):
-        runs.extend(found)
-        tell(len(runs) / (len(tasks) * pairs))
-    of_row = scenes * pairs
-    return [outcome(row.name, runs[k * of_row : (k + 1) * of_row]) for k, row in enumerate(rows)]
-
-
-@dataclass(frozen=True)
-class Run:
-    """error, bound, bound_as_seen: (m,) degrees, of all joints; motions made; claimed: the servo says that it has
-    converged; expected: degrees, what it says of the worst joint's error, inf if nothing."""
-
-    error: NDArray
-    bound: NDArray
-    bound_as_seen: NDArray
-    motions: int
-    claimed: bool
-    expected: float
+    """Run the settings' method in so many scenes for each case, from so many pairs in each. See also `run_cases`."""
+    tasks = []
+    for case in cases:
+        changed = msgspec.structs.replace(settings, **case.changes)
+        tasks.append([(changed, case.any_head, [seed, k], pairs, max_motions) for k in range(scenes)])
+    found = run_cases(run_scene, tasks, context, "scenes")
+    return [outcome(case.name, sum(of_case, [])) for case, of_case in zip(cases, found)]
 
 
 def run_scene(settings: Settings, any_head: bool, seed: list[int], pairs: int, max_motions: int) -> list[Run]:
-    """In one scene, drawn here, from that many starts to demonstrators."""
+    """Draw a scene, and run from so many starts to demonstrators in it."""
     rng, runs = np.random.default_rng(seed), []
-    drawn = draw(rng, any_head)
-    with written(drawn) as path:
-        for start, demonstrator in _pairs(rng, drawn.scene, pairs):
-            asked = msgspec.structs.replace(
+    drawn = draw_scene(rng, any_head)
+    low, high = np.transpose(drawn.scene.range_deg)
+    with scene_file(drawn) as path:
+        for start, demonstrator in rng.uniform(low, high, (pairs, 2, 2)).tolist():
+            changed = msgspec.structs.replace(
                 settings,
                 scene=path,
                 points=drawn.points,
@@ -121,37 +145,39 @@ def run_scene(settings: Settings, any_head: bool, seed: list[int], pairs: int, m
                 demonstrator_deg=tuple(demonstrator),
                 seed=int(rng.integers(2**32)) if any_head else settings.seed,
             )
-            runs.append(run_once(asked, drawn.size, max_motions))
+            runs.append(run_once(changed, drawn.size, max_motions))
     return runs
 
 
 @contextmanager
-def written(drawn: Drawn) -> Iterator[str]:
-    """The path of a scene, for as long as that is needed."""
+def scene_file(drawn: DrawnScene) -> Iterator[str]:
+    """Write the scene to a temporary file, and yield its path."""
     with tempfile.TemporaryDirectory() as folder:
-        yield str(write(drawn.scene, Path(folder), "drawn"))
+        yield str(write_scene(drawn.scene, Path(folder), "drawn"))
 
 
 def run_once(settings: Settings, size: float, max_motions: int) -> Run:
+    """Run once, with a learner of this size, and compute both bounds."""
     session = Session(settings, partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE).last
-    least = partial(bound, session.world, last.theta_demo, session.observer.image_noise_std(settings))
-    left = least()
-    left_as_seen = least([moment.theta for moment in session.history]) if settings.noise_px else left
+    bound_of = partial(bound, session.world, last.theta_demo, session.observer.image_noise_std(settings))
+    granted = bound_of()
+    as_seen = bound_of([moment.theta for moment in session.history]) if settings.noise_px else granted
     error = np.degrees(np.abs(last.theta - last.theta_demo))
-    expected = np.inf if last.expected_error is None else float(np.degrees(last.expected_error))
-    return Run(error, np.degrees(left), np.degrees(left_as_seen), last.motion, last.status.is_claim, expected)
+    claimed = last.status.is_claim
+    return Run(error, np.degrees(granted), np.degrees(as_seen), last.motion, claimed, expected_deg(last, np.inf))
 
 
 def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:
-    """Eyes of a learner that is so many times as large."""
+    """Open eyes that see a learner of this size."""
     eyes = ProjectedEyes(scene, points)
     resize(eyes.world, size)
     return eyes
 
 
 def outcome(name: str, runs: Sequence[Run]) -> Outcome:
-    error, left, left_as_seen, motions, claimed, expected = (
+    """Count the runs of one case."""
+    error, granted, as_seen, motions, claimed, expected = (
         np.array([getattr(run, field) for run in runs])
         for field in ("error", "bound", "bound_as_seen", "motions", "claimed", "expected")
     )
@@ -160,34 +186,39 @@ def outcome(name: str, runs: Sequence[Run]) -> Outcome:
     return Outcome(
         name,
         len(runs),
-        {near: Share.of(largest <= near) for near in WITHIN_DEG},
+        shares_within(largest),
         float(np.median(motions)),
         float(np.percentile(motions, 95)),
         int(motions.max()),
         Share.of(claimed),
         Share.of(beyond),
-        Share.of(beyond & (largest > TIMES * expected)),
-        rms_deg=_rms(error),
-        bound_deg=_rms(left),
-        bound_as_seen_deg=_rms(left_as_seen),
-        at_most=_at_most(left.max(1)),
-        at_most_as_seen=_at_most(left_as_seen.max(1)),
+        Share.of(beyond & (largest > N_SIGMA * expected)),
+        rms_deg=rms(error),
+        bound_deg=rms(granted),
+        bound_as_seen_deg=rms(as_seen),
+        at_most=_at_most(granted.max(1)),
+        at_most_as_seen=_at_most(as_seen.max(1)),
     )
 
 
-def _rms(degrees: NDArray) -> float:
-    return float(np.sqrt((degrees**2).mean()))
-
-
 def _at_most(worst: NDArray) -> dict[float, float]:
-    return {near: float(np.mean([_normal_within(near, deviation) for deviation in worst])) for near in WITHIN_DEG}
+    within = lambda near, std: math.erf(near / (math.sqrt(2) * std)) if std > 0 else 1.0  # of a normal error
+    return {near: float(np.mean([within(near, std) for std in worst])) for near in WITHIN_DEG}
 
 
-def _normal_within(near: float, deviation: float) -> float:
-    return math.erf(near / (math.sqrt(2) * deviation)) if deviation > 0 else 1.0
-
-
-def _pairs(rng: np.random.Generator, scene: Scene, count: int) -> list[list[list[float]]]:
-    """Starts and demonstrators, count x 2 x 2 degrees."""
-    low, high = np.transpose(scene.range_deg)
-    return rng.uniform(low, high, (count, 2, 2)).tolist()
+def scenes_table(outcomes: Sequence[Outcome]) -> str:
+    """Lay out the outcomes for people, a row for each case."""
+    columns = [
+        *((f"ended ≤{near:g}°", 18) for near in WITHIN_DEG),
+        *(("motions", 9), ("95 %", 7), ("most", 7), ("claimed", 18)),
+        *((f"off >{FALSE_DEG:g}°", 20), (f"and >{N_SIGMA:g} exp.", 20), ("rms", 10), ("bound", 10)),
+        *((f"at best ≤{min(WITHIN_DEG):g}°", 16), ("as seen", 10), ("at best", 10)),
+    ]
+    rows = []
+    for o in outcomes:
+        motions = f"{o.motions_median:.0f}", f"{o.motions_95:.0f}", o.motions_most
+        cells = *o.ended.values(), *motions, o.claimed, o.beyond.with_tenths, o.falsely.with_tenths, f"{o.rms_deg:.3f}°"
+        for bound_deg, at_most in ((o.bound_deg, o.at_most), (o.bound_as_seen_deg, o.at_most_as_seen)):
+            cells = *cells, f"{bound_deg:.3f}°", f"{100 * min(at_most.items())[1]:.0f} %"
+        rows.append((o.row, cells))
+    return table(columns, rows)

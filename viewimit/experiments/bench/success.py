@@ -1,33 +1,39 @@
-"""How often and how soon a servo arrives, from many starts, at many demonstrators.
+"""How often and how soon a servo arrives, from many starts, at many demonstrators."""
 
-Every transfer and servo gets the same pairs of start and demonstrator. Runs are apart from each other and are made in
-as many processes as there are; the result does not depend on how many.
-"""
-
-import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from functools import lru_cache
-from statistics import NormalDist
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_of_images, grid_axes, landscape_over
+from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
-from ...loop.settings import Settings
+from ...loop.settings import PAPER_FIELDS, Setting, Settings
+from ...servo import SERVOS
 from ...simulation.scene import Scene
 from ...simulation.world import World
-from ..executors.study import Study, each
-from .eyes import shared_eyes
+from .benchmark import (
+    FALSE_DEG,
+    WITHIN_DEG,
+    Context,
+    MaxMotions,
+    MethodOptions,
+    OptionError,
+    Rehearsed,
+    RunOptions,
+    SceneOptions,
+    Share,
+    run_cases,
+)
+from .draws import shared_eyes
 
-COARSE_DEG, FINER_DEG, FINE_DEG = 4.0, 0.25, 0.05  # of the search for the transfer's own minimum, beside 1°
-AROUND_DEG = 5.0, 1.5, 0.4  # how far each finer grid goes
-WITHIN_DEG = (0.5, 1.0, 3.0)
-FALSE_DEG = 1.0  # from where it arrived, a claim is false
-TARGETS = ("own_minimum", "demonstrator")
-CONFIDENCE = 0.95
+COARSE_STEP_DEG, FINER_STEP_DEG, FINE_STEP_DEG = 4.0, 0.25, 0.05  # of the grids on which a minimum is searched
+SEARCH_RADII_DEG = 5.0, 1.5, 0.4  # of each finer grid
+TARGETS = {"own_minimum": "to the transfer's own minimum", "demonstrator": "to the demonstrator"}
 
 Posture = tuple[float, ...]
 Pair = tuple[Posture, Posture]
@@ -35,61 +41,97 @@ Pair = tuple[Posture, Posture]
 
 @dataclass(frozen=True)
 class Run:
-    """motions made; claimed: the servo says that it has converged; ended, nearest: largest joint error to each of
-    TARGETS, at the end and when it was least; bias: of the transfer's own minimum to the demonstrator. Degrees."""
+    """One run. Errors are largest joint errors, degrees."""
 
     motions: int
-    claimed: bool
-    ended: dict[str, float]
-    nearest: dict[str, float]
-    bias: float
-
-
-@dataclass(frozen=True)
-class Share:
-    """`count` of `runs`, and Wilson's score interval of the share."""
-
-    count: int
-    runs: int
-    share: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, happened: Iterable[bool]) -> "Share":
-        happened = list(happened)
-        count, runs = sum(map(bool, happened)), len(happened)
-        return cls(count, runs, count / runs, *wilson(count, runs))
+    claimed: bool  # whether the servo says that it has converged
+    ended: dict[str, float]  # error to each of TARGETS at the end
+    nearest: dict[str, float]  # smallest error to each of TARGETS during the run
+    bias: float  # from the transfer's own minimum to the demonstrator
 
 
 @dataclass(frozen=True)
 class Success:
-    """Of one transfer and servo. ended, came: shares of runs by target and by how near, degrees, at the end and at some
-    time; claimed_falsely: FALSE_DEG from the transfer's own minimum or more. Motions, bias: median, 95th percentile."""
+    """The runs of one transfer and servo."""
 
     transfer: str
     servo: str
     runs: int
     max_motions: int
-    ended: dict[str, dict[float, Share]]
-    came: dict[str, dict[float, Share]]
+    ended: dict[str, dict[float, Share]]  # by target and degrees: shares of runs that ended so near
+    came: dict[str, dict[float, Share]]  # shares of runs that came so near at any time
     motions_median: float
-    motions_95: float
+    motions_95: float  # 95th percentile
     claimed: Share
-    claimed_falsely: Share
+    claimed_falsely: Share  # FALSE_DEG or more from the transfer's own minimum
     bias_deg_median: float
     bias_deg_95: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class SuccessBenchmark(SceneOptions, RunOptions, MethodOptions):
+    """Success of every transfer and servo, from the same starts at the same demonstrators."""
+
+    grid: Annotated[
+        tuple[int, int] | None,
+        Setting(
+            description="in place of --runs: starts for each joint, with the scene's own demonstrator",
+            unit="N,N",
+            bounds=(1, 1000),
+        ),
+    ] = None
+    max_motions: MaxMotions = 500
+    rehearsed: Rehearsed = 0
+
+    def run(self, context: Context) -> tuple[Any, str]:
+        """See `Benchmark.run`."""
+        scene, points = self.load()
+        if self.grid:
+            pairs = grid_pairs(scene, self.grid)
+            what = f"{len(pairs)} starts on a grid over the whole range, the scene's demonstrator"
+        else:
+            pairs = random_pairs(scene, self.runs, self.seed)
+            what = f"{len(pairs)} random starts and demonstrators over the whole range, seed {self.seed}"
+        if self.rehearsed:
+            what += f", {self.rehearsed} postures rehearsed"
+        settings = Settings.paper(scene=self.scene, points=points)
+        results: list[Success] = []
+        for transfers, servos in self._methods():
+            results += run(settings, pairs, transfers, servos, self.max_motions, context, self.rehearsed)
+        heading = f"{what}, {points} points of {self.scene}"
+        return [{"pairs": heading, **asdict(result)} for result in results], success_table(results, heading)
+
+    def _methods(self) -> list[tuple[list[str], list[str]]]:
+        """Return transfers with the servos to run on them.
+
+        Slow servos, such as the paper's law, take minutes. They run with the paper's transfer only, unless transfer or
+        servo is given by name.
+        """
+        transfers, servos = [self.transfer or ""], [self.servo or ""]
+        if not self.servo:
+            servos = [name for name, servo in SERVOS.items() if servo.predicts or not self.rehearsed]
+        elif self.rehearsed and not SERVOS[self.servo].predicts:
+            raise OptionError(f"--rehearsed: {self.servo} learns from its own motions alone")
+        if self.transfer or self.servo or self.rehearsed:
+            return [(transfers if self.transfer else list(TRANSFERS), servos)]
+        others = [name for name in TRANSFERS if name != PAPER_FIELDS["transfer"]]
+        return [([PAPER_FIELDS["transfer"]], servos), (others, quick_servos())]
+
+
+def quick_servos() -> list[str]:
+    """Return the servos that need few motions."""
+    return [name for name, servo in SERVOS.items() if not servo.slow]
+
+
 def random_pairs(scene: Scene, runs: int, seed: int) -> list[Pair]:
-    """Start and demonstrator, each uniform over the range of all moving joints, degrees."""
+    """Draw starts and demonstrators, uniform over the range of all moving joints, degrees."""
     low, high = np.transpose(scene.range_deg)
     drawn = np.random.default_rng(seed).uniform(low, high, (runs, 2, len(low)))
     return [(tuple(start), tuple(demonstrator)) for start, demonstrator in drawn.tolist()]
 
 
 def grid_pairs(scene: Scene, counts: Sequence[int]) -> list[Pair]:
-    """Starts on a grid over the range, `counts` a joint, and the scene's own demonstrator, degrees."""
+    """Return starts on a grid over the range, `counts` for each joint, with the scene's demonstrator, degrees."""
     axes = (np.linspace(*limits, count) for limits, count in zip(scene.range_deg, counts, strict=True))
     starts = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(counts))
     demonstrator = tuple(scene.posture_deg[joint] for joint in scene.moving)
@@ -102,33 +144,31 @@ def run(
     transfers: Sequence[str],
     servos: Sequence[str],
     max_motions: int,
-    workers: int | Study | None = None,
-    tell: Callable[[float], None] = lambda share: None,
+    context: Context | None = None,
     rehearsed: int = 0,
 ) -> list[Success]:
-    """Of every transfer and servo, from every pair. rehearsed: postures in which the learner has watched itself before,
-    other ones for every pair; their motions do not count. workers: processes, if None as many as processors.
+    """Run every transfer and servo from every pair of start and demonstrator.
 
-    tell(share done), as often as a pair is done with.
+    rehearsed: postures in which the learner calibrates itself first, drawn for every pair. See also `run_cases`.
     """
+    replace = msgspec.structs.replace
     tasks = [
-        (
-            msgspec.structs.replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo),
-            servos,
-            max_motions,
-            rehearsed,
-            k,
-        )
+        [
+            (
+                replace(settings, transfer=name, start_deg=start, demonstrator_deg=demo),
+                servos,
+                max_motions,
+                rehearsed,
+                k,
+            )
+            for k, (start, demo) in enumerate(pairs)
+        ]
         for name in transfers
-        for k, (start, demo) in enumerate(pairs)
     ]
-    results = []
-    for runs in each(run_pair, tasks, workers):
-        results.append(runs)
-        tell(len(results) / len(tasks))
+    found = run_cases(run_pair, tasks, context, f"success, {', '.join(transfers)}")
     return [
-        summary(name, servo, max_motions, [runs[s] for runs in results[t * len(pairs) : (t + 1) * len(pairs)]])
-        for t, name in enumerate(transfers)
+        summary(name, servo, max_motions, [runs[s] for runs in of_transfer])
+        for name, of_transfer in zip(transfers, found)
         for s, servo in enumerate(servos)
     ]
 
@@ -136,7 +176,7 @@ def run(
 def run_pair(
     settings: Settings, servos: Sequence[str], max_motions: int, rehearsed: int = 0, seed: int = 0
 ) -> list[Run]:
-    """A run of each servo, from the settings' start to their demonstrator. seed: of the postures rehearsed."""
+    """Run each servo from the settings' start to their demonstrator. seed: of the postures of a rehearsal."""
     session = Session(msgspec.structs.replace(settings, servo=servos[0]), open_eyes=shared_eyes)
     if rehearsed:
         session.calibrate(rehearsed, seed)
@@ -144,7 +184,7 @@ def run_pair(
     bias = _error_deg(*targets.values())
     runs = []
     for servo in servos:
-        if rehearsed or servo != session.settings.servo:  # else it has just begun
+        if rehearsed or servo != session.settings.servo:  # otherwise it has just begun
             session.begin(msgspec.structs.replace(settings, servo=servo))
         last = session.run(max_motions, patience=1).last
         visited = np.array([snapshot.theta for snapshot in session.history])
@@ -154,10 +194,10 @@ def run_pair(
     return runs
 
 
-def own_minimum(session: Session) -> NDArray:
-    """(2,) rad: where the transfer's E is smallest for the demonstrator as now seen, whatever its posture.
+def own_minimum(session: Session) -> NDArray[np.float64]:
+    """Find the posture with the smallest E for the demonstrator as now seen, (2,) rad, on a grid of FINE_STEP_DEG.
 
-    On a grid of FINE_DEG: the local minima of a coarse one are looked at by finer ones. NaN if too few points are seen.
+    Finer grids around the local minima of a coarse one are searched. NaN if too few points are seen.
     """
     views, fit, world = session.snapshot.views, session.snapshot.fit, session.world
     over = lambda axes: landscape_over(world, fit, views.demo, views.visible[:, :2], axes)
@@ -165,9 +205,11 @@ def own_minimum(session: Session) -> NDArray:
     places = Landscape(axes, *conflict_of_images(fit, views.demo, views.visible[:, :2], *images)).local_minima()
     if not len(places):
         return np.full(2, np.nan)
-    about = [over(tuple(a[np.abs(a - at) <= np.radians(AROUND_DEG[0])] for a, at in zip(degrees, p))) for p in places]
+    about = [
+        over(tuple(a[np.abs(a - at) <= np.radians(SEARCH_RADII_DEG[0])] for a, at in zip(degrees, p))) for p in places
+    ]
     lowest = min(about, key=lambda found: np.nanmin(found.E)).minimum
-    for step, around in zip((FINER_DEG, FINE_DEG), AROUND_DEG[1:]):
+    for step, around in zip((FINER_STEP_DEG, FINE_STEP_DEG), SEARCH_RADII_DEG[1:]):
         offsets = np.radians(np.arange(-around, around + step / 2, step))
         lowest = over(
             tuple(
@@ -178,14 +220,15 @@ def own_minimum(session: Session) -> NDArray:
     return lowest
 
 
-@lru_cache(1)  # they are the same for every run of a study
+@lru_cache(1)  # the same for every run of a study
 def _grids(world: World) -> tuple[tuple[NDArray, NDArray], tuple[NDArray, NDArray], tuple[NDArray, NDArray]]:
-    """The axes of grids of 1° and of COARSE_DEG, rad, and the learner's images over the latter."""
-    coarse = grid_axes(world, step_deg=COARSE_DEG)
+    """Axes of grids of 1° and of COARSE_STEP_DEG, rad, and the learner's images over the latter."""
+    coarse = grid_axes(world, step_deg=COARSE_STEP_DEG)
     return grid_axes(world), coarse, world.own_images((coarse[0][:, None], coarse[1]))
 
 
 def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) -> Success:
+    """Count the runs of one transfer and servo."""
     motions, bias = [run.motions for run in runs], [run.bias for run in runs]
 
     def shares(errors: str) -> dict[str, dict[float, Share]]:
@@ -210,13 +253,30 @@ def summary(transfer: str, servo: str, max_motions: int, runs: Sequence[Run]) ->
     )
 
 
-def wilson(count: int, runs: int) -> tuple[float, float]:
-    """Wilson's score interval (1927) of a share, for CONFIDENCE: low, high."""
-    z = NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
-    share, shrink = count / runs, 1 + z * z / runs
-    middle = (share + z * z / (2 * runs)) / shrink
-    half = z / shrink * math.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
-    return middle - half if count else 0.0, middle + half if count < runs else 1.0
+def success_table(results: list[Success], pairs: str) -> str:
+    """Lay out the results for people: a block for each target, then motions and claims."""
+    lines = [
+        f"{pairs}, at most {results[0].max_motions} motions",
+        "share of runs, largest joint error (in brackets the 95 % confidence interval)",
+    ]
+    most = WITHIN_DEG[-1]
+    for target, title in TARGETS.items():
+        lines.append(_line(title, "", *(f"ended ≤{near:g}°" for near in WITHIN_DEG), f"came ≤{most:g}°"))
+        lines += [_line(r.transfer, r.servo, *r.ended[target].values(), r.came[target][most]) for r in results]
+    lines.append(_line("motions and claims", "", "median", "95 %", "claimed", f"falsely, >{FALSE_DEG:g}°"))
+    for r in results:
+        motions = f"{r.motions_median:.0f}", f"{r.motions_95:.0f}"
+        lines.append(_line(r.transfer, r.servo, *motions, r.claimed, r.claimed_falsely))
+    lines.append("from the transfer's own minimum to the demonstrator")
+    for r in {r.transfer: r for r in results}.values():
+        lines.append(f"  {r.transfer:<12}median {r.bias_deg_median:.2f}°, 95 % within {r.bias_deg_95:.2f}°")
+    return "\n".join(lines)
+
+
+def _line(first: str, second: str, *cells: object) -> str:
+    """A heading, without a second word, or a row below it."""
+    name = f"  {first:<12}{second:<18}" if second else f"{first:<32}"
+    return name + "".join(f"{cell!s:>17}" for cell in cells)
 
 
 def _error_deg(theta: NDArray, target: NDArray) -> NDArray:

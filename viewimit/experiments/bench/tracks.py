@@ -1,12 +1,13 @@
-"""How `evaluate` does with tracks of real stereo rigs: whether it rectifies, and how far transfers are off elsewhere.
+"""How `evaluate` does with tracks of stereo rigs: whether it rectifies, and how well transfers predict other points.
 
-A rig as of the KITTI data set (Geiger et al. 2012), 0.54 m between cameras of 1241 x 376 px, sees a rigid scene, moves,
-and sees it again: [l r] and [L R]. Its rectification leaves what that of KITTI's public pairs leaves: in the right
-image's rows a keystone, which a fundamental matrix fits well, and by which its rectification makes predictions worse.
+A rig as of the KITTI data set (Geiger et al. 2012), with 0.54 m between cameras of 1241 x 376 px, sees a rigid scene,
+moves, and sees it again: [l r] and [L R]. Its rectification leaves the errors of KITTI's public pairs: a keystone in
+the right image's rows. A fundamental matrix fits it well, and yet its rectification makes predictions worse.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,30 +20,26 @@ from ...estimation.views import FourViews
 from ...geometry.rectification import Rectification, fit_rectification
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ...simulation.camera import Camera, Cameras, Lens
-from ..executors.study import Study, each
-from .success import Share
+from .benchmark import CaseOptions, Context, RunOptions, Share, as_json, run_cases
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 1241, 376, 718.0, 0.54
-NEAR_M, FAR_M = 5.0, 60.0  # depths of points, evenly drawn
-FORWARD_M, TURN_DEG = (0.5, 1.5), (0.3, 1.0, 0.3)  # by how much the rig moves; standard deviations about x, y, z
-RESIDUAL_DEG = 0.02  # standard deviation of what rectification leaves, about each axis of each camera
+NEAR_M, FAR_M = 5.0, 60.0  # depths of points, uniform
+FORWARD_M, TURN_DEG = (0.5, 1.5), (0.3, 1.0, 0.3)  # motion of the rig; standard deviations about x, y, z
+RESIDUAL_DEG = 0.02  # standard deviation of each camera's rotation error about each axis
 KEYSTONE_PX = 1.6  # in the corners, of rectified pairs
-NOISE_PX, FREEDOM = (0.2, 0.5), 4  # standard deviation of a coordinate; of Student's t, whose tails are heavy
-BOARD, SQUARE_M, BOARD_M, TILT_DEG = (9, 6), 0.15, (2.5, 4.0), 30.0  # a chessboard's corners, and where it is held
+NOISE_PX, T_DEGREES_OF_FREEDOM = (0.2, 0.5), 4  # standard deviation of a coordinate; of Student's t distribution
+BOARD, SQUARE_M, BOARD_M, TILT_DEG = (9, 6), 0.15, (2.5, 4.0), 30.0  # corners of a chessboard; its distance and tilt
 BOARD_FRAMES = 5
-ELSEWHERE = 200  # points that are held out
+TEST_POINTS = 200  # that are held out
 
 
 @dataclass(frozen=True)
 class Case:
-    """points: that are tracked; toe_in_deg: angle between the optical axes.
-
-    board: whether they lie on a chessboard, held elsewhere in each of BOARD_FRAMES frames. Scenes have one frame.
-    """
+    """A rig and the points that it tracks."""
 
     points: int
-    toe_in_deg: float = 0.0
-    board: bool = False
+    toe_in_deg: float = 0.0  # angle between the optical axes
+    board: bool = False  # a chessboard, moved between BOARD_FRAMES frames, in place of a scene with one frame
 
     @property
     def name(self) -> str:
@@ -60,20 +57,18 @@ CASES = (
 
 @dataclass(frozen=True)
 class Run:
-    """rectified: whether `evaluate` does; asked: whether the matches alone would ask for it. By transfer px rms of
-    points that are held out, without noise: error_px, as `evaluate` leaves the images; raw_px, always_px: of the
-    images as they are, and rectified as matches ask, or as they are where these ask for nothing."""
+    """One draw. Errors are px rms of held-out points without noise, by transfer."""
 
-    rectified: bool
-    asked: bool
-    error_px: dict[str, float]
-    raw_px: dict[str, float]
-    always_px: dict[str, float]
+    rectified: bool  # whether `evaluate` rectifies
+    asked: bool  # whether the matches alone would ask for it
+    error_px: dict[str, float]  # as `evaluate` leaves the images
+    raw_px: dict[str, float]  # of the images as they are
+    always_px: dict[str, float]  # rectified if the matches ask for it
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a case: shares of runs, and medians over them, as of a `Run`."""
+    """The draws of one case: shares, and medians of errors."""
 
     case: str
     rectified: Share
@@ -83,57 +78,66 @@ class Outcome:
     always_px: dict[str, float]
 
 
+@dataclass(frozen=True, kw_only=True)
+class TracksBenchmark(RunOptions, CaseOptions):
+    """Tracks of stereo rigs: whether `evaluate` rectifies them, and the errors of transfers at held-out points."""
+
+    cases = CASES
+
+    def run(self, context: Context) -> tuple[Any, str]:
+        """See `Benchmark.run`."""
+        cases = self.chosen_cases()
+        found = run(self.runs, self.seed, cases, context)
+        heading = f"{self.runs} random tracks of a stereo rig a case, seed {self.seed}"
+        return as_json(found), f"{heading}\n{tracks_table(found)}"
+
+
 def run(
     runs: int,
     seed: int = 0,
     cases: Sequence[Case] = CASES,
-    workers: int | Study | None = None,
-    tell: Callable[[float], None] = lambda share: None,
+    context: Context | None = None,
 ) -> list[Outcome]:
-    """Every case. tell(share done)."""
-    tasks = [(case.points, case.toe_in_deg, case.board, [seed, k]) for case in cases for k in range(runs)]
-    found: list[Run] = []
-    for one in each(run_once, tasks, workers):
-        found.append(one)
-        tell(len(found) / len(tasks))
-    return [_outcome(case, found[k * runs : (k + 1) * runs]) for k, case in enumerate(cases)]
+    """Evaluate draws of every case. See also `run_cases`."""
+    tasks = [[(case.points, case.toe_in_deg, case.board, [seed, k]) for k in range(runs)] for case in cases]
+    return [_outcome(case, found) for case, found in zip(cases, run_cases(run_once, tasks, context, "tracks"))]
 
 
 def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Run:
-    """One draw of a case."""
-    seen, elsewhere = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
-    right = find_outliers(seen).corrected(seen)
-    chosen = leave_one_out(right).rectification
-    by_matches = fit_rectification(*np.split(select_matches(seen), 2, axis=1))
-    error_px, raw_px, always_px = (_errors(seen, elsewhere, by) for by in (chosen, None, by_matches))
+    """Evaluate one draw of a case."""
+    tracked, test = draw(Case(points, toe_in_deg, board), np.random.default_rng(seed))
+    inliers = find_outliers(tracked).corrected(tracked)
+    chosen = leave_one_out(inliers).rectification
+    by_matches = fit_rectification(*np.split(select_matches(tracked), 2, axis=1))
+    error_px, raw_px, always_px = (_errors(tracked, test, by) for by in (chosen, None, by_matches))
     return Run(chosen is not None, by_matches is not None, error_px, raw_px, always_px)
 
 
 def draw(case: Case, rng: np.random.Generator) -> tuple[FourViews, FourViews]:
-    """What is tracked, with noise, (frames, N, …), and images of other points, without, (frames, N', …)."""
+    """Draw tracks with noise, (frames, N, …), and noise-free images of other points, (frames, N', …)."""
     cameras = Cameras([_camera(side, case.toe_in_deg, rng) for side in (-0.5, 0.5)])
     if case.board:
         images = np.stack([_board(cameras, rng) for _ in range(BOARD_FRAMES)], 1)
     else:
-        images = _scene(cameras, case.points + ELSEWHERE, rng)[:, None]
+        images = _scene(cameras, case.points + TEST_POINTS, rng)[:, None]
     if not case.toe_in_deg:
         x, y = np.moveaxis(images[1::2] / (WIDTH / 2, HEIGHT / 2) - 1, -1, 0)
         images[1::2, ..., 1] += KEYSTONE_PX * x * y
-    seen, elsewhere = np.split(images[:, :, rng.permutation(images.shape[2])], [case.points], axis=2)
-    noise_px = rng.uniform(*NOISE_PX) * np.sqrt((FREEDOM - 2) / FREEDOM)
-    seen = seen + noise_px * rng.standard_t(FREEDOM, seen.shape)
-    return FourViews.from_images(*seen), FourViews.from_images(*elsewhere)
+    tracked, test = np.split(images[:, :, rng.permutation(images.shape[2])], [case.points], axis=2)
+    noise_px = rng.uniform(*NOISE_PX) * np.sqrt((T_DEGREES_OF_FREEDOM - 2) / T_DEGREES_OF_FREEDOM)
+    tracked = tracked + noise_px * rng.standard_t(T_DEGREES_OF_FREEDOM, tracked.shape)
+    return FourViews.from_images(*tracked), FourViews.from_images(*test)
 
 
 def _camera(side: float, toe_in_deg: float, rng: np.random.Generator) -> Camera:
-    """In the rig's frame. side: -0.5 for the left one, 0.5."""
+    """A camera in the rig's frame. side: -0.5 for the left one, 0.5 for the right one."""
     turned = rotation_about_axis([0, 1, 0], -side * np.radians(toe_in_deg)) @ _turn((RESIDUAL_DEG,) * 3, rng)
     lens = Lens((FOCAL_PX, FOCAL_PX), (WIDTH / 2, HEIGHT / 2))
     return Camera(WIDTH, HEIGHT, lens, rigid_transform(turned, (side * BASELINE_M, 0, 0)))
 
 
 def _scene(cameras: Cameras, count: int, rng: np.random.Generator) -> NDArray:
-    """Images (4, count, 2) px of points that all see, before the rig moves and after."""
+    """Images (4, count, 2) px of points that all cameras see, before the rig moves and after."""
     move = rigid_transform(_turn(TURN_DEG, rng), (0.05, 0.02, rng.uniform(*FORWARD_M)))
     found: list[NDArray] = []
     while sum(map(len, found)) < count:
@@ -147,7 +151,7 @@ def _scene(cameras: Cameras, count: int, rng: np.random.Generator) -> NDArray:
 
 
 def _board(cameras: Cameras, rng: np.random.Generator) -> NDArray:
-    """Images (4, corners, 2) px of a chessboard that is held at two places, seen whole."""
+    """Images (4, corners, 2) px of a chessboard at two places, all of it visible."""
     corners = np.stack([*np.meshgrid(*map(np.arange, BOARD), indexing="ij"), np.zeros(BOARD)], -1).reshape(-1, 3)
     corners = SQUARE_M * (corners - corners.mean(0))
     found: list[NDArray] = []
@@ -165,11 +169,11 @@ def _turn(deg: Sequence[float], rng: np.random.Generator) -> NDArray:
     return rotation_about_axis(vector, float(np.linalg.norm(vector)))
 
 
-def _errors(seen: FourViews, elsewhere: FourViews, by: Rectification | None) -> dict[str, float]:
-    """px rms, by transfer, of points that it was not fitted to."""
-    fitted = {name: fit_transfer(method, seen, by) for name, method in TRANSFERS.items()}
-    off = {name: one.recover(elsewhere.demo_left, elsewhere.demo_right) - elsewhere.own for name, one in fitted.items()}
-    return {name: float(np.sqrt(np.square(px).sum(-1).mean() / 2)) for name, px in off.items()}
+def _errors(tracked: FourViews, test: FourViews, by: Rectification | None) -> dict[str, float]:
+    """By transfer, px rms of points that it was not fitted to."""
+    fitted = {name: fit_transfer(method, tracked, by) for name, method in TRANSFERS.items()}
+    errors = {name: one.recover(test.demo_left, test.demo_right) - test.own for name, one in fitted.items()}
+    return {name: float(np.sqrt(np.square(px).sum(-1).mean() / 2)) for name, px in errors.items()}
 
 
 def _outcome(case: Case, found: Sequence[Run]) -> Outcome:
@@ -179,3 +183,13 @@ def _outcome(case: Case, found: Sequence[Run]) -> Outcome:
     )
     rectified, asked = Share.of(one.rectified for one in found), Share.of(one.asked for one in found)
     return Outcome(case.name, rectified, asked, *medians)
+
+
+def tracks_table(outcomes: Sequence[Outcome]) -> str:
+    """Lay out the outcomes for people: a block for each case, a row for each transfer."""
+    lines = ["median px rms of points held out: as `evaluate` leaves the images; as they are; rectified as matches ask"]
+    for o in outcomes:
+        lines.append(f"{o.case}: rectified {o.rectified}, matches alone would {o.asked}")
+        rows = zip(o.error_px, o.error_px.values(), o.raw_px.values(), o.always_px.values())
+        lines += [f"  {name:<11}" + "".join(f"{px:10.2f}" for px in errors) for name, *errors in rows]
+    return "\n".join(lines)

@@ -16,7 +16,7 @@ from ...estimation.transfers import FittedTransfer
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
-from ..tables import Tables, joint_columns, stacked
+from ..experiment import Tables, joint_columns, stacked
 from .claims import Claims
 
 CONVERGED, BODY, BEFORE, SAME = "converged", "all points", "before", "same posture"
@@ -82,6 +82,7 @@ def run(
     found = Fig10(*made, fitted, last.transfer, {})
     for k, (name, (moment, wanted)) in enumerate(asked.items()):
         share = SEEN_SHARE + (1 - SEEN_SHARE) * np.array([k, k + 1]) / len(asked)
+        assert moment.transfer is not None  # checked above
         followed = follow(session, moment.transfer, played, wanted, _within(tell, *share))
         found = replace(found, runs={**found.runs, name: followed})
         tell(float(share[1]), found)

@@ -12,7 +12,7 @@ from ...analysis.minima import Conflict, Convexity, Minima, convexity, local_min
 from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
 from ...loop.settings import Settings, given
-from ..tables import Tables, joint_columns, stacked
+from ..experiment import Tables, joint_columns, stacked
 from .claims import Claims, in_degrees
 
 PAPER_MINIMUM_DEG = (41.0, -90.0)

@@ -11,7 +11,7 @@ from ...analysis.landscape import Landscape, conflict_of_images
 from ...estimation.transfers import TRANSFERS
 from ...loop.session import Session
 from ...loop.settings import Settings
-from ..tables import Tables, joint_columns, stacked
+from ..experiment import Tables, joint_columns, stacked
 from .claims import Claims, in_degrees
 
 PAPER_MINIMUM_DEG = (45.0, -86.0)

@@ -12,7 +12,7 @@ from ...loop.session import Session
 from ...loop.settings import Settings, given
 from ...loop.snapshot import Snapshot
 from ...servo.status import ServoStatus
-from ..tables import Tables, joint_columns, stacked
+from ..experiment import Tables, joint_columns, stacked
 from .claims import TOLERANCES, Claims
 
 PAPERS_LAWS, BESIDE = ("gradient", "gradient-retuned"), "broyden"

@@ -45,7 +45,7 @@ def test_a_point_is_seen_if_one_frame_shows_it_and_is_the_mean_of_those_that_do(
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
-def test_gross_errors_are_set_aside(noise_px):
+def test_outliers_are_excluded_from_the_average(noise_px):
     """With 10 % wrong, half of 15 frames agree on a wrong place once in a million: none of 400 is far off."""
     points, seen = average_frames(*looks(15, noise_px=noise_px, outliers=0.1))
     assert seen.all() and np.abs(points - TRUE).max() < 5 * noise_px / np.sqrt(10) + 1e-9
@@ -54,7 +54,7 @@ def test_gross_errors_are_set_aside(noise_px):
 
 
 @pytest.mark.parametrize("outliers", [0.0, 0.1])
-def test_the_noise_is_told_from_gross_errors(outliers):
+def test_outliers_barely_change_the_measured_noise(outliers):
     """A tenth of wrong points moves the median of the steps by a quarter."""
     assert noise_std(*looks(8, noise_px=0.5, missing=0.1, outliers=outliers)) == pytest.approx(
         0.5, rel=0.05 + 3 * outliers
@@ -76,12 +76,12 @@ def late(by, moved_px=5.0, **disturbed):
 
 
 @pytest.mark.parametrize("by", range(MAX_LATENCY_LOOKS + 1))
-def test_the_lag_is_how_many_looks_show_nothing_new(by):
+def test_latency_is_the_number_of_looks_before_the_motion_shows(by):
     assert estimate_latency((BEFORE, VISIBLE), late(by), 0.0) == by
     assert estimate_latency((BEFORE, VISIBLE), late(by, noise_px=0.5, outliers=0.1, missing=0.1), 0.5) == by
 
 
-def test_a_motion_that_does_not_show_tells_nothing():
+def test_no_latency_is_found_if_no_motion_shows():
     assert estimate_latency((BEFORE, VISIBLE), late(1, moved_px=0.0), 0.0) is None
     assert estimate_latency((BEFORE, VISIBLE), late(1, moved_px=1.0, noise_px=0.5), 0.5) is None
     assert estimate_latency((BEFORE, VISIBLE & False), late(0), 0.0) is None
@@ -101,7 +101,7 @@ def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
     np.testing.assert_array_equal(*runs)
 
 
-def test_what_was_found_of_one_camera_is_not_believed_of_another():
+def test_latency_is_measured_again_for_another_camera():
     session = Session(Settings())
     session.step()
     assert session.snapshot.lag == 0
@@ -109,13 +109,13 @@ def test_what_was_found_of_one_camera_is_not_believed_of_another():
     assert session.snapshot.lag is None and session.snapshot.motion == 0
 
 
-def test_a_point_is_lost_at_both_coordinates_of_a_mark_only():
+def test_a_point_is_missing_only_if_both_coordinates_are_the_mark():
     image = np.array([[(0, 0), (-1, -1), (-0.0, 0)], [(0, -1), (0, 12), (1e-9, 0)]])
     assert is_missing_value(image).tolist() == [[True] * 3, [False] * 3]
 
 
 @pytest.mark.parametrize("times, beyond", [(0.9 * FAR_OUTLIER, False), (1.1 * FAR_OUTLIER, True)])
-def test_a_point_is_astray_beyond_so_many_times_what_the_others_lie_apart(times, beyond):
+def test_a_far_outlier_is_beyond_a_multiple_of_the_median_distance(times, beyond):
     """Wherever they are, and however large they are seen."""
     turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)
     ring = np.stack([np.cos(turns), np.sin(turns)], -1)
@@ -124,5 +124,5 @@ def test_a_point_is_astray_beyond_so_many_times_what_the_others_lie_apart(times,
         assert is_far_outlier(image).tolist() == [False] * 16 + [beyond]
 
 
-def test_no_point_is_astray_where_half_are_in_one_place():
+def test_there_is_no_far_outlier_if_half_of_the_points_coincide():
     assert not is_far_outlier(np.array([(3.0, 4)] * 4 + [(500, 2), (7, 9)])).any()

@@ -112,7 +112,7 @@ def urdf(request, tmp_path):
     return write(tmp_path, *ROBOTS[request.param](), name=f"{request.param}.urdf")
 
 
-def test_the_default_method_arrives_and_says_so(urdf):
+def test_the_default_method_converges_and_claims_it(urdf):
     session = Session(
         Settings.paper(**{name: getattr(Settings(), name) for name in ("transfer", "servo")}, scene=str(urdf))
     )
@@ -142,7 +142,7 @@ def test_all_points_are_in_all_four_images_over_the_whole_range(urdf):
         assert spread.max() > 60  # px: not far away either
 
 
-def test_points_lie_on_what_is_drawn_with_a_share_for_each_part_and_not_in_a_plane(urdf):
+def test_points_are_on_the_surface_of_every_part_and_not_in_a_plane(urdf):
     scene, shapes = load_scene(urdf), link_meshes(str(urdf))
     for count in (10, 16, 20):
         body = scene.body_points(count)
@@ -246,7 +246,7 @@ def test_a_place_behind_another_or_turned_away_is_not_seen():
     np.testing.assert_array_equal(seen, [1, 0, 0])
 
 
-def test_of_a_large_base_only_what_is_near_the_arm_has_points(tmp_path):
+def test_only_the_part_of_a_large_base_near_the_arm_has_points(tmp_path):
     """A rail of ten metres does not move the head away."""
     small, rail = (
         load_scene(write(tmp_path, *arm())),
@@ -301,12 +301,12 @@ STIFF = '<limit lower="0.5" upper="0.5"/>'
         ),
     ],
 )
-def test_too_few_joints_and_those_that_cannot_move_are_named_with_what_to_do(tmp_path, parts, joints, message):
+def test_too_few_or_fixed_joints_are_named_with_the_remedy(tmp_path, parts, joints, message):
     with pytest.raises(ValueError, match=message):
         load_scene(write(tmp_path, *parts), joints=joints)
 
 
-def test_what_slides_and_what_follows_is_said(tmp_path):
+def test_prismatic_and_mimic_joints_are_reported(tmp_path):
     said = "\n".join(make_scene(Reference(write(tmp_path, *mobile()))).choices)
     assert "torso slides, and is held at 0.08 m" in said and "1 yaw, 2 lift, 3 elbow" in said
     assert "tilt follows elbow" in "\n".join(make_scene(Reference(write(tmp_path, *coupled()))).choices)
@@ -322,7 +322,7 @@ def test_what_slides_and_what_follows_is_said(tmp_path):
         ({"more": LIMIT + '<mimic joint="perch"/>'}, "perch follows perch, which does not turn in this arm"),
     ],
 )
-def test_what_is_held_though_it_might_move_is_said(tmp_path, more, says):
+def test_fixed_joints_that_could_move_are_reported(tmp_path, more, says):
     arm_on = [link("floor"), joint("perch", "floor", "base", **more), *arm()]
     said = "\n".join(make_scene(Reference(write(tmp_path, *arm_on))).choices)
     assert re.search(says, said) and "1 yaw, 2 lift, 3 elbow" in said
@@ -335,7 +335,7 @@ def test_a_wrist_of_no_type_does_not_vanish_without_a_word(tmp_path):
     assert "held" not in "\n".join(make_scene(Reference(write(tmp_path, *arm()))).choices)
 
 
-def test_an_edited_file_is_read_anew(tmp_path):
+def test_an_edited_file_is_read_again(tmp_path):
     path = write(tmp_path, *arm())
     before = load_scene(path)
     replaced(path, 'xyz="0 0 0.4"', 'xyz="0 0 0.6"')
@@ -381,7 +381,7 @@ def test_they_are_on_the_arm_and_every_camera_sees_them(name, joints):
                 assert hit is None or np.linalg.norm(eye - place) - hit.distance < 3e-3
 
 
-def test_what_does_not_move_and_what_every_joint_moves_have_their_share():
+def test_fixed_links_and_the_last_link_have_candidates():
     scene = load_scene("panda")
     link = find_candidates(World(scene), np.radians(scene.start_deg)).link
     parts = np.bincount(np.searchsorted(scene.moving_joints, link, side="right"))

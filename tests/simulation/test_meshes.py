@@ -52,7 +52,7 @@ def test_a_box_is_met_where_its_planes_are(origin):
     assert np.isfinite(true).any() and (np.isinf(true).any() or np.abs(origin).max() < 1)
 
 
-def test_what_lies_behind_or_beside_is_not_met():
+def test_triangles_behind_or_beside_the_ray_are_missed():
     square = np.array([[[0, 1, 0], [1, 1, 0], [0, 1, 1]], [[1, 1, 1], [1, 1, 0], [0, 1, 1]]], float)
     for aim, met in (((0.4, 1, 0.3), 1), ((-0.4, -1, -0.3), 0), ((1.1, 1, 0.3), 0), ((1, 0, 0), 0)):
         assert np.isfinite(ray_distances(square, np.zeros(3), np.array(aim, float))).sum() == met

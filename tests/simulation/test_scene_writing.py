@@ -35,7 +35,7 @@ def told(name: str, other: dict) -> Scene:
 
 @pytest.mark.parametrize("name", scene_names())
 @pytest.mark.parametrize("other", OTHERS)
-def test_a_scene_told_in_full_is_the_same_scene(name, other):
+def test_the_text_of_a_scene_is_the_same_scene(name, other):
     scene = told(name, OTHERS[other])
     text = scene_text(scene)
     assert is_text(text) and load_scene(text) == scene
@@ -43,7 +43,7 @@ def test_a_scene_told_in_full_is_the_same_scene(name, other):
         assert f'extends = "{name}"' in text and len(text) < 250  # of what is the same nothing is said
 
 
-def test_what_a_shipped_scene_says_is_not_left_standing():
+def test_fields_of_a_shipped_scene_are_not_inherited_by_mistake():
     """Of scenes with unlike cameras or more layouts nothing can be taken back."""
     plain = msgspec.to_builtins(load_scene("panda-toed"))
     plain["head"] = {**plain["head"], "left": {}, "right": {}}
@@ -83,7 +83,7 @@ def test_it_is_called_by_its_title():
     assert "· Eyes <wider> a/part, 10 points" in describe_settings(Settings.paper(scene=MINE))
 
 
-def test_a_robot_of_ones_own_cannot_be_told(tmp_path):
+def test_a_users_own_robot_has_no_text(tmp_path):
     own = msgspec.structs.replace(load_scene("panda"), robot="arm.urdf")
     with pytest.raises(ValueError, match="its robot, arm.urdf"):
         scene_text(own)
@@ -111,7 +111,7 @@ def test_a_robot_of_ones_own_cannot_be_told(tmp_path):
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_what_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
+def test_a_text_that_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text('extends = "panda"\n')
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match="the scene") as refused:
@@ -119,7 +119,7 @@ def test_what_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
     assert says in str(refused.value)
 
 
-def test_the_saved_scene_of_an_own_urdf_names_no_folder_and_runs_wherever_that_is(tmp_path, ask, ask_json):
+def test_a_saved_scene_names_no_folder_and_runs_beside_its_urdf(tmp_path, ask, ask_json):
     files = []
     hand = joint("twist", "lower", "hand", xyz="0 0 0.3"), link("hand", "0.05 0.1 0.1")
     urdf = write(tmp_path / "secret", *arm(*hand), name="my arm.urdf")

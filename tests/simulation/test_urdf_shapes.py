@@ -81,7 +81,7 @@ def test_sharp_edges_split_their_vertices_and_round_ones_do_not():
     np.testing.assert_allclose(creased(box).triangles, box.triangles)
 
 
-def test_a_missing_mesh_is_a_rod_and_a_line_that_says_so(tmp_path):
+def test_a_missing_mesh_is_a_rod_and_a_message(tmp_path):
     seen = write(
         tmp_path, *arm(joint("last", "lower", "hand", xyz="0 0 0.3"), link("hand", visual=mesh_of("lost.stl")))
     )
@@ -103,13 +103,13 @@ def test_a_robot_of_joints_alone_is_rods_between_them(tmp_path):
     assert reach == pytest.approx(0.5) and meshes[2].vertices[:, 0].max() == pytest.approx(0.5)
 
 
-def test_where_nothing_is_to_be_seen_what_collides_is_drawn(tmp_path):
+def test_collision_shapes_are_drawn_if_there_are_no_visual_ones(tmp_path):
     box = link("one", "0.1 0.2 0.3").replace("visual", "collision")
     meshes = shapes_of(Reference(write(tmp_path, joint("a", "base", "one"), box))).meshes
     np.testing.assert_allclose(np.ptp(meshes[1].vertices, axis=0), [0.1, 0.2, 0.3])
 
 
-def test_many_faults_are_told_in_few_lines(tmp_path):
+def test_many_faults_are_reported_in_few_lines(tmp_path):
     links = [
         part
         for k in range(9)
@@ -168,7 +168,7 @@ def test_packages_are_found_above_the_file_and_along_ros_package_path(package, m
         ("meshes/lost.stl", "is not there"),
     ],
 )
-def test_nothing_elsewhere_is_read(package, name, message):
+def test_files_outside_the_package_are_not_read(package, name, message):
     (package.parent / "link.stl").symlink_to(package.parents[3] / "secret/ball.stl")
     with pytest.raises(NotFound, match=message):
         mesh_path(package, name.format(root=package.parents[3]))
@@ -204,7 +204,7 @@ def test_an_obj_reads_no_other_file(tmp_path, monkeypatch):
     assert not [path for path in opened if "hostname" in path or path.endswith(".mtl")]
 
 
-def test_what_is_above_the_base_is_drawn_behind_it(tmp_path):
+def test_links_above_the_base_are_drawn(tmp_path):
     """A chain that begins at the shoulder: base and cart are where the root's frame has them."""
     parts = arm(joint("bolt", "cart", "base", "fixed", xyz="0.5 0 0.2"), link("cart", "0.2 0.2 0.2"))
     meshes = shapes_of(Reference(write(tmp_path, *parts), base="shoulder")).meshes
@@ -257,7 +257,7 @@ def test_the_next_process_reads_no_mesh_and_has_the_same(tmp_path, folder, read)
     assert folder.stat().st_mode & 0o777 == 0o700
 
 
-def test_whatever_changes_makes_others(tmp_path, folder, read):
+def test_any_change_makes_a_new_entry(tmp_path, folder, read):
     FINE_BALL.export(tmp_path / "ball.stl")
     reference = urdf_of(tmp_path, "ball.stl", "late.stl")
     first = anew(reference)
@@ -277,7 +277,7 @@ def test_whatever_changes_makes_others(tmp_path, folder, read):
     assert read[4:] == ["ball.stl", "late.stl"] * 2
 
 
-def test_what_is_damaged_is_made_again(tmp_path, folder, read):
+def test_a_damaged_entry_is_made_again(tmp_path, folder, read):
     FINE_BALL.export(tmp_path / "ball.stl")
     reference = urdf_of(tmp_path, "ball.stl")
     made = anew(reference)
@@ -295,7 +295,7 @@ def test_what_is_damaged_is_made_again(tmp_path, folder, read):
     assert len(read) == k
 
 
-def test_there_is_an_end_to_what_is_kept_and_the_oldest_goes(tmp_path, folder, monkeypatch, read):
+def test_the_cache_is_bounded_and_the_oldest_entries_are_removed(tmp_path, folder, monkeypatch, read):
     FINE_BALL.export(tmp_path / "ball.stl")
     monkeypatch.setattr(shapes, "MAX_CACHED", 2)
     references = [Reference(urdf_of(tmp_path, "ball.stl").path, tip=tip) for tip in ("lower", "hand", None)]

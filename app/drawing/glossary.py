@@ -46,7 +46,7 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
             words = f"now {svg.short(value)}{scale.unit}"
-            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--told:"{words}"}}')
+            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
     return f"<style>{''.join(rules)}</style>"
 
 

@@ -58,7 +58,7 @@ def _band(left: float, right: float) -> str:
     """Draw a hatched band between two px, by strokes, because a pattern would need an id of its own on the page."""
     strokes = "".join(f"M{x:.1f} {HEIGHT - 4}l4-14" for x in np.arange(left, right - 4, 5))
     edge = f'<rect x="{left:.1f}" y="3.5" width="{right - left:.1f}" height="{HEIGHT - 7}" rx="3"/>'
-    return f'<g class="vi-bar-untold">{edge}<path d="{strokes}"/></g>'
+    return f'<g class="vi-bar-unobservable">{edge}<path d="{strokes}"/></g>'
 
 
 def draw_body_points(

@@ -18,7 +18,7 @@ GAP, ROW = 10, 111  # px between columns, height of a row
 MAX_HEIGHT, TOP = 62, 15  # px of a plot, and above it
 TOTAL = 2 * SMALL_WIDTH + GAP
 MARK = 4.6  # px, half the size of a start's mark
-CLASSES: dict[Place, str] = {"demonstrator": "there", "smallest E": "lowest", "elsewhere": "astray"}
+CLASSES: dict[Place, str] = {"demonstrator": "there", "smallest E": "lowest", "elsewhere": "elsewhere"}
 
 
 def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray) -> str:

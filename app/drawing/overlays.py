@@ -1,4 +1,4 @@
-"""Layers over the library's drawings: links on image points, postures and motions, and marks of what is previewed.
+"""Layers over the library's drawings: links on image points, postures and motions, and marks of previewed postures.
 
 A layer stays while the drawing below it changes, so that a click is not lost when the arm moves. A style moves its
 parts to the present places.
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
 from viewimit.drawing.images.panel import LEGEND_SIZE, METRICS_SIZE
-from viewimit.drawing.images.planes import SIZES, Window, Windows, placed
+from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
@@ -40,33 +40,38 @@ def point_links(address: str, count: int, whole: bool) -> str:
 
     Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point.
     """
-    planes = []
+    inside = {}
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(address, view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(address, view, i, "vi-nearest", stop=view == "L") for i in range(count))
         large = link(address, f"large/{FIRST_IMAGE + k}", f"image {view}, large or not", _corners(size[0]))
-        planes.append(_drawing(f"vi-at-{view}", size, around + nearest + large))
+        inside[view] = around + nearest + large
     construct = link(address, "construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
-    planes += [f'<p class="vi-how">{construct}</p>']
-    planes += [_drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
-    kind = f"vi-images{' vi-whole' if whole else ''}"
-    return (
-        f'<div class="vi-over vi-links"><div class="vi-panel vi-four"><div class="{kind}" role="group"'
-        f' aria-label="Points to choose">{"".join(planes)}</div></div></div>{sink()}'
-    )
+    return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"') + sink()
 
 
 def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
     """Draw a ring in each of the four images where a proposed point would be. views: of this one point."""
-    images = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
-    places, planes = placed(images, windows[whole], "lrLR"), []
-    for view, size in SIZES[whole].items():
-        x, y = places["lrLR".index(view), 0].tolist()
-        ring = f'<circle class="vi-proposed" cx="{x:.1f}" cy="{y:.1f}" r="{PROPOSED}"/>' if views.usable[0] else ""
-        planes.append(_drawing(f"vi-at-{view}", size, ring))
-    planes += ['<p class="vi-how"></p>', _drawing("vi-legend", LEGEND_SIZE), _drawing("vi-metrics", METRICS_SIZE)]
+    rings = {}
+    for view, (x, y) in zip("lrLR", placed(image_points(views), windows[whole], "lrLR")[:, 0].tolist()):
+        ring = f'<circle class="vi-proposed" cx="{x:.1f}" cy="{y:.1f}" r="{PROPOSED}"/>'
+        rings[view] = ring if views.usable[0] else ""
+    return _over_images(rings, "", whole)
+
+
+def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str = "", attributes: str = "") -> str:
+    """Wrap drawings by view in the panel's arrangement, so that each lies over its image. how: HTML of its sentence."""
+    drawings = [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
+    drawings += [
+        f'<p class="vi-how">{how}</p>',
+        _drawing("vi-legend", LEGEND_SIZE),
+        _drawing("vi-metrics", METRICS_SIZE),
+    ]
     kind = f"vi-images{' vi-whole' if whole else ''}"
-    return f'<div class="vi-over"><div class="vi-panel vi-four"><div class="{kind}">{"".join(planes)}</div></div></div>'
+    return (
+        f'<div class="vi-over{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
+        f"{''.join(drawings)}</div></div></div>"
+    )
 
 
 def _drawing(kind: str, size: tuple[int, int], inside: str = "") -> str:
@@ -128,10 +133,10 @@ def _form(count: int, pair: str) -> str:
 def _free_radii(points: NDArray, there: NDArray) -> NDArray:
     """Return half the distance to the nearest other visible point, so that no circles meet. (2, N, 2) → (2, N) px."""
     places = points.view(complex)[..., 0]
-    apart = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
+    distance = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
     if not there.all():
-        apart = np.where(there[:, None], apart, np.inf)
-    return np.minimum(np.maximum(apart.min(-1, initial=np.inf) / 2, MIN_HIT), HIT)
+        distance = np.where(there[:, None], distance, np.inf)
+    return np.minimum(np.maximum(distance.min(-1, initial=np.inf) / 2, MIN_HIT), HIT)
 
 
 @lru_cache(16)
@@ -190,7 +195,7 @@ def draw_see_through(scene: Scene, moment: Snapshot) -> str:
 
 
 def describe_see_through(scene: Scene, moment: Snapshot) -> str:
-    """Say what is seen at a previewed posture, and that the arm has not moved."""
+    """Describe a previewed posture, and that the arm has not moved."""
     posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this posture"
     E = f"E {svg.short(moment.E)} px²" if np.isfinite(moment.E) else "too few points are seen for an E"
     return f"({posture}): {E}; nothing has moved."
@@ -199,7 +204,7 @@ def describe_see_through(scene: Scene, moment: Snapshot) -> str:
 # Links on the curves: a cell around each motion
 
 
-def moment_links(address: str, last: int, width: int = 424) -> str:
+def motion_links(address: str, last: int, width: int = 424) -> str:
     """Build links over both plots: a cell around each motion that the axis has room for; Tab stops at numbered ones.
 
     The HTML stays the same until the axis changes, so that a click is not lost when the arm moves. last: motion.
@@ -219,13 +224,13 @@ def moment_links(address: str, last: int, width: int = 424) -> str:
         )
         for k, motion in enumerate(motions.tolist())
     )
-    group = f'<g class="vi-moments">{cells}</g>'
+    group = f'<g class="vi-motions">{cells}</g>'
     return f'<div class="vi-panel vi-links">{arrange_plots(width, group, group)}</div>'
 
 
-def hide_later_moments(last: int) -> str:
+def hide_later_motions(last: int) -> str:
     """Build a style that hides the links to motions after the last."""
-    return f"<style>.vi-moments a:nth-child(n+{last // _motions_per_link(last) + 2}){{display:none}}</style>"
+    return f"<style>.vi-motions a:nth-child(n+{last // _motions_per_link(last) + 2}){{display:none}}</style>"
 
 
 def _motions_per_link(last: int) -> int:

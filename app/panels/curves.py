@@ -5,7 +5,7 @@ from viewimit.drawing.curves import axis_end, draw_curves
 
 from ..control.state import PageState
 from ..drawing.links import sink
-from ..drawing.overlays import hide_later_moments, moment_links
+from ..drawing.overlays import hide_later_motions, motion_links
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html, put_visible
 
@@ -41,7 +41,7 @@ class CurvesPanel(Panel):
         joints = session.scene.moving_joints
         drawn = draw_curves(session.history, session.cursor, E_true, joints, width, state.errors_deg)
         if self._address is not None:
-            drawn += hide_later_moments(last)
+            drawn += hide_later_motions(last)
             self._show_links(self._address, axis_end(last), wide)
         put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
         put_visible(self._card, wide)
@@ -52,6 +52,6 @@ class CurvesPanel(Panel):
         if (end, wide) == self._linked:
             return
         self._linked = end, wide
-        links = moment_links(address, end, CARD_WIDTH if wide else TAB_WIDTH)
+        links = motion_links(address, end, CARD_WIDTH if wide else TAB_WIDTH)
         put_html(self._over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
         put_html(self._over_tab, "" if wide else f'<div class="vi-over">{links}</div>')

@@ -10,8 +10,8 @@ from viewimit.app.drawing.landscapes import describe_basin, draw_basin
 from viewimit.app.drawing.links import SINK
 from viewimit.app.drawing.overlays import (
     MIN_HIT,
-    hide_later_moments,
-    moment_links,
+    hide_later_motions,
+    motion_links,
     point_links,
     point_places,
     posture_links,
@@ -105,21 +105,21 @@ def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_o
     session.run(6)
     assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
     for width in (424, 860):
-        html = moment_links(ADDRESS, 6, width)
+        html = motion_links(ADDRESS, 6, width)
         assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(9)]  # as far as the axis goes
-        assert hide_later_moments(6) == "<style>.vi-moments a:nth-child(n+8){display:none}</style>"
+        assert hide_later_motions(6) == "<style>.vi-motions a:nth-child(n+8){display:none}</style>"
 
 
 @pytest.mark.parametrize("last", [0, 7, 8, 9, 100, 3000])
 def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
-    asked = [int(href.rpartition("/")[2]) for href in hrefs(moment_links(ADDRESS, last))]
+    asked = [int(href.rpartition("/")[2]) for href in hrefs(motion_links(ADDRESS, last))]
     asked = asked[: len(asked) // 2]  # of one plot
-    first_hidden = int(re.search(r"n\+(\d+)", hide_later_moments(last))[1]) - 1
+    first_hidden = int(re.search(r"n\+(\d+)", hide_later_motions(last))[1]) - 1
     assert max(asked[:first_hidden]) <= last and all(motion > last for motion in asked[first_hidden:])
     assert len(asked) <= 91 and asked[0] == 0
     ends = 4 * (asked[-1] // 4) if last else 8
-    assert moment_links(ADDRESS, max(last, ends - 1)) == moment_links(ADDRESS, last)
-    assert moment_links(ADDRESS, axis_end(last)) == moment_links(ADDRESS, last)
+    assert motion_links(ADDRESS, max(last, ends - 1)) == motion_links(ADDRESS, last)
+    assert motion_links(ADDRESS, axis_end(last)) == motion_links(ADDRESS, last)
 
 
 class TestBasin:

@@ -18,7 +18,14 @@ import viewimit
 from viewimit.analysis.construction import construct
 from viewimit.drawing.export import panels as panels_module
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.panels import MAX_MOMENTS, Appearance, DedupedHTML, dedupe, kept_motions, largest_residual
+from viewimit.drawing.export.panels import (
+    MAX_SNAPSHOTS,
+    Appearance,
+    DedupedHTML,
+    dedupe,
+    kept_motions,
+    largest_residual,
+)
 from viewimit.drawing.images.panel import draw_images
 from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
@@ -155,7 +162,7 @@ def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
 def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
     long = [session.history[0].with_fields(motion=k) for k in range(1000)]
     kept = kept_motions(long)
-    assert len(kept) <= MAX_MOMENTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
+    assert len(kept) <= MAX_SNAPSHOTS and kept[0] == 0 and kept[-1] == 999 and np.ptp(np.diff(kept)[:-1]) == 0
     assert kept_motions([long[k - k % 8] for k in range(1000)])[1] % 8 == 0  # what stands for others, once
 
 

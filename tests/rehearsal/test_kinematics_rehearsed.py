@@ -45,4 +45,4 @@ def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything(
     moved.use_calibration(body)
     moved.pose((moved.embodiment.lower + moved.embodiment.upper) / 2)
     last = moved.run(60).last
-    assert not last.servo_state.rehearsed and error_deg(last) < 0.5
+    assert not last.servo_state.calibration and error_deg(last) < 0.5

@@ -100,7 +100,7 @@ def cards(links: Callable[[str], str] = lambda key: "") -> str:
 
 
 def describe_entry(entry: Entry) -> str:
-    """Build the HTML of an entry: its words, formula, scale, and what is good and bad."""
+    """Build the HTML of an entry: words, formula, scale, good and bad values."""
     parts = [f"<p><b>{svg.escape(entry.symbol)}</b> <em>{svg.escape(entry.name)}</em></p>"]
     parts.append(f"<p>{svg.escape(entry.sentence)}</p>")
     if entry.formula:

@@ -95,8 +95,8 @@ class LandscapePicture:
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
         kept = svg.thinned_between(len(history), MAX_VERTICES, cursor)
-        moments = history[:]  # a list gives single moments faster
-        points = self._plane.place(np.degrees(np.concatenate([moments[k].theta for k in kept]).reshape(-1, 2)))
+        snapshots = history[:]  # a list gives single snapshots faster
+        points = self._plane.place(np.degrees(np.concatenate([snapshots[k].theta for k in kept]).reshape(-1, 2)))
         done = bisect_right(kept, cursor)
         shown = history[cursor].theta if theta is None else theta
         now = self._plane.place(np.degrees(shown))
@@ -137,7 +137,7 @@ class LandscapePicture:
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
     def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
-        """Enlarge the surroundings of both marks in the corner of the plot farthest from `busy` places, px."""
+        """Enlarge the plot around both marks in the corner of the plot farthest from `busy` places, px."""
         side, (x, y, w, h) = INSET / 2, self._plane.box
         corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
         middle = max(corners, key=lambda corner: min(np.hypot(*(corner - point)) for point in busy))

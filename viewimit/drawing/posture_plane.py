@@ -36,7 +36,7 @@ TICK_SPACING = 38, 26  # px between numbers at least, horizontally and verticall
 GAP = 8  # px between words in a line
 PAPER_RANGE_DEG = ((0.0, 90.0), (-180.0, 0.0))  # shown empty for a scene without two moving joints
 NOW = 5.8  # px, radius of the dot at the path's end
-MAX_KEPT = 100  # motions for which labels keep their places while none is covered
+MAX_KEPT = 100  # motions for which labels keep their places while nothing covers them
 CLEARANCE = 3.0  # px that labels leave free on both sides of the path
 MIN_DISTANCE = 20.0  # px between start and learner for each to have a label
 AHEAD = 4.0  # px around the dot that newly placed labels leave free for the next motions
@@ -327,7 +327,7 @@ class PathLabels:
     def _extend(
         self, placement: _Placement, history: Sequence[Snapshot], cursor: int, new: list[Rectangle]
     ) -> _Placement:
-        """Keep labels in place, but for those that further motions cover. new: what these motions occupy."""
+        """Move only the labels that further motions cover. new: what these motions occupy."""
         theta, away = history[cursor].theta, self._is_away(history, cursor)
         x, y = self._plane.place(np.degrees(theta)).tolist()
         new = [*new, (x - NOW, y - NOW, x + NOW, y + NOW)]

@@ -21,7 +21,7 @@ from .images.panel import AMBER, RED
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
-ANY = np.radians(90.0)  # larger angles say no more than "any posture"
+ANY = np.radians(90.0)  # larger angles allow any posture
 TITLES = {
     ServoStatus.READY: "Ready",
     "paused": "Paused",

@@ -142,7 +142,7 @@ class Snapshot:
         """Whether the servo still goes by what was rehearsed; None if nothing was, or none was asked yet."""
         if self.calibration is None or self.servo_state is None:
             return None
-        return bool(getattr(self.servo_state, "rehearsed", ()))
+        return bool(getattr(self.servo_state, "calibration", ()))
 
     @property
     def certificate(self) -> Certificate | None:

@@ -40,8 +40,8 @@ FORGETTING = 0.5  # λ, per motion
 INITIAL_VARIANCE = 1e6  # of the rows of the first Jacobian, which is unknown
 DAMPING, MIN_DAMPING, MAX_DAMPING, DAMPING_FACTOR = 1e-2, 1e-4, 1e2, 10.0  # μ
 
-Law = Callable[[NDArray, NDArray, NDArray, NDArray], NDArray]  # J, e, lowest and highest step → (m,) rad
-S = TypeVar("S", bound="RecursiveState")
+_Law = Callable[[NDArray, NDArray, NDArray, NDArray], NDArray]  # J, e, lowest and highest step → (m,) rad
+_State = TypeVar("_State", bound="RecursiveState")
 
 
 @dataclass(frozen=True)
@@ -124,20 +124,22 @@ class GaussNewton:
         return replace(state, previous_E=None if state.probe else observation.E), step
 
 
-def _initial(kind: type[S], observation: Observation, variance: float) -> S:
+def _initial(kind: type[_State], observation: Observation, variance: float) -> _State:
     """State before the first motion. variance: of the rows of the first Jacobian."""
     m = len(observation.displacement)
     return kind(RecursiveJacobian.start(observation, variance), np.zeros(m), tuple(range(m)), observation.E)
 
 
-def _with_update(state: S, model: RecursiveJacobian, E: float) -> S:
+def _with_update(state: _State, model: RecursiveJacobian, E: float) -> _State:
     """State after the last motion, which led to E px²."""
     has_progressed = PROGRESS * state.best_E > E
     n_since_best, best_E = (0, E) if has_progressed else (state.n_since_best + 1, state.best_E)
     return replace(state, model=model, best_E=best_E, n_since_best=n_since_best, status=ServoStatus.MOVING, probe=False)
 
 
-def _next_motion(state: S, observation: Observation, residuals: ResidualFunction, law: Law) -> tuple[S, NDArray]:
+def _next_motion(
+    state: _State, observation: Observation, residuals: ResidualFunction, law: _Law
+) -> tuple[_State, NDArray]:
     """A probe, or the law's motion within bounds and limits; no motion where it settles or makes no progress."""
     if state.joints_to_probe:
         joint, *rest = state.joints_to_probe

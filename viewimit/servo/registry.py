@@ -214,14 +214,16 @@ def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
     return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""
 
 
-def _gradient_method(servo: Gradient, **described: str) -> ServoMethod:
+def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str) -> ServoMethod:
     return ServoMethod(
         servo=servo,
+        title=title,
+        assumes=assumes,
+        limitations=limitations,
         slow=True,
         stored=(GradientState,),
         equations=lambda state, motion: _gradient_equations(servo.options, state, motion),
         describe_status=_describe_gradient,
-        **described,  # type: ignore[arg-type]
     )
 
 

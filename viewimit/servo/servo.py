@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
-from .observation import Observation
+from ..estimation.views import Pairs
+from .observation import Observation, Visit
 from .status import ServoStatus
+from .trust_region.convergence import Certificate
 
 
 @runtime_checkable
@@ -61,20 +63,34 @@ class Retargetable(Protocol):
 
 
 class ServoState(Protocol):
-    """Attributes of a servo's state that a session reads, if they exist.
-
-    A state may also have a `certificate` of the posture where E is smallest, and `exchanged`, pairs of indices of the
-    demonstrator's points that it takes for swapped; the session then swaps them back.
-    """
+    """Attributes that a session reads from a servo's state. A state may lack any of them."""
 
     @property
     def status(self) -> str:
-        """Moving, or a `ServoStatus` of a servo at rest, as a member or its value; converged needs a certificate."""
+        """Moving, or a `ServoStatus` of a servo at rest, as a member or its value; converged needs a certificate.
+
+        By default moving.
+        """
         ...
 
     @property
     def probe(self) -> bool:
-        """Whether the last motion was made to learn from it, and not to arrive."""
+        """Whether the last motion was made to learn from it, and not to arrive. By default False."""
+        ...
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """Evidence of convergence at the posture where E is smallest. By default None."""
+        ...
+
+    @property
+    def exchanged(self) -> Pairs:
+        """Pairs of the demonstrator's points that the servo takes for swapped; the session swaps them back."""
+        ...
+
+    @property
+    def calibration(self) -> tuple[Visit, ...]:
+        """Visits of an earlier calibration that the servo uses. By default ()."""
         ...
 
 

@@ -130,8 +130,8 @@ def landmarks(world: World) -> NDArray:
     feet = [T[:3, 3] * [1, 1, 0] for T in bases]
     head, size = np.array(world.scene.head.position) * [1, 1, 0], world.scene.size
     plates = [on_plate(camera, corners(camera), size) for camera in cameras_of(world)]
-    aside = size * default_view()[:, 0]
-    names = [name_at(world, T) + side * aside for T in bases for side in (-HALF_NAME, HALF_NAME)]
+    sideways = size * default_view()[:, 0]
+    names = [name_at(world, T) + side * sideways for T in bases for side in (-HALF_NAME, HALF_NAME)]
     return np.concatenate([*plates, [head], feet, names])
 
 
@@ -167,8 +167,8 @@ def unhidden(place: NDArray, body: NDArray, size: float) -> NDArray:
     shadow = np.linalg.norm(nearer) / -forward[2]  # m on the floor behind a metre of height
     nearer /= np.linalg.norm(nearer)
     for _ in range(MAX_STEPS):
-        aside, along = (body - place) @ right, (body - place) @ nearer
-        hides = (np.abs(aside) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
+        sideways, along = (body - place) @ right, (body - place) @ nearer
+        hides = (np.abs(sideways) < HALF_NAME * size) & (along > 0) & (along - shadow * body[:, 2] < LINE * size)
         if not hides.any():
             break
         place = place + (along[hides].max() + LINE * size / 2) * nearer

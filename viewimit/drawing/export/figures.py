@@ -178,7 +178,7 @@ class Figure:
     inside: str  # children of the `<svg>`
     width: float  # px
     height: float  # px
-    title: str  # a sentence on what is shown
+    title: str  # a sentence
 
     def captioned(self, citation: Citation, css: str = DRAWING_CSS) -> str:
         """Make a standalone SVG with the caption below. css: the stylesheet of the drawing's classes."""
@@ -338,29 +338,15 @@ class Claim(Protocol):
     """One statement of the paper beside the result found here."""
 
     @property
-    def name(self) -> str:
-        """What the statement is about."""
-        ...
-
+    def name(self) -> str: ...
     @property
-    def paper(self) -> str:
-        """The paper's value."""
-        ...
-
+    def paper(self) -> str: ...  # the paper's value
     @property
-    def here(self) -> str:
-        """The value found here."""
-        ...
-
+    def here(self) -> str: ...  # the value found here
     @property
-    def tolerance(self) -> str:
-        """How far apart the two may be."""
-        ...
-
+    def tolerance(self) -> str: ...  # within which they agree
     @property
-    def holds(self) -> bool | None:
-        """Whether the statement holds; None if it is not judged."""
-        ...
+    def holds(self) -> bool | None: ...  # None if this is not judged
 
 
 def draw_claims(claims: Sequence[Claim]) -> str:

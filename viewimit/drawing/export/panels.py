@@ -1,4 +1,4 @@
-"""The page's drawings of a session's moments, with the computations that they need: silhouettes and landscapes."""
+"""The page's drawings of a session, with the computations that they need: silhouettes and landscapes."""
 
 import re
 from collections.abc import Sequence
@@ -25,9 +25,9 @@ from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 from ..status import describe, describe_truth, draw_status
 
-MAX_MOMENTS = 150  # of a longer run, evenly spread
+MAX_SNAPSHOTS = 150  # of a longer run, evenly spread
 MAX_LANDSCAPES = 24  # of different demonstrators' postures; with more, a sentence says that the landscape follows
-MAX_IMAGES = 2400  # over all points and moments
+MAX_IMAGES = 2400  # over all points and snapshots
 TREND = 5  # snapshots before a moment that its status may mention
 FOLLOWS = "The landscape follows the demonstrator."
 TOO_FEW = "fewer than five points are seen in all four images"
@@ -126,7 +126,7 @@ def dedupe(drawings: Sequence[str]) -> DedupedHTML:
 
 @dataclass
 class Panels:
-    """The drawings of all moments, as HTML: each list has one entry per moment, but for `points` and `grounds`."""
+    """The drawings of a session as HTML: one entry per snapshot in each list, except `points` and `grounds`."""
 
     points: list[int | None] = field(default_factory=list)  # body points that can be chosen; None for no point
     images: list[DedupedHTML] = field(default_factory=list)  # the four images, for each of `points`
@@ -140,9 +140,9 @@ class Panels:
 
 
 def kept_motions(history: Sequence[Snapshot]) -> list[int]:
-    """Choose at most MAX_MOMENTS motions of a history that a replay shows."""
+    """Choose at most MAX_SNAPSHOTS motions of a history that a replay shows."""
     available = [k for k, moment in enumerate(history) if moment.motion == k]  # long histories are thinned out
-    return [available[i] for i in svg.thinned(len(available), MAX_MOMENTS)]
+    return [available[i] for i in svg.thinned(len(available), MAX_SNAPSHOTS)]
 
 
 def largest_residual(moment: Snapshot) -> int | None:
@@ -194,18 +194,17 @@ def _images(moment: Snapshot, bodies: Bodies, windows: Windows, point: int | Non
 
 
 def _places(moment: Snapshot, windows: Windows) -> list[list[list[float]]]:
-    views = moment.views
-    images = np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).transpose(1, 0, 2)
-    placed = np.round(planes.placed(images, windows[False], "lrLR"), 1).tolist()
-    return [[place if seen else [] for place, seen in zip(*each)] for each in zip(placed, views.visible.T.tolist())]
+    placed = np.round(planes.placed(planes.image_points(moment.views), windows[False], "lrLR"), 1).tolist()
+    visible = moment.views.visible.T.tolist()
+    return [[place if seen else [] for place, seen in zip(*each)] for each in zip(placed, visible)]
 
 
 class _Landscapes:
     """Landscapes of a session, each computed at its first use."""
 
-    def __init__(self, session: Session, moments: Sequence[Snapshot]):
+    def __init__(self, session: Session, snapshots: Sequence[Snapshot]):
         self._world = session.world
-        self._too_many = len({landscape_key(moment) for moment in moments}) > MAX_LANDSCAPES
+        self._too_many = len({landscape_key(snapshot) for snapshot in snapshots}) > MAX_LANDSCAPES
         self._made: dict[tuple, MadeLandscape] = {}
 
     def of(self, moment: Snapshot) -> MadeLandscape:

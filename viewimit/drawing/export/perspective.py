@@ -17,6 +17,7 @@ from ...simulation.robot import link_meshes
 from ...simulation.scene_geometry import FOV, fit_view
 from ...simulation.world import World
 from .. import svg
+from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
 from .figures import WIDTH, Figure
 
@@ -148,7 +149,7 @@ def _points(
         if np.isfinite(found).all():
             yield from _mark(viewpoint, found, 0.01 * size, svg.diamonds, "recovered")
             yield from _line(viewpoint, found, own, "residual", 1.4)
-    images = np.concatenate([moment.views.demo, moment.views.own], -1).reshape(-1, 4, 2).swapaxes(0, 1)
+    images = image_points(moment.views)
     for k, (camera, role) in enumerate(zip(scene_geometry.cameras_of(world), scene_geometry.VIEW_ROLES)):
         for start, end in scene_geometry.frustum(camera, size):
             yield from _line(viewpoint, start, end, role, 0.9)

@@ -15,6 +15,7 @@ from ...simulation import scene_geometry as geometry
 from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
+from ..images.planes import image_points
 
 STEPS = 65_535  # of a coordinate over the extent of its mesh
 TENTHS_OF_MM, MICRORAD = 4, 6  # decimals of m and of rad
@@ -56,10 +57,10 @@ class Shapes:
 
 
 def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, Any], bytes]:
-    """Describe the scene and its moments at these motions. → JSON data, packed meshes."""
+    """Describe the scene, and its postures and points at these motions. → JSON data, packed meshes."""
     world, shapes, history = session.world, Shapes(), session.history
-    moments = [history[k] for k in motions]
-    ends = [posture for each in (moments[0], moments[-1]) for posture in (each.theta, each.theta_demo)]
+    snapshots = [history[k] for k in motions]
+    ends = [posture for each in (snapshots[0], snapshots[-1]) for posture in (each.theta, each.theta_demo)]
     space = describe_robot(world.scene.robot, shapes)
     space["chain"] = [
         {"T": rows_of(joint.T_parent_joint), "axis": _unit(joint.axis), "joint": k, "multiplier": 1.0, "offset": 0.0}
@@ -68,7 +69,7 @@ def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, 
     space["bases"] = {arm: rows_of(T) for arm, T in geometry.bases_of(world).items()}
     space["points"] = {"link": world.body.link.tolist(), "local": _plain(world.body.local)}
     space["stage"] = describe_stage(world, shapes, ends)
-    space["moments"] = [_at(world, moment) for moment in moments]
+    space["moments"] = [_at(world, moment) for moment in snapshots]
     return space, shapes.packed
 
 
@@ -153,8 +154,8 @@ def _landmarks(world: World, postures: Sequence[NDArray]) -> NDArray:
 def _at(world: World, moment: Snapshot) -> dict[str, Any]:
     """Describe one moment. Points that are not visible or not recovered are None."""
     views, size = moment.views, world.scene.size
-    images = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2).swapaxes(0, 1)
-    plates = [geometry.on_plate(camera, image, size) for camera, image in zip(geometry.cameras_of(world), images)]
+    pairs = zip(geometry.cameras_of(world), image_points(views))
+    plates = [geometry.on_plate(camera, image, size) for camera, image in pairs]
     recovered = triangulate(*world.own_cameras, moment.recovered)
     return {
         "learner": _angles(world, moment.theta),

@@ -23,7 +23,7 @@ CROSSED = (
 REPEATED = (
     ("l", "Point {} in l and r, …"),
     ("steps", "… by three steps from the middle of all."),
-    ("carried", "The same steps in L and R, …"),
+    ("repeated", "The same steps in L and R, …"),
     ("recovered", "… and it is recovered."),
     ("own", "The arrow leads on to the own point."),
 )
@@ -80,7 +80,7 @@ def draw(
     if construction.steps is not None:
         path = placed(construction.steps, windows, "lrLR")
         for k, view in enumerate("lrLR"):
-            if is_shown(stage, crossed, "steps" if view in "lr" else "carried"):
+            if is_shown(stage, crossed, "steps" if view in "lr" else "repeated"):
                 drawn[view] += f'<path class="vi-steps" d="{svg.path(path[k])}"/>'
                 drawn[view] += f'<path class="vi-stop" d="{svg.dots(path[k, :-1])}"/>'
     if not is_shown(stage, crossed, "recovered"):

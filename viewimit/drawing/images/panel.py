@@ -71,8 +71,7 @@ def draw_images(
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
     gain = arrow_gain(lengths) if gain is None else gain
-    images = np.concatenate([snapshot.views.demo, snapshot.views.own], 1)
-    images = images.reshape(-1, 4, 2).transpose(1, 0, 2)  # (l r L R, N, 2)
+    images = planes.image_points(snapshot.views)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])
     crossed = snapshot.method.crosses_lines

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...estimation.views import FourViews
 from ...simulation.appearance import ArmImages
 from .. import svg
 
@@ -90,6 +91,11 @@ def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
         bool(share(left & top) < share(right & top) - MIN_DIFFERENCE),
         bool(share(left & bottom) < share(right & bottom) + MIN_DIFFERENCE),
     )
+
+
+def image_points(views: FourViews) -> NDArray:
+    """Return all points by view, in the order lrLR, (4, N, 2) px."""
+    return np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).swapaxes(0, 1)
 
 
 def placed(images: NDArray, windows: Mapping[str, Window], views: str) -> NDArray:

@@ -32,8 +32,8 @@ class Observations:
         """Keep the images of some points, (N,) bool."""
         return Observations(self.displacement, self.images, self.visible_in_both & points)
 
-    def select_visits(self, visits: NDArray) -> "Observations":
-        """Keep some visits, (K,) bool or indices."""
+    def select_visits(self, visits: NDArray[np.bool_]) -> "Observations":
+        """Keep some visits, (K,) bool."""
         return Observations(self.displacement[visits], self.images[visits], self.visible_in_both[visits])
 
     @property
@@ -54,7 +54,9 @@ class LinkClusters:
         """Cluster points by the joints that move them, (N, m) bool. A joint that moves more points is further in."""
         return _clusters(moved_by.tobytes(), moved_by.shape)
 
-    def project(self, motions: NDArray, points: NDArray, projection: NDArray) -> NDArray:
+    def project(
+        self, motions: NDArray[np.float64], points: NDArray[np.float64], projection: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Move and project the points.
 
         motions: (..., B, m, 4, 4), of each joint; points: (..., N, 3); projection: (c + 1, 4) → (..., B, N, c).
@@ -76,12 +78,14 @@ def _clusters(moved_by: bytes, shape: tuple[int, int]) -> LinkClusters:
     return LinkClusters(joints, tuple(np.flatnonzero(index.ravel() == k) for k in range(len(patterns))))
 
 
-def chain_transforms(motions: NDArray, chains: tuple[tuple[int, ...], ...], projection: NDArray) -> list[NDArray]:
+def chain_transforms(
+    motions: NDArray[np.float64], chains: tuple[tuple[int, ...], ...], projection: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
     """Multiply the motions along each chain of joints, the projection first.
 
     motions: (..., B, m, 4, 4); projection: (c, 4) → for each chain (..., B, c, 4), for an empty one (c, 4).
     """
-    products: dict[tuple[int, ...], NDArray] = {(): projection}
+    products: dict[tuple[int, ...], NDArray[np.float64]] = {(): projection}
     for joints in chains:
         for k in range(1, len(joints) + 1):
             if joints[:k] not in products:

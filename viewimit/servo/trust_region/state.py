@@ -103,11 +103,6 @@ class TrustRegionState:
         return self.matching.pairs
 
     @property
-    def rehearsed(self) -> tuple[Visit, ...]:
-        """The calibration in use."""
-        return self.calibration
-
-    @property
     def known(self) -> tuple[Visit, ...]:
         """All visits that images are predicted from, the calibration first."""
         return (*self.calibration, *self.visits)

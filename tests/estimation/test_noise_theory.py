@@ -52,7 +52,7 @@ def rig_of(any_head, k):
     return views, rectification or rectify_affine(left, right), drawn, rng
 
 
-def half_seen(views, rng):
+def partially_visible(views, rng):
     """The same, a quarter of the demonstrator's points without one of their images."""
     visible = views.visible.copy()
     points = rng.choice(len(visible), len(visible) // 4, replace=False)
@@ -105,7 +105,7 @@ def assert_together(offs):
 
 @pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
 @pytest.mark.parametrize("own_variance_ratio", [0.0, 0.01, 0.3, 1.0])
-def test_exactly_weighted_E_is_chi_square_less_the_parameters_of_a_homography(any_head, own_variance_ratio):
+def test_whitened_E_is_chi_square_less_the_parameters_of_a_homography(any_head, own_variance_ratio):
     offs = []
     for k in range(RIGS):
         views, head, _, rng = rig_of(any_head, k)
@@ -115,11 +115,11 @@ def test_exactly_weighted_E_is_chi_square_less_the_parameters_of_a_homography(an
     assert_together(offs)
 
 
-def test_a_point_that_one_camera_alone_sees_has_half_the_degrees_of_freedom():
+def test_a_partially_visible_point_has_half_the_degrees_of_freedom():
     offs = []
     for k in range(RIGS):
         views, head, _, rng = rig_of(True, k)
-        views = half_seen(views, rng)
+        views = partially_visible(views, rng)
         by = HomographyResiduals.whitened_at(views, head, 0.3)
         squares = drawn_squares(views, 0.3, by.residual, rng)
         offs.append(mean_off(squares, 2 * int(views.visible[:, :2].sum()) - 15))
@@ -127,7 +127,7 @@ def test_a_point_that_one_camera_alone_sees_has_half_the_degrees_of_freedom():
 
 
 @pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
-def test_what_a_servo_asks_at_the_true_posture_is_that_noise(any_head, tmp_path):
+def test_predicted_residuals_at_the_true_posture_have_the_variance_of_the_noise(any_head, tmp_path):
     """Of parallel heads the affine geometry, of four numbers, is fitted to the same noisy matches. Half of them are the
     demonstrator's, so that it takes two of these from E in the mean."""
     offs = []
@@ -142,7 +142,7 @@ def test_what_a_servo_asks_at_the_true_posture_is_that_noise(any_head, tmp_path)
 
 
 @pytest.mark.parametrize("own_variance_ratio", [0.01, 0.3, 1.0])
-def test_affine_weights_make_E_chi_square_less_four_points(own_variance_ratio):
+def test_affinely_whitened_E_is_chi_square_less_four_points(own_variance_ratio):
     """κ = 0 has no such weights: B has rank 3, and a combination of own coordinates no noise at all."""
     offs = []
     for k in range(RIGS):
@@ -154,7 +154,7 @@ def test_affine_weights_make_E_chi_square_less_four_points(own_variance_ratio):
     assert_together(offs)
 
 
-def test_E_of_rank_3_is_chi_square_of_what_eight_columns_have_beyond_it():
+def test_E_of_rank_3_is_chi_square_with_five_degrees_of_freedom_per_point_beyond_four():
     offs = []
     for k in range(RIGS):
         rng = np.random.default_rng([3, k])

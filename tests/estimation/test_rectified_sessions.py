@@ -23,7 +23,7 @@ def postures(session):
     return [(moment.theta.tolist(), moment.E, moment.e.tolist()) for moment in session.history]
 
 
-def test_with_toed_in_unlike_cameras_the_best_pair_arrives_and_without_rectification_it_does_not():
+def test_with_toed_in_unlike_cameras_the_learner_arrives_only_if_images_are_rectified():
     last = Session(TOED).run(40).last
     assert last.status == "converged" and error_deg(last) < 0.5 and last.rectification is not None
     assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40).last) > 3
@@ -31,7 +31,7 @@ def test_with_toed_in_unlike_cameras_the_best_pair_arrives_and_without_rectifica
 
 @pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
-def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_px):
+def test_with_parallel_axes_a_run_equals_one_without_rectification_to_the_last_bit(scene, noise_px):
     asked = Settings.paper(scene=scene, noise_px=noise_px)
     auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
     auto.run(15)
@@ -39,7 +39,7 @@ def test_with_parallel_axes_a_run_is_to_the_last_bit_that_without(scene, noise_p
     assert postures(auto) == postures(off) and all(moment.rectification is None for moment in auto.history)
 
 
-def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
+def test_rectification_is_refined_at_each_posture_until_enough_are_known():
     session = Session(msgspec.structs.replace(TOED, servo="gradient-retuned", noise_px=0.1, frames=1))
     session.run(MAX_LOOKS + 4)
     left = [moment.rectification.left.tolist() for moment in session.history]
@@ -47,7 +47,7 @@ def test_it_is_refined_with_every_posture_and_stays_once_enough_are_known():
     assert left[MAX_LOOKS] == left[MAX_LOOKS + 1] == left[MAX_LOOKS + 4]
 
 
-def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
+def test_rig_hypotheses_have_their_own_residuals_and_raise_the_standard_error():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25, frames=4))
     now = session.run(6).last
     seen, residuals, others = session.observation(now), session.predicted_residuals(now), now.rectification.perturbed
@@ -66,7 +66,7 @@ def test_what_noise_leaves_open_of_the_head_is_asked_about_and_expected():
     assert (of_heads[1] > of_heads[0]).all()
 
 
-def test_an_older_moment_keeps_its_own():
+def test_an_older_snapshot_keeps_its_rectification():
     session = Session(msgspec.structs.replace(TOED, noise_px=0.25))
     session.run(4)
     before = [(moment.E, moment.rectification) for moment in session.history]
@@ -77,7 +77,7 @@ def test_an_older_moment_keeps_its_own():
     assert [moment.E for moment in session.history] == [E for E, _ in before]
 
 
-def test_what_was_kept_and_comes_back_goes_on_to_the_last_bit():
+def test_a_stored_session_continues_to_the_last_bit():
     whole, begun, resumed = (Session(msgspec.structs.replace(TOED, noise_px=0.25)) for _ in range(3))
     whole.run(8)
     begun.run(5)
@@ -86,7 +86,7 @@ def test_what_was_kept_and_comes_back_goes_on_to_the_last_bit():
     assert postures(resumed) == postures(whole)
 
 
-def test_it_can_be_switched_off_and_on_where_the_learner_stands():
+def test_rectification_can_be_switched_off_and_on_during_a_run():
     session = Session(TOED)
     session.run(3)
     E = session.snapshot.E
@@ -96,7 +96,7 @@ def test_it_can_be_switched_off_and_on_where_the_learner_stands():
     assert session.snapshot.E == pytest.approx(E, rel=1e-3)
 
 
-def test_a_frozen_transfer_of_rectified_images_carries_points_over_and_comes_back():
+def test_a_stored_transfer_of_rectified_images_maps_points_as_before():
     session = Session(TOED)
     last = session.run(40).last
     seen = last.views

@@ -23,7 +23,7 @@ def velocity_of(moments):
     return target_velocity([moment.views for moment in moments])
 
 
-def test_a_servo_may_ask_another_transfer_and_for_weights():
+def test_residuals_by_another_transfer_of_unknown_points_and_whitened():
     session = Session(Settings.paper(transfer="epipolar"))
     now = session.snapshot
     ask, own = predicted_residuals(now), now.views.own
@@ -33,7 +33,7 @@ def test_a_servo_may_ask_another_transfer_and_for_weights():
     unknown = own.copy()
     unknown[3] = np.nan
     assert ask(unknown).shape == (9, 4)
-    assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # nothing can be told of such images
+    assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # no points are known
     weighed = ask(own, None, NoiseReference(own, 1.0))
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
 
@@ -46,7 +46,7 @@ def partially_visible(session, points):
     return session.snapshot.with_fields(views=FourViews(demo, views.own, visible))
 
 
-def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_transfer_that_can():
+def test_partially_visible_points_are_included_on_request_if_the_transfer_supports_them():
     session = Session(Settings.paper(transfer="projective"))
     there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
     now = partially_visible(session, [2, 7])
@@ -70,7 +70,7 @@ def test_points_that_one_camera_alone_sees_are_asked_if_that_is_wanted_by_a_tran
         assert now.with_fields(settings=settings).half_shown == 0
 
 
-def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_alike_elsewhere():
+def test_partially_visible_points_are_whitened_near_the_demonstrator_and_unweighted_elsewhere():
     session = Session(Settings.paper(transfer="projective", scene="panda-toed", points=16, noise_px=0.2))
     while session.snapshot.rectification is None and session.step():
         pass
@@ -89,7 +89,7 @@ def test_points_half_seen_are_weighed_by_noise_near_the_demonstrator_and_all_ali
         )
 
 
-def test_images_of_a_batch_are_answered_as_each_of_them():
+def test_a_batch_equals_the_loop():
     now = Session(Settings.paper(transfer="projective")).snapshot
     ask, own = predicted_residuals(now), now.views.own
     batch = own + np.random.default_rng(0).normal(0, 2, (2, 3, *own.shape))
@@ -99,7 +99,7 @@ def test_images_of_a_batch_are_answered_as_each_of_them():
             np.testing.assert_allclose(together[index], ask(batch[index], by), atol=1e-8)
 
 
-def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays(monkeypatch):
+def test_residuals_of_past_looks_are_reused_while_nothing_else_changes(monkeypatch):
     session = Session(Settings.paper(transfer="projective", servo="trust-region"))
     for _ in range(3):
         session.step()
@@ -122,14 +122,14 @@ def test_what_was_seen_is_answered_without_another_fit_as_long_as_all_else_stays
     np.testing.assert_allclose(drifted, predicted_residuals(now, ahead)(own), atol=1e-10)
 
 
-def test_a_demonstrator_that_goes_on_is_met_where_its_points_will_be():
+def test_residuals_use_the_points_of_a_moving_demonstrator_at_the_next_look():
     now = Session(Settings.paper(transfer="linear")).snapshot
     drift = np.full_like(now.views.demo, 3.0)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
     np.testing.assert_allclose(predicted_residuals(now, drift)(now.views.own), ahead.e)
 
 
-def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_where_there_is_noise():
+def test_behind_a_moving_demonstrator_with_noise_the_converged_transfer_is_used():
     first = Session(Settings.paper(transfer="linear", start_deg=(25, -45)))
     then = first.snapshot.transfer
     now = first.run().last.with_fields(converged_transfer=then)
@@ -144,7 +144,7 @@ def test_behind_a_demonstrator_that_goes_on_the_frozen_transfer_answers_only_whe
     assert not np.allclose(predicted_residuals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
 
 
-def test_one_jump_of_the_demonstrator_is_no_drift():
+def test_one_jump_of_the_demonstrator_is_no_velocity():
     session = Session(Settings.paper(transfer="linear"))
     session.run(4)
     session.pose(np.radians([70, -40]))
@@ -161,7 +161,7 @@ def test_one_jump_of_the_demonstrator_is_no_drift():
     assert not drift_of(session).any()
 
 
-def test_a_point_not_seen_on_the_way_has_no_drift_whatever_its_coordinates_were():
+def test_a_point_invisible_in_one_look_has_no_velocity():
     session = Session(Settings.paper(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
     for angle in (71, 72):
         session.step()

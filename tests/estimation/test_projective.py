@@ -41,7 +41,7 @@ def test_with_parallel_axes_it_is_exact_up_to_its_prior(seed):
     assert conflict(e) < 1e-4
 
 
-def test_at_the_true_posture_of_the_scene_nothing_is_left():
+def test_the_minimum_of_E_is_at_the_true_posture():
     world = World(load_scene("panda"))
     demo, _ = world.demo_images(np.radians([45, -90]))
     found = landscape_over(world, projective.fit, demo, np.ones((10, 2), bool))
@@ -75,7 +75,7 @@ def plain(demo, own, steps, prior):
 
 
 @pytest.mark.parametrize("postures", [40, 60])
-def test_a_batch_is_the_plain_loop_posture_by_posture(postures):
+def test_a_batch_equals_a_plain_implementation_posture_by_posture(postures):
     """A short one by LAPACK, and a long one by array operations."""
     world, rng = World(load_scene("iiwa")), np.random.default_rng(3)
     demo, _ = world.demo_images(np.radians([40, -70]))
@@ -97,26 +97,6 @@ def test_it_recovers_points_that_it_was_not_fitted_to():
     fitted = projective.fit(views.select(np.arange(20)))
     e = views.own[20:] - fitted.recover(views.demo_left[20:], views.demo_right[20:])
     assert np.abs(e).max() < 0.5
-
-
-def test_E_scales_with_the_image_and_does_not_feel_a_shift():
-    rng = np.random.default_rng(2)
-    world = World(load_scene("panda"))
-    demo, _ = world.demo_images(np.radians([45, -90]))
-    own, _ = world.own_images(np.radians([60.0, -40.0]))
-    E = projective.fit(seen(demo, own)).conflict(seen(demo, own))
-    moved = seen(demo + rng.normal(0, 100, 4), own + rng.normal(0, 100, 4))
-    assert projective.fit(moved).conflict(moved) == pytest.approx(E, rel=1e-9)
-    larger = seen(3 * demo, 3 * own)
-    assert projective.fit(larger).conflict(larger) == pytest.approx(9 * E, rel=1e-9)
-
-
-def test_coplanar_points_have_no_condition_and_still_a_transfer():
-    rng = np.random.default_rng(4)
-    plane = rng.normal(size=(12, 2)) @ rng.normal(size=(2, 4)) * 30
-    fitted = projective.fit(seen(plane, rng.normal(0, 30, (12, 4))))
-    assert fitted.condition == np.inf
-    assert np.isfinite(fitted.recover(plane[:, :2], plane[:, 2:])).all()
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,11 +1,16 @@
-"""Linear combination of views against plain least squares; its condition against coplanar bodies."""
+"""The linear combination against plain least squares, and rank 3 against plain singular values."""
 
 import numpy as np
 import pytest
 
+from viewimit.analysis.landscape import landscape_over
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import linear
+from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.views import FourViews
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+
+# Linear combination
 
 
 def perspective_views(rng, count=10, flat=1.0):
@@ -52,16 +57,6 @@ def test_an_affine_motion_of_the_demonstrators_shape_changes_nothing():
     assert E(shape @ rng.normal(size=(3, 4)) * 50) == pytest.approx(E(shape @ rng.normal(size=(3, 4)) * 80), rel=1e-9)
 
 
-def test_coplanar_points_are_recognised():
-    """Affine images of a plane have σ3 = 0; in perspective a body flattened 1e9 times comes near."""
-    rng = np.random.default_rng(7)
-    plane = rng.normal(size=(10, 2)) * 60
-    views = FourViews.from_images(*(plane @ rng.normal(size=(2, 2)) + rng.uniform(0, 300, 2) for _ in range(4)))
-    transfer = linear.fit(views)
-    assert transfer.condition > 1e8
-    np.testing.assert_allclose(transfer.recover(views.demo_left, views.demo_right), views.own, atol=1e-7)
-
-
 def test_condition_grows_as_the_body_flattens():
     rng = np.random.default_rng(8)
     body, cameras = rng.normal(size=(10, 3)) * 60, rng.normal(size=(4, 3, 2))
@@ -71,3 +66,32 @@ def test_condition_grows_as_the_body_flattens():
         conditions.append(float(linear.fit(views).condition))
     assert conditions[1] > 10 * conditions[0]
     assert conditions[2] == pytest.approx(100 * conditions[1], rel=0.05)
+
+
+# Rank 3
+
+
+def seen(demo, own):
+    return FourViews(demo, own, np.ones(own.shape[:-1] + (4,), bool))
+
+
+def test_E_of_rank_3_is_the_sum_of_squared_singular_values_beyond_the_third():
+    rng = np.random.default_rng(1)
+    demo, own = rng.normal(0, 30, (11, 4)), rng.normal(0, 30, (5, 11, 4))
+    views = seen(demo, own)
+    fitted = rank3.fit(views)
+    for k in range(5):
+        both = np.hstack([demo, own[k]])
+        sigma = np.linalg.svd(both - both.mean(0), compute_uv=False)
+        assert fitted.conflict(views)[k] == pytest.approx((sigma[3:] ** 2).sum() / 22)
+    np.testing.assert_allclose(conflict(fitted.residual(views)), fitted.conflict(views), rtol=1e-9)
+
+
+def test_rank_3_reproduces_known_figures_of_the_panda():
+    """A prototype's: minimum, E there, at the demonstrator and at most."""
+    world = World(load_scene("panda"))
+    demo, _ = world.demo_images(np.radians([45, -90]))
+    found = landscape_over(world, rank3.fit, demo, np.ones((10, 2), bool))
+    np.testing.assert_allclose(np.degrees(found.minimum), [42, -91], atol=1e-9)
+    assert (found.E.min(), found.E[45, 90], found.E.max()) == pytest.approx((0.60, 0.61, 63), rel=0.01)
+    assert len(found.local_minima()) == 1 and found.basin_fraction() == 1.0

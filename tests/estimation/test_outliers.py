@@ -1,21 +1,27 @@
-"""A point that is wrong, and two that are swapped, are named and nobody else; clean images raise no alarm, and where
-nothing can be told that is said."""
+"""Misplaced and swapped points are found and nothing else; clean images raise no alarm, and undecided cases say so."""
 
 import tracemalloc
 from itertools import product
 
+import msgspec
 import numpy as np
 import pytest
 from axle_markers import axle_markers, one_pair
 
 from viewimit.estimation.noise import views_rounding_std
-from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers
+from viewimit.estimation.outliers import SWAP_MIN_POINTS, find_outliers, reject_outliers
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_scene, resize
 from viewimit.geometry.distortion import RadialDistortion
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
 from viewimit.simulation.camera import undistort_points
+from viewimit.simulation.disturbances import OUTLIER_PX
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
+
+# Tracked images
+
 
 FRAMES = 10
 
@@ -55,7 +61,7 @@ def test_clean_images_raise_no_alarm(any_head, scenes):
 @pytest.mark.parametrize("count", [10, 16, 20])
 @pytest.mark.parametrize("frames", [1, FRAMES])
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
-def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noise_px):
+def test_only_the_misplaced_point_is_found(count, frames, noise_px):
     rng = np.random.default_rng(count)
     for column, pair in ((1, ("l", "r")), (3, ("l", "r")), (1, ("L", "R")), (3, ("L", "R"))):
         views, point = looks(panda(count), rng, frames, noise_px, alike=False), int(rng.integers(count))
@@ -66,7 +72,7 @@ def test_a_point_at_a_wrong_place_in_one_image_is_named_alone(count, frames, noi
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.3])
-def test_in_a_single_frame_of_any_head_a_point_at_a_wrong_place_is_named_alone(noise_px):
+def test_only_the_misplaced_point_is_found_in_a_single_frame_of_any_head(noise_px):
     """By 28 to 58 matches of left and right, of which one alone may spoil a fundamental matrix."""
     rng, turned = np.random.default_rng(3), 0
     while turned < 6:
@@ -87,7 +93,7 @@ def on_grid(views, step):
 
 @pytest.mark.parametrize("step", [0.5, 1.0, 4.0])
 @pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
-def test_rounding_raises_no_alarm_however_many_rows_it_makes_equal(any_head, step):
+def test_rounded_clean_images_raise_no_alarm(any_head, step):
     """With noise of a third of a step more than half of the rows are equal, all others one step off."""
     rng = np.random.default_rng(20)
     for _ in range(6):
@@ -101,7 +107,7 @@ def test_rounding_raises_no_alarm_however_many_rows_it_makes_equal(any_head, ste
 @pytest.mark.parametrize("count", [10, 16])
 @pytest.mark.parametrize("frames", [1, FRAMES])
 @pytest.mark.parametrize("noise_px", [0.0, 0.1, 0.3])
-def test_in_whole_pixels_a_point_at_a_wrong_place_is_named_alone(count, frames, noise_px):
+def test_only_the_misplaced_point_is_found_in_whole_pixels(count, frames, noise_px):
     rng = np.random.default_rng(count)
     for _ in range(4):
         views, point = looks(panda(count), rng, frames, noise_px, alike=False), int(rng.integers(count))
@@ -109,14 +115,14 @@ def test_in_whole_pixels_a_point_at_a_wrong_place_is_named_alone(count, frames, 
         assert named(on_grid(views, 1.0)) == [("misplaced", (point,), ("L", "R"))]
 
 
-def test_in_whole_pixels_arms_in_one_posture_have_nobody_swapped_and_a_swapped_pair_is_told():
+def test_in_whole_pixels_a_swapped_pair_is_found_and_no_other():
     rng = np.random.default_rng(9)
     views = looks(panda(16), rng, FRAMES)
     assert find_outliers(on_grid(views, 1.0)) == find_outliers(views)
     assert named(on_grid(views.permuted(((3, 8),)), 1.0)) == [("swapped", (3, 8), ("l", "r"))]
 
 
-def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and_are_told_by_how_much():
+def test_images_undistorted_after_rounding_need_their_rounding_error_given():
     rounded = on_grid(looks(panda(16), np.random.default_rng(10), FRAMES, 0.2, alike=False), 1.0)
 
     def straight(images):
@@ -130,7 +136,7 @@ def test_images_that_were_undistorted_after_they_were_rounded_lie_on_no_grid_and
     assert find_outliers(views, rounding_px=views_rounding_std(rounded)).found == ()
 
 
-def test_its_score_is_its_distance_in_deviations_of_the_others():
+def test_the_score_is_the_distance_in_standard_deviations_of_the_others():
     """Parallel axes: rows are one, and the distance of a match from its row is Δy/√2."""
     rng = np.random.default_rng(1)
     views = looks(panda(20), rng, FRAMES, 0.5)
@@ -143,7 +149,7 @@ def test_its_score_is_its_distance_in_deviations_of_the_others():
     assert found.frames == (3, 4) and found.score == pytest.approx(off / deviation, rel=0.03)
 
 
-def test_what_is_little_in_each_frame_shows_in_many():
+def test_a_small_error_in_each_frame_shows_in_many_frames():
     rng = np.random.default_rng(2)
     views = looks(panda(16), rng, 40, 0.5)
     views.demo[:, 4, 1] += 3.0  # 4 deviations
@@ -154,7 +160,7 @@ def test_what_is_little_in_each_frame_shows_in_many():
 
 @pytest.mark.parametrize("count", [10, 16, 20])
 @pytest.mark.parametrize("frames", [1, FRAMES])
-def test_a_swapped_pair_is_named_alone_and_so_is_how_far_E_falls(count, frames):
+def test_only_the_swapped_pair_is_found_with_the_fall_of_E(count, frames):
     rng = np.random.default_rng(count)
     for _ in range(4):
         pair = tuple(sorted(rng.permutation(count)[:2].tolist()))
@@ -164,7 +170,7 @@ def test_a_swapped_pair_is_named_alone_and_so_is_how_far_E_falls(count, frames):
         assert found.E > 10 * found.E_swapped and found.score >= 10
 
 
-def test_with_noise_a_swapped_pair_is_named_or_none_is():
+def test_with_noise_the_swapped_pair_is_found_or_none_is():
     rng, alone = np.random.default_rng(3), 0
     for _ in range(20):
         pair = tuple(sorted(rng.permutation(16)[:2].tolist()))
@@ -174,16 +180,16 @@ def test_with_noise_a_swapped_pair_is_named_or_none_is():
     assert alone >= 15
 
 
-def test_in_other_postures_nobody_is_called_swapped_and_that_is_said():
+def test_arms_in_different_postures_leave_swaps_undecided():
     rng = np.random.default_rng(4)
     for pairs in ((), ((2, 5),)):
         for _ in range(10):
             views = looks(panda(10), rng, FRAMES, alike=False).permuted(pairs)
-            told = find_outliers(views)
-            assert told.found == () and "they show only with arms in one posture" in told.undecided[0]
+            report = find_outliers(views)
+            assert report.found == () and "they show only with arms in one posture" in report.undecided[0]
 
 
-def test_a_wrong_point_and_a_swapped_pair_are_told_apart():
+def test_a_misplaced_point_and_a_swapped_pair_are_distinguished():
     rng = np.random.default_rng(5)
     views = looks(panda(16), rng, FRAMES).permuted(((3, 8),))
     views.own[:, 11, 1] += 60
@@ -200,7 +206,7 @@ HEADS = {"parallel": "", "toed in": "[head]\ntoe_in_deg = 12\n"}
 
 @pytest.mark.parametrize("head", HEADS.values(), ids=HEADS)
 @pytest.mark.parametrize("noise_px", [0.0, 0.25])
-def test_no_exchange_is_named_that_makes_the_learner_a_mirror_image_of_the_demonstrator(head, noise_px):
+def test_no_swap_is_found_that_makes_the_learner_a_mirror_image_of_the_demonstrator(head, noise_px):
     """With the exchange a reflection fits, and nothing does without it."""
     rng, world = np.random.default_rng(11), iiwa(axle_markers, head)
     thetas = rng.uniform(0.3, 0.8, (FRAMES, 2)) * rng.choice((-1, 1), (FRAMES, 2))
@@ -208,15 +214,16 @@ def test_no_exchange_is_named_that_makes_the_learner_a_mirror_image_of_the_demon
     demo, own = (np.array([getattr(views, body) for views in seen]) for body in ("demo", "own"))
     noise = noise_px * rng.standard_normal((2, *demo.shape))
     views = FourViews(demo + noise[0], own + noise[1], np.ones(demo.shape, bool))
-    told = find_outliers(views.permuted(((12, 13),)))
+    report = find_outliers(views.permuted(((12, 13),)))
     assert (
-        told.found == () and "where it must not reflect; they show only with arms in one posture" in told.undecided[0]
+        report.found == ()
+        and "where it must not reflect; they show only with arms in one posture" in report.undecided[0]
     )
 
 
 @pytest.mark.parametrize("head", HEADS.values(), ids=HEADS)
 @pytest.mark.parametrize("noise_px", [0.0, 0.05])
-def test_a_swapped_pair_is_named_although_a_reflection_fits_without_the_exchange(head, noise_px):
+def test_a_swapped_pair_is_found_although_a_reflection_fits_without_the_swap(head, noise_px):
     """All other points lie in one plane, about which that pair is symmetric."""
     views = looks(iiwa(one_pair, head), np.random.default_rng(12), FRAMES, noise_px)
     assert named(views) == []
@@ -224,7 +231,7 @@ def test_a_swapped_pair_is_named_although_a_reflection_fits_without_the_exchange
 
 
 @pytest.mark.parametrize("noise_px", [0.05, 0.25, 1.0])
-def test_the_noise_is_that_of_an_image_coordinate(noise_px):
+def test_the_reported_noise_is_that_of_an_image_coordinate(noise_px):
     views = looks(panda(16), np.random.default_rng(13), FRAMES, noise_px, alike=False)
     assert find_outliers(views).noise_px == pytest.approx(noise_px, rel=0.1)
     assert find_outliers(views.select(np.arange(5))).noise_px is not None
@@ -232,7 +239,7 @@ def test_the_noise_is_that_of_an_image_coordinate(noise_px):
     assert find_outliers(few).noise_px is None
 
 
-def test_points_that_are_not_seen_count_for_nothing():
+def test_invisible_points_have_no_effect():
     rng = np.random.default_rng(6)
     views = looks(panda(16), rng, FRAMES)
     views.demo[2, 4] = np.nan
@@ -242,14 +249,17 @@ def test_points_that_are_not_seen_count_for_nothing():
     assert find_outliers(views).found == () == find_outliers(views).undecided
 
 
-def test_too_few_points_leave_it_undecided():
+def test_too_few_points_leave_both_kinds_undecided():
     rng = np.random.default_rng(7)
     five = looks(panda(10), rng, 1).select(np.arange(5))
-    told = find_outliers(five)
-    assert told.found == () and [why.split(":")[0] for why in told.undecided] == ["misplaced points", "swapped points"]
+    report = find_outliers(five)
+    assert report.found == () and [why.split(":")[0] for why in report.undecided] == [
+        "misplaced points",
+        "swapped points",
+    ]
     seven = looks(panda(10), rng, FRAMES).select(np.arange(SWAP_MIN_POINTS - 1)).permuted(((1, 4),))
-    told = find_outliers(seven)
-    assert told.found == () and "no frame has 8 points" in told.undecided[0]
+    report = find_outliers(seven)
+    assert report.found == () and "no frame has 8 points" in report.undecided[0]
 
 
 def test_points_without_any_order_are_left_undecided():
@@ -258,7 +268,7 @@ def test_points_without_any_order_are_left_undecided():
     assert find_outliers(FourViews(demo, own, np.ones(demo.shape, bool))).found == ()
 
 
-def test_of_very_many_points_a_wrong_one_is_named_in_as_little_memory():
+def test_a_misplaced_point_among_very_many_is_found_in_bounded_memory():
     rng = np.random.default_rng(4)
     depth, many, frames = rng.uniform(2, 4, (1, 2000, 1)), (1, 2000, 2), np.linspace(0, 40, 25)[:, None, None]
     left = rng.uniform(50, 500, many) + frames
@@ -270,3 +280,64 @@ def test_of_very_many_points_a_wrong_one_is_named_in_as_little_memory():
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert found == [("misplaced", (7,), ("l", "r"))] and most < 250e6
+
+
+# Each look of the loop
+
+
+ONE_FRAME = Settings(points=16, frames=1)
+
+
+def spoilt(views, rng, share):
+    """Points moved in one image each; which of them, (2 bodies, N)."""
+    wrong = rng.random((2, len(views.own))) < share
+    moved = [images.copy() for images, _ in views.bodies]
+    for images, these in zip(moved, wrong):
+        images[these, 2:] += rng.uniform(-OUTLIER_PX, OUTLIER_PX, (these.sum(), 2))
+    return FourViews(*moved, views.visible), wrong
+
+
+def reject(views, moments, noise_px, seed):
+    return reject_outliers(views, [moment.views for moment in moments], moments[-1].rectification, noise_px, seed)
+
+
+@pytest.mark.parametrize("scene", ["panda", "panda-toed", "panda-verged", "panda-facing"])
+@pytest.mark.parametrize("noise_px", [0.0, 0.25])
+def test_a_consistent_look_is_returned_unchanged(scene, noise_px):
+    settings = msgspec.structs.replace(ONE_FRAME, scene=scene, noise_px=noise_px)
+    moments = list(Session(settings).history)
+    session = Session(settings)
+    session.run(8)
+    for now in session.history:
+        assert reject(now.views, moments, noise_px, now.look) is now.views
+        moments.append(now)
+
+
+@pytest.mark.parametrize("scene", ["panda", "panda-toed"])
+def test_points_off_their_epipolar_lines_become_invisible_in_both_images(scene):
+    session = Session(msgspec.structs.replace(ONE_FRAME, scene=scene, points=20))
+    session.run(6)
+    moments, rng = list(session.history), np.random.default_rng(3)
+    views, wrong = spoilt(moments[-1].views, rng, 0.15)
+    report = reject(views, moments[:-1], 0.0, 9)
+    unseen = np.stack([~report.visible[:, :2].any(-1), ~report.visible[:, 2:].any(-1)])
+    assert wrong.sum() >= 4 and np.array_equal(unseen, wrong)
+    assert np.array_equal(report.demo, views.demo) and views.visible.all()
+
+
+def test_with_a_tenth_of_the_points_misplaced_the_learner_arrives():
+    """Of 90 runs with 10, 16 and 20 points 97, 97 and 93 % were within 0.5°; without this step none of 40."""
+    ended = []
+    for seed in range(6):
+        start, demo = np.random.default_rng(seed).uniform((0, -140), (90, -40), (2, 2)).tolist()
+        last = (
+            Session(
+                msgspec.structs.replace(
+                    ONE_FRAME, outliers=0.1, seed=seed, start_deg=tuple(start), demonstrator_deg=tuple(demo)
+                )
+            )
+            .run(80, 20)
+            .last
+        )
+        ended.append(np.degrees(np.abs(last.theta - last.theta_demo).max()))
+    assert sum(error < 0.5 for error in ended) >= 5

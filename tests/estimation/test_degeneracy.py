@@ -24,43 +24,43 @@ FLATTENED = {
 }
 
 
-@pytest.mark.parametrize("said, shape", FLATTENED.items(), ids=FLATTENED)
-def test_what_is_wrong_with_points_is_said(said, shape):
+@pytest.mark.parametrize("reason, shape", FLATTENED.items(), ids=FLATTENED)
+def test_degenerate_points_are_explained(reason, shape):
     (why,) = why_degenerate(frame(shape))
-    assert said in why and bool(why) == bool(said)
+    assert reason in why and bool(why) == bool(reason)
 
 
-def test_frames_are_judged_one_by_one_and_either_body_counts():
+def test_each_frame_and_each_body_is_checked():
     good, flat = frame(SHAPE), frame(FLATTENED["one plane"])
     demo, own = np.concatenate([good.demo, flat.demo, good.demo]), np.concatenate([good.own, good.own, flat.own])
     why = why_degenerate(FourViews(demo, own, np.ones((3, 10, 4), bool)))
     assert why == ["", "all points are in one plane in [l, r]", "all points are in one plane in [L, R]"]
 
 
-@pytest.mark.parametrize("said", [said for said in FLATTENED if said])
+@pytest.mark.parametrize("reason", [reason for reason in FLATTENED if reason])
 @pytest.mark.parametrize("transfer", ["epipolar", "projective"])
-def test_evaluate_refuses_them(ask, ask_json, tmp_path, said, transfer):
+def test_evaluate_refuses_degenerate_points(ask, ask_json, tmp_path, reason, transfer):
     path = tmp_path / "points.csv"
     with path.open("w") as file:
         file.write("frame,view,point,x,y\n")
-        for number, shape in enumerate((FLATTENED[said], SHAPE)):
+        for number, shape in enumerate((FLATTENED[reason], SHAPE)):
             views = frame(shape)
             for view, image in zip(VIEWS, (*np.split(views.demo[0], 2, 1), *np.split(views.own[0], 2, 1))):
                 file.writelines(f"{number},{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
     status, out, err = ask("evaluate", path, "--transfer", transfer)
-    assert status == 0 and "1 of 2 frames refused: frame 0: " in err and said in err and err.count("\n") <= 2
-    _, told = ask_json("evaluate", path, "--transfer", transfer)
-    assert told["frames"][0]["E"] is None and said in told["frames"][0]["refused"]
-    assert told["frames"][1]["E"] < 0.01 and told["frames"][1]["refused"] is None
+    assert status == 0 and "1 of 2 frames refused: frame 0: " in err and reason in err and err.count("\n") <= 2
+    _, output = ask_json("evaluate", path, "--transfer", transfer)
+    assert output["frames"][0]["E"] is None and reason in output["frames"][0]["refused"]
+    assert output["frames"][1]["E"] < 0.01 and output["frames"][1]["refused"] is None
     rows = path.read_text().splitlines()
     path.write_text("\n".join([rows[0], *(row for row in rows if row.startswith("0,"))]) + "\n")
     status, out, err = ask("evaluate", path, "--transfer", transfer)
-    assert status == 1 and said in err
+    assert status == 1 and reason in err
 
 
 @pytest.mark.parametrize("whose", ["", " of [L R]"])
-@pytest.mark.parametrize("said, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line"), ("σ₁/σ₄", "one place")])
-def test_noise_does_not_hide_them(ask_json, tmp_path, whose, said, shape):
+@pytest.mark.parametrize("reason, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line"), ("σ₁/σ₄", "one place")])
+def test_noisy_degenerate_points_are_called_weak(ask_json, tmp_path, whose, reason, shape):
     path, rng = tmp_path / "points.csv", np.random.default_rng(1)
     flat, good = FLATTENED[shape] @ SOLID + 200, SHAPE @ SOLID + 200
     demo, own = (flat, good) if whose == "" else (good, flat)
@@ -69,12 +69,12 @@ def test_noise_does_not_hide_them(ask_json, tmp_path, whose, said, shape):
         file.write("frame,view,point,x,y\n")
         for view, image in zip(VIEWS, np.split(images, 4, 1)):
             file.writelines(f"0,{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
-    _, told = ask_json("evaluate", path, "--transfer", "projective", "--rectify", "off")
-    (frame,) = told["frames"]
-    assert frame["weak"].startswith(f"{said}{whose} ") and "E may mislead" in frame["weak"]
+    _, output = ask_json("evaluate", path, "--transfer", "projective", "--rectify", "off")
+    (frame,) = output["frames"]
+    assert frame["weak"].startswith(f"{reason}{whose} ") and "E may mislead" in frame["weak"]
 
 
-def test_numbers_that_are_no_pixels_are_named(ask, tmp_path):
+def test_numbers_that_are_no_pixels_are_reported_with_line_and_column(ask, tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("frame,view,point,x,y\n0,l,0,1e9,3\n")
     status, _, err = ask("evaluate", path)

@@ -266,7 +266,7 @@ def describe_settings(settings: Settings) -> str:
     angles = settings.demonstrator_deg or ()  # none: the scene's own
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
     points = f"{settings.points} points{'' if settings.body_points is None else ' by hand'}"
-    words = f"{settings.transfer} transfer · {settings.scene_called}, {points}"
+    words = f"{settings.transfer} transfer · {settings.scene_title}, {points}"
     words = f"Demonstrator ({posture}) · {words}" if posture else words[0].upper() + words[1:]
     disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
     return " · ".join([words, ", ".join(disturbed)] if disturbed else [words])

@@ -54,13 +54,15 @@ def presets() -> list[Preset]:
     return msgspec.convert(fields["preset"], list[Preset])
 
 
-def lab_page(scene: Scene | None = None) -> str:
+def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     """Return the lab as one HTML page.
 
     Parameters
     ----------
     scene
         With which it begins, in place of the shipped one. Presets of other scenes are then left out.
+    name
+        As settings name that scene.
 
     Raises
     ------
@@ -76,7 +78,8 @@ def lab_page(scene: Scene | None = None) -> str:
         used = extended(used, {"head": preset.head}) if preset.head else used
         key = preset.name if preset.scene else "given"
         if key not in scenes:
-            scenes[key] = {**engine_scene(with_few_points(used)), "stage": _stage(used, shapes)}
+            page = {"scene": _named_on_the_page(preset, name), "layouts": list(used.points)}
+            scenes[key] = {**engine_scene(with_few_points(used)), "stage": _stage(used, shapes), "page": page}
         layout = min(map(int, scenes[key]["layouts"]), key=lambda count: abs(count - preset.points))
         fields = {
             name: getattr(preset, name) for name in ("name", "title", "says", "transfer", "servo", "missing", "seed")
@@ -92,6 +95,14 @@ def lab_page(scene: Scene | None = None) -> str:
         meshes=packed(shapes.packed),
         script=bundle("view/lab.js"),
     )
+
+
+def _named_on_the_page(preset: Preset, given: str) -> str:
+    """A preset's scene as `Settings.scene` takes it: its name, or all that a scene file says."""
+    if not preset.head:
+        return preset.scene or given
+    head = "".join(f"{field} = {value}\n" for field, value in preset.head.items())
+    return f'extends = "{preset.scene or given}"\n[head]\n{head}'
 
 
 def with_few_points(scene: Scene) -> Scene:
@@ -112,6 +123,17 @@ def _hulls(robot: str) -> dict[str, Sequence]:
     meshes = link_meshes(robot)
     corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
     return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
+
+
+@cache
+def served_page(name: str, robot: str | None) -> str:
+    """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
+    if (name, robot) == (SHIPPED, None):
+        return lab_page()
+    try:
+        return lab_page(load_scene(name, robot), name)
+    except ValueError:
+        return lab_page()
 
 
 @cache

@@ -36,6 +36,7 @@ from .touches import ROOT, NotTouched, Touches
 FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
 OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
+LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}  # its policy is in the page
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
@@ -48,7 +49,7 @@ NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equ
 class AccessControl:
     """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
-    its own; lecturer: the secret of one's address. touches: where its pages' links lead.
+    its own; lecturer: the secret of one's address; lab: the page of the lab. touches: where its pages' links lead.
     """
 
     def __init__(
@@ -59,7 +60,9 @@ class AccessControl:
         worker: int = 0,
         listening: socket.socket | None = None,
         lecturer: str | None = None,
+        lab: Callable[[], str] = lambda: "",
     ):
+        self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
         self.touches, self._lecturer = Touches(worker), LecturerAccess(lecturer)
@@ -146,6 +149,9 @@ class AccessControl:
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
+        if path == "/lab":
+            page = await asyncio.to_thread(self._lab)  # half a second, the first time
+            return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
         if path.startswith(ROOT):
             return self._touch(connection, request)
         if path.startswith(LECTURER_ROOT):

@@ -17,15 +17,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..app.lab.page import lab_page
+    from ..app.lab.page import SHIPPED, lab_page
     from ..simulation.scene import load_scene
 
     if args.out.suffix.lower() not in (".html", ".htm"):
         raise BadInput(f"--out: {args.out} must end in .html")
     with naming("--scene"):
         own = args.scene is not None or args.robot is not None
-        scene = load_scene(args.scene or "panda", args.robot) if own else None
-        page = lab_page(scene).encode()
+        scene = load_scene(args.scene or SHIPPED, args.robot) if own else None
+        page = lab_page(scene, args.scene or SHIPPED).encode()
     with naming("--out"):
         args.out.write_bytes(page)
     print(f"written to {args.out}, {len(page) / MB:.2f} MB: open it in a browser", file=sys.stderr)

@@ -1,9 +1,10 @@
 /** The lab: what it shows, what hands and keys do, and when it computes. The method itself is in ../engine. */
-import {backProject, geometry, Landscape, projectPoint, reachFor, recovered, select, Session, transform, triangulate, World} from "../engine/engine.js";
+import {backProject, geometry, Landscape, MIN_POINTS, projectPoint, reachFor, recovered, select, Session, transform, triangulate, World} from "../engine/engine.js";
 import {beginning, fromAddress, toAddress} from "./address.js";
 import {drawCurve} from "./curve.js";
 import {draggable} from "./drag.js";
 import {Images} from "./images.js";
+import {pageLink} from "./link.js";
 import {EnergyMap} from "./map.js";
 import {byId as $, fault, unpacked} from "./page.js";
 import {Sliders} from "./sliders.js";
@@ -12,7 +13,8 @@ import {energyText, fixed, say} from "./svg.js";
 import {outcome, SERVO_WORDS, TRANSFER_WORDS, truth} from "./words.js";
 
 /**
- * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage, names: string[]}} Scene
+ * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage, page: {scene: string, layouts: string[]}}} Scene
+ *   page: how the page of viewimit names it
  * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[], robot: import("./space.js").Common,
  *   hulls: Record<string, number[][]>}} Data
  * @typedef {import("../engine/session.js").Moment} Moment
@@ -103,10 +105,12 @@ function begin(data, meshes) {
   }
 
   let remembering = 0;
+  const isServed = /\/lab$/.test(location.pathname) && location.protocol !== "file:";
   const remember = () => {
     clearTimeout(remembering);
     remembering = setTimeout(() => {
       const preset = data.presets.find(({name}) => name === state.preset) ?? data.presets[0];
+      if (isServed) $("open").href = `./?s=${linkOfPage()}`;
       try { history.replaceState(null, "", toAddress(current(), preset, scene)); } catch { /* a frame without an address */ }
     }, 250);
   };
@@ -202,6 +206,15 @@ function begin(data, meshes) {
     remember();
   };
 
+  // A screen reader is told how it stands once that stays so for a while
+
+  let announced = "", announcing = 0;
+  const announce = (/** @type {string} */ text) => {
+    announced = text;
+    clearTimeout(announcing);
+    announcing = setTimeout(() => say($("announced"), `${text} ${$("truth").textContent}`), 800);
+  };
+
   // Drawing
 
   let isDue = false;
@@ -222,7 +235,7 @@ function begin(data, meshes) {
     const lines = moment.usable.includes(chosen) ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const moves = images.draw(world, {moment, recovered: found, lines, chosen, goal, ease: still.matches ? 1 : isHeld ? .12 : .2});
     const path = session.history.slice(0, glide ? -1 : undefined).map(({theta: visited}, k) => ({theta: visited, probe: Boolean(session.history[k + 1]?.probe)}));
-    map.marks({demonstrator: thetaDemo, learner: theta, minimum: shownLandscape?.minimum?.theta ?? null, path});
+    map.marks({demonstrator: thetaDemo, learner: theta, minimum: world.body.length < MIN_POINTS ? null : shownLandscape?.minimum?.theta ?? null, path});
     drawCurve($("curve"), session.history);
     $("E").innerHTML = `${energyText(moment.E)}<span>px²</span>`;
     sliders.demo.show(thetaDemo, thetaDemo);
@@ -230,6 +243,7 @@ function begin(data, meshes) {
     const said = outcome(now, playing, world.body.length);
     $("state").className = `state ${said.state}`;
     say($("outcome"), said.text);
+    if (said.text !== announced) announce(said.text);
     say($("truth"), truth(theta, thetaDemo, scene.names));
     say($("count"), `${now.motion} ${now.motion === 1 ? "step" : "steps"}`);
     const radius = /** @type {any} */ (now.servoState)?.radius;
@@ -426,7 +440,10 @@ function begin(data, meshes) {
   images.measure();
   enter(state);
   draw();
-  Object.assign(globalThis, {lab: {session: () => session, world: () => world, landscape: () => shownLandscape, pose, place, step, draw, space, images, map, drawnAt: performance.now()}});
+  $("open").hidden = !isServed;
+  if (isServed) remember();
+  const linkOfPage = () => pageLink(current(), scene.page.scene, scene.page.layouts);
+  Object.assign(globalThis, {lab: {pageLink: linkOfPage, session: () => session, world: () => world, landscape: () => shownLandscape, pose, place, step, draw, space, images, map, drawnAt: performance.now()}});
 }
 
 /** The 3-D view, or null with a word on it. @param {Data} data @param {ArrayBuffer} meshes */

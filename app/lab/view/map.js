@@ -6,7 +6,7 @@ import {px, set} from "./svg.js";
 
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
-const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000; // E is shaded over a range of this factor, up to BRIGHTEST px²
+const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const PAD = {left: 42, top: 8, right: 12, bottom: 31};
 
 /**
@@ -89,7 +89,7 @@ export class EnergyMap {
       if (z[g] > most) most = z[g];
       if (z[g] < least) least = z[g];
     }
-    most = Math.min(most, Math.log(BRIGHTEST));
+    most = Math.max(Math.min(most, Math.log(BRIGHTEST)), Math.log(DARKEST));
     least = Math.min(Math.max(least, most - Math.log(RANGE)), most - .5);
     const style = getComputedStyle(document.documentElement), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
     this.#shade(rows, columns, least, most, role("hills"));

@@ -19,7 +19,7 @@ export class Sliders {
     this.lower = [];
     /** @type {number[]} */
     this.upper = [];
-    /** @type {{input: HTMLInputElement, output: HTMLOutputElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
+    /** @type {{input: HTMLInputElement, output: HTMLElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
     this.rows = [];
     /** @type {HTMLInputElement | null} that a finger is on */
     this.busy = null;
@@ -34,9 +34,11 @@ export class Sliders {
       const row = this.box.appendChild(document.createElement("label"));
       row.className = `joint of-${this.who}`;
       const rail = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="none" aria-hidden="true"><path/></svg><input type="range"><s></s></span>';
-      row.innerHTML = `<span class="name"></span>${this.who === "learner" ? rail : '<input type="range">'}<output></output>`;
+      row.innerHTML = `<span class="name"></span>${this.who === "learner" ? rail : '<input type="range">'}<b class="value"></b>`;
       const input = /** @type {HTMLInputElement} */ (row.querySelector("input")), label = /** @type {HTMLElement} */ (row.querySelector(".name"));
-      label.textContent = name;
+      const symbol = name.split(" ").pop() ?? "";
+      label.textContent = name.slice(0, -symbol.length);
+      label.appendChild(document.createElement("em")).textContent = symbol;
       Object.assign(input, {min: (lower[k] / DEGREE).toFixed(1), max: (upper[k] / DEGREE).toFixed(1), step: "0.5"});
       input.setAttribute("aria-label", `${name} of the ${this.who}`);
       input.addEventListener("input", () => {
@@ -48,7 +50,7 @@ export class Sliders {
         this.busy = null;
         this.held(false);
       });
-      return {input, label, output: /** @type {HTMLOutputElement} */ (row.querySelector("output")), gap: row.querySelector("path")};
+      return {input, label, output: /** @type {HTMLElement} */ (row.querySelector(".value")), gap: row.querySelector("path")};
     });
   }
 

@@ -1,0 +1,329 @@
+"""The lab is one file that asks nobody for anything, and all that it shows can be touched."""
+
+import html
+import re
+
+import numpy as np
+import pytest
+from viewimit.app.lab.page import lab_page, presets
+from viewimit.app.sessions import link
+from waiting import wait_until
+
+from viewimit import Session, Settings, load_scene
+from viewimit.drawing.export.space import thinned
+
+MB = 1_000_000
+ARM = """<robot name="r"><link name="base"/>
+<link name="upper"><visual><geometry><cylinder length="0.4" radius="0.05"/></geometry></visual></link>
+<link name="fore"><visual><geometry><box size="0.3 0.06 0.08"/></geometry></visual></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="b" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4" rpy="0.3 0 0"/>
+<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
+NOW = """() => {
+    const {theta, thetaDemo, E, motion, status} = lab.session().now;
+    return {theta, thetaDemo, E, motion, status};
+}"""
+
+
+@pytest.fixture(scope="module")
+def lab():
+    return lab_page()
+
+
+@pytest.fixture(scope="module")
+def path(lab, tmp_path_factory):
+    path = tmp_path_factory.mktemp("lab") / "lab.html"
+    path.write_text(lab, "utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser, path):
+    """Opens the file in windows of their own, which must ask nobody and have no fault."""
+    contexts, faults, requests = [], [], []
+
+    def open_(address="", width=1000, height=700, ready=True, before=None, **options):
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        page.on("request", lambda request: requests.append(request.url))
+        if before is not None:
+            page.add_init_script(before)
+        page.goto(path.as_uri() + address)
+        if ready:
+            wait_until(lambda: page.evaluate("typeof lab === 'object'"))
+        return page
+
+    yield open_
+    for context in contexts:
+        context.close()
+    assert faults == []
+    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
+
+
+def now(page):
+    return page.evaluate(NOW)
+
+
+def degrees(angles):
+    return np.degrees(angles).round(3).tolist()
+
+
+def drag(page, start, by, steps=6):
+    page.mouse.move(*start)
+    page.mouse.down()
+    for k in range(1, steps + 1):
+        page.mouse.move(start[0] + by[0] * k / steps, start[1] + by[1] * k / steps)
+        page.wait_for_timeout(25)
+    page.mouse.up()
+
+
+def test_the_file_is_small_and_its_policy_is_strict(lab):
+    assert len(lab.encode()) < 0.8 * MB
+    (policy,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', lab)
+    assert "default-src 'none'" in policy and "unsafe-eval" not in policy and "connect-src" not in policy
+    assert re.findall(r'\b(?:src|href)="(?!data:|#)[^"]*"', lab) == []
+
+
+def test_a_dozen_experiments_have_a_sentence_each():
+    offered = presets()
+    assert len(offered) >= 12 and len({preset.name for preset in offered}) == len(offered)
+    assert all(preset.says.endswith((".", "?")) and len(preset.says.split()) <= 25 for preset in offered)
+
+
+def test_a_mesh_is_thinned_to_a_bound_and_keeps_its_extent():
+    angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    rings = np.array([[np.cos(a), np.sin(a), z] for z in np.linspace(0, 1, 60) for a in angles])
+    quads = [(k * 200 + i, k * 200 + (i + 1) % 200, k * 200 + i + 200) for k in range(59) for i in range(200)]
+    vertices, faces = thinned(rings, np.array(quads), 1000)
+    assert 0 < len(faces) <= 1000 and faces.max() < len(vertices)
+    assert np.abs(np.ptp(vertices, axis=0) - (2, 2, 1)).max() < 0.3
+
+
+def test_the_command_writes_it_for_a_robot_of_ones_own_and_says_what_it_cannot(ask, tmp_path):
+    (tmp_path / "arm.urdf").write_text(ARM)
+    status, _, said = ask("lab", "--scene", tmp_path / "arm.urdf", "--out", tmp_path / "arm.html")
+    assert status == 0 and "written to" in said
+    written = (tmp_path / "arm.html").read_text("utf-8")
+    assert len(written.encode()) < 0.8 * MB
+    assert ask("lab", "--out", tmp_path / "lab.txt")[::2] == (
+        2,
+        f"viewimit lab: --out: {tmp_path}/lab.txt must end in .html\n",
+    )
+    scene = tmp_path / "seven.toml"
+    joints = "moving_joints = [2, 4, 6]\nrange_deg = [[0, 90], [-180, 0], [0, 180]]\nstart_deg = [25, -25, 90]\n"
+    scene.write_text(f'extends = "panda"\n{joints}')
+    status, _, said = ask("lab", "--scene", scene)
+    assert status == 2 and "needs 2 moving joints, this scene has 3" in said
+
+
+@pytest.mark.browser
+def test_it_plays_to_where_the_library_comes_to_rest(opened):
+    page = opened()
+    assert "Ready. The pictures disagree" in page.inner_text("#outcome")
+    page.keyboard.press(" ")
+    wait_until(lambda: now(page)["status"] == "settled", 30)
+    session = Session(Settings.paper(rectify="off"))
+    session.run()
+    here = now(page)
+    assert here["motion"] == session.snapshot.motion
+    assert np.abs(np.degrees(np.array(here["theta"]) - session.snapshot.theta)).max() < 1e-6
+    wait_until(lambda: "At a local minimum" in page.inner_text("#outcome"))
+    assert "Hidden from the learner" in page.inner_text("#truth") and page.inner_text("#play") == "Pause"
+    page.evaluate("lab.pose([0.9, -1.2])")  # it wakes, and follows
+    wait_until(lambda: now(page)["motion"] > here["motion"], 30)
+    page.keyboard.press(" ")
+    page.keyboard.press("r")
+    assert now(page)["motion"] == 0 and degrees(now(page)["thetaDemo"]) == degrees([0.9, -1.2])
+
+
+@pytest.mark.browser
+def test_everything_can_be_dragged(opened):
+    page = opened(width=1300, height=800)
+    scene = page.locator("#space").bounding_box()
+    hand = page.evaluate(
+        "() => { const T = lab.world().arms.demonstrator.linkFrames(lab.session().now.thetaDemo).at(-1);"
+        "return lab.space.project([T[3] + .1 * T[2], T[7] + .1 * T[6], T[11] + .1 * T[10]]); }"
+    )
+    before = now(page)
+    drag(page, (scene["x"] + hand[0], scene["y"] + hand[1]), (-15, -40))
+    after = now(page)
+    assert degrees(after["thetaDemo"]) != degrees(before["thetaDemo"]) and after["theta"] == before["theta"]
+
+    def at_point(view, point):
+        box = page.locator(f"#{view}").bounding_box()
+        x, y = page.evaluate(
+            """([k, i]) => {
+                const {x, y, scale} = lab.images.views[k].window, {demo, own} = lab.session().now.views;
+                const images = k < 2 ? demo : own, at = 4 * i + 2 * (k & 1);
+                return [(images[at] - x) * scale, (images[at + 1] - y) * scale];
+            }""",
+            ["lrLR".index(view), point],
+        )
+        return box["x"] + x, box["y"] + y
+
+    page.wait_for_timeout(900)  # until the windows stand
+    drag(page, at_point("l", 9), (3, 12))
+    moved = now(page)
+    assert degrees(moved["thetaDemo"]) != degrees(after["thetaDemo"])
+    assert "point 9" in page.inner_text("#L")
+    page.wait_for_timeout(900)
+    drag(page, at_point("R", 8), (-10, 25))
+    assert degrees(now(page)["theta"]) != degrees(moved["theta"])
+
+    box = page.locator("#map").bounding_box()
+    place = lambda theta: page.evaluate("theta => lab.map.place(theta)", theta)
+    goal = [0.7, -2.0]
+    start, end = place(now(page)["theta"]), place(goal)
+    drag(page, (box["x"] + start[0], box["y"] + start[1]), (end[0] - start[0], end[1] - start[1]))
+    wait_until(lambda: np.abs(np.array(now(page)["theta"]) - goal).max() < 0.03)
+    page.locator("#map").focus()
+    theta = now(page)["theta"]
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Shift+ArrowLeft")
+    assert degrees(now(page)["theta"]) == pytest.approx(np.degrees(theta) + (1, -5), abs=2e-3)
+
+    page.locator("#demo input").nth(1).fill("-45")
+    assert degrees(now(page)["thetaDemo"])[1] == -45
+    page.locator("#own input").nth(0).fill("60")
+    assert degrees(now(page)["theta"])[0] == 60
+
+
+@pytest.mark.browser
+def test_a_finger_poses_and_plays_on_a_phone(opened):
+    page = opened(width=390, height=844, has_touch=True, is_mobile=True, device_scale_factor=3)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    for name in ("#play", "#step", "#undo", "#reset"):
+        box = page.locator(name).bounding_box()
+        assert box["y"] + box["height"] <= 844 and box["height"] >= 32
+    page.locator("#step").tap()
+    wait_until(lambda: now(page)["motion"] == 1)
+    page.locator("#undo").tap()
+    assert now(page)["motion"] == 0
+    box = page.locator("#map").bounding_box()
+    page.evaluate("scrollTo(0, document.querySelector('#map').getBoundingClientRect().top - 100)")
+    box = page.locator("#map").bounding_box()
+    page.touchscreen.tap(box["x"] + 200, box["y"] + 150)
+    wait_until(lambda: degrees(now(page)["theta"]) != [25, -25])
+
+
+@pytest.mark.browser
+def test_the_address_says_what_is_shown_and_leads_back(opened):
+    address = (
+        "#preset=noise&demo=50,-80&start=30,-40&law=gradient-retuned&transfer=linear&noise=0.5&lost=10&seed=3&steps=4"
+    )
+    page = opened(address)
+    first = now(page)
+    assert first["motion"] == 4 and degrees(first["thetaDemo"]) == [50, -80]
+    page.keyboard.press("ArrowRight")
+    wait_until(lambda: page.evaluate("location.hash").endswith("steps=5"))
+    there = page.evaluate("location.hash")
+    assert all(part in there for part in ("preset=noise", "law=gradient-retuned", "noise=0.5", "lost=10", "seed=3"))
+    other = opened(there)
+    assert now(other) == now(page)
+    library = Session(Settings.paper(
+        demonstrator_deg=(50, -80), start_deg=(30, -40), servo="gradient-retuned", transfer="linear", noise_px=0.5,
+        missing=0.1, seed=3, rectify="off",
+    ))  # fmt: skip
+    library.run(5)
+    assert np.abs(np.degrees(np.array(now(page)["theta"]) - library.snapshot.theta)).max() < 1e-6
+    wrong = opened("#preset=nothing&demo=1,2,3&start=x&law=best&noise=-1&seed=1e99&points=7")
+    assert degrees(now(wrong)["thetaDemo"]) == [45, -90]
+
+
+@pytest.mark.browser
+def test_every_experiment_opens_and_the_page_of_viewimit_opens_in_it(opened):
+    page = opened()
+    for preset in presets():
+        page.select_option("#preset", preset.name)
+        assert page.inner_text("#says") == preset.says
+        assert page.evaluate("lab.step() ?? lab.session().now.motion") == 1
+        text = page.evaluate("lab.pageLink()")
+        settings = link.read(text, Settings()).script.settings
+        assert (settings.transfer, settings.servo, settings.noise_px) == (
+            preset.transfer,
+            preset.servo,
+            preset.noise_px,
+        )
+        if preset.points != 4:  # the page needs five
+            session = Session(settings)
+            session.step()
+            assert session.snapshot.E == pytest.approx(now(page)["E"], rel=1e-6)
+
+
+@pytest.mark.browser
+def test_it_works_in_a_frame_of_any_page_and_without_webgl(opened, lab):
+    page = opened(before="HTMLCanvasElement.prototype.getContext = new Proxy(HTMLCanvasElement.prototype.getContext,"
+                  "{apply: (f, it, given) => given[0] === 'webgl2' ? null : Reflect.apply(f, it, given)})")  # fmt: skip
+    assert "no WebGL" in page.inner_text("#labels")
+    page.keyboard.press("ArrowRight")
+    wait_until(lambda: now(page)["motion"] == 1)
+    page = page.context.new_page()
+    page.set_content(f'<iframe sandbox="allow-scripts" srcdoc="{html.escape(lab)}" width=900 height=700></iframe>')
+    frame = page.frame_locator("iframe")
+    frame.locator("#step").click()
+    frame.get_by_text("1 step", exact=True).wait_for()
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("width, height", [(390, 844), (820, 1180), (1100, 720), (1440, 900), (2560, 1440)])
+def test_nothing_is_cut_off_at_any_size(opened, width, height):
+    page = opened(width=width, height=height, color_scheme="dark")
+    assert page.evaluate("document.documentElement.dataset.scheme") == "dark"
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    if width >= 1100:
+        assert page.evaluate("document.documentElement.scrollHeight") == height
+        over = page.evaluate(
+            "[...document.querySelectorAll('.right, .controls')].map(e => e.scrollHeight - e.clientHeight)"
+        )
+        assert over[0] <= 0 or height < 800
+        assert over[1] <= 0
+    clipped = page.evaluate(
+        "[...document.querySelectorAll('button, .value, .hint, .card p, h1, h2, legend, .legend li, .choice span')]"
+        ".filter(e => e.offsetWidth && e.scrollWidth > e.clientWidth + 1).map(e => e.textContent)"
+    )
+    assert clipped == []
+
+
+@pytest.mark.browser
+def test_a_screen_reader_finds_a_name_for_everything(opened):
+    page = opened()
+    unnamed = page.evaluate(
+        """[...document.querySelectorAll("button, input, select, canvas[tabindex], [role=img], [tabindex]")].filter(e =>
+        !(e.getAttribute("aria-label") || e.labels?.length || e.textContent.trim() || e.title)).map(e => e.outerHTML)"""
+    )
+    assert unnamed == []
+    elbow = page.get_by_role("slider", name="Elbow θ₄ of the demonstrator")
+    assert elbow.get_attribute("aria-valuetext") == "-90.0 degrees"
+    page.keyboard.press("ArrowRight")
+    wait_until(lambda: "1 step." in page.get_by_role("status").text_content())
+    page.locator("#help").click()
+    assert page.locator("#keys").is_visible()
+
+
+@pytest.mark.browser
+def test_with_reduced_motion_a_step_is_shown_at_once(opened):
+    page = opened(reduced_motion="reduce")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(150)
+    shown = page.locator("#own .value").nth(0).inner_text()
+    assert shown == f"{degrees(now(page)['theta'])[0]:.1f}°"
+
+
+@pytest.mark.browser
+def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
+    page = browser.new_page()
+    page.goto(f"{server}/lab#preset=paper&demo=50,-80&steps=2")
+    wait_until(lambda: page.evaluate("typeof lab === 'object' && document.querySelector('#open').href.includes('?s=')"))
+    text = page.locator("#open").get_attribute("href").partition("s=")[2]
+    script = link.read(text, Settings()).script
+    assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
+    page.close()
+
+
+def test_presets_have_scenes_that_load():
+    for preset in presets():
+        assert preset.points == 4 or str(preset.points) in load_scene(preset.scene or "panda").points

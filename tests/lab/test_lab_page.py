@@ -159,7 +159,7 @@ def test_everything_can_be_dragged(opened):
             """([k, i]) => {
                 const {x, y, scale} = lab.images.views[k].window, {demo, own} = lab.session().now.views;
                 const images = k < 2 ? demo : own, at = 4 * i + 2 * (k & 1);
-                return [(images[at] - x) * scale, (images[at + 1] - y) * scale];
+                return [(images[at] - x) * scale * lab.images.unit, (images[at + 1] - y) * scale * lab.images.unit];
             }""",
             ["lrLR".index(view), point],
         )
@@ -175,7 +175,7 @@ def test_everything_can_be_dragged(opened):
     assert degrees(now(page)["theta"]) != degrees(moved["theta"])
 
     box = page.locator("#map").bounding_box()
-    place = lambda theta: page.evaluate("theta => lab.map.place(theta)", theta)
+    place = lambda theta: page.evaluate("theta => lab.map.place(theta).map(v => v * lab.map.unit)", theta)
     goal = [0.7, -2.0]
     start, end = place(now(page)["theta"]), place(goal)
     drag(page, (box["x"] + start[0], box["y"] + start[1]), (end[0] - start[0], end[1] - start[1]))

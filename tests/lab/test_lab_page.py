@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from viewimit.app.lab.address import lab_address
 from viewimit.app.lab.page import lab_page, presets
 from viewimit.app.sessions import link
 from waiting import wait_until
@@ -322,6 +323,21 @@ def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
     script = link.read(text, Settings()).script
     assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
     page.close()
+
+
+@pytest.mark.browser
+def test_the_pages_link_leads_to_the_lab_in_its_state(opened):
+    session = Session(
+        Settings.paper(demonstrator_deg=(50, -80), start_deg=(30, -40), noise_px=0.5, seed=3, rectify="off")
+    )
+    session.run(3)
+    page = opened("#" + lab_address(session.snapshot).partition("#")[2])
+    there = now(page)
+    assert degrees(there["thetaDemo"]) == [50, -80]
+    assert np.abs(np.degrees(np.array(there["theta"]) - session.snapshot.theta)).max() < 0.01
+    assert page.locator("#noise").input_value() == "0.5" and page.locator("#seed").input_value() == "3"
+    assert lab_address(Session(Settings(scene="panda", joints=(1, 2, 4), points=16)).snapshot) is None
+    assert "preset=facing" in lab_address(Session(Settings.paper(scene="panda-facing")).snapshot)
 
 
 def test_presets_have_scenes_that_load():

@@ -196,7 +196,8 @@ def _whitening(covariance: Array, visible: NDArray[np.bool_]) -> Array:
     """Compute Cᵀ of the visible coordinates, C Cᵀ = Σ⁻¹, else 0. covariance: (N, 4, 4); visible: (N, 2)."""
     coordinates = np.repeat(visible, 2, 1)
     both = coordinates[:, :, None] & coordinates[:, None, :]
-    weight = np.linalg.inv(np.linalg.cholesky(np.where(both | np.eye(4, dtype=bool), covariance, 0.0)))
+    cholesky = np.linalg.cholesky(np.where(both | np.eye(4, dtype=bool), covariance, 0.0))
+    weight = np.asarray(np.linalg.inv(cholesky), float)
     return weight if visible.all() else np.where(both, weight, 0.0)
 
 

@@ -283,7 +283,7 @@ class _Permutations:
         """(P, T) px²; own points are permuted, which is equivalent."""
         order = np.arange(self.views.own.shape[-2])
         own = np.stack([self.views.own[:, permute(order, pairs)] for pairs in permutations])
-        demo, visible = (np.broadcast_to(of, own.shape) for of in (self.views.demo, self.views.visible))
+        demo, visible = np.broadcast_to(self.views.demo, own.shape), np.broadcast_to(self.views.visible, own.shape)
         some = FourViews(demo, own, visible)
         E = np.asarray(fit_transfer(METHOD, some, self.rectification).conflict(some))
         for k, handedness in enumerate(self.handedness):

@@ -232,7 +232,7 @@ class PartialPointResiduals:
         if transfer is not None:
             return self._complete(own, transfer, noise_reference, rig)
         visible = self._visible[:, :2]
-        known = visible.any(1) & np.isfinite(own).all(-1).reshape(-1, len(visible)).all(0)
+        known = np.asarray(visible.any(1) & np.isfinite(own).all(-1).reshape(-1, len(visible)).all(0))
         in_both = known & visible.all(1)
         if np.count_nonzero(in_both) < MIN_POINTS:
             return np.full((*own.shape[:-2], 1, 4), np.inf)

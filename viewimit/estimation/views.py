@@ -22,9 +22,9 @@ class FourViews:
     Coordinates of invisible points mean nothing: transfers take `used`.
     """
 
-    demo: NDArray[np.float64]  # (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r
-    own: NDArray[np.float64]  # (..., N, 4) px, the learner's own points [L, R]
-    visible: NDArray[np.bool_]  # (..., N, 4), visible in l, r, L, R
+    demo: NDArray[np.float64]  #: (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r
+    own: NDArray[np.float64]  #: (..., N, 4) px, the learner's own points [L, R]
+    visible: NDArray[np.bool_]  #: (..., N, 4), visible in l, r, L, R
 
     @classmethod
     def from_images(
@@ -37,6 +37,10 @@ class FourViews:
         demo_left, demo_right, own_left, own_right : (..., N, 2) array_like
             Points of each view [px], or OpenCV's (..., N, 1, 2). A point that is NaN or masked is not visible there.
 
+        Returns
+        -------
+        FourViews
+
         Raises
         ------
         ValueError
@@ -46,7 +50,17 @@ class FourViews:
 
     @classmethod
     def from_arrays(cls, *images: NDArray[np.float64]) -> "FourViews":
-        """Collect points of four arrays (..., N, 2) px, which are never taken for OpenCV's: N may be 1."""
+        """Collect points of four arrays, which are never taken for OpenCV's: N may be 1.
+
+        Parameters
+        ----------
+        *images : (..., N, 2) arrays
+            Points of l, r, L, R [px].
+
+        Returns
+        -------
+        FourViews
+        """
         for name, image in zip(VIEW_NAMES.values(), images):
             if image.ndim < 2 or image.shape[-1] != 2:
                 raise ValueError(f"{name}: need points of shape (..., N, 2), got {image.shape}")
@@ -118,13 +132,35 @@ class FourViews:
         return self if self.complete else self.select(_same_in_all(self.usable))
 
     def select(self, points: NDArray[np.bool_] | NDArray[np.int_]) -> "FourViews":
-        """Select points by (N,) bool or indices, the same for all postures of a batch."""
+        """Select points, the same for all postures of a batch.
+
+        Parameters
+        ----------
+        points : (N,) array of bool, or indices
+            Which points.
+
+        Returns
+        -------
+        FourViews
+            These points only.
+        """
         if np.ndim(points) != 1:
             raise ValueError(f"points must be (N,) bool or indices, for all postures, got shape {np.shape(points)}")
         return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
 
     def permuted(self, pairs: Pairs) -> "FourViews":
-        """Swap the demonstrator's points of each pair."""
+        """Swap the demonstrator's points of each pair.
+
+        Parameters
+        ----------
+        pairs : tuple of pairs of int
+            Points, by index.
+
+        Returns
+        -------
+        FourViews
+            The same points in another order.
+        """
         if not pairs:
             return self
         order = permute(np.arange(self.demo.shape[-2]), pairs)
@@ -132,7 +168,18 @@ class FourViews:
         return FourViews(self.demo[..., order, :], self.own, visible)
 
     def with_own(self, own: NDArray[np.float64]) -> "FourViews":
-        """Replace the own images, (..., N, 4) px."""
+        """Replace the own images.
+
+        Parameters
+        ----------
+        own : (..., N, 4) array
+            Points in [L, R] [px].
+
+        Returns
+        -------
+        FourViews
+            The same demonstrator beside these images.
+        """
         return replace(self, own=own)
 
 
@@ -187,7 +234,7 @@ SHAPES = ("all points are in one place", "all points are on one line", "all poin
 
 def extents(images: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute σ1 to σ4 [px] of centred points in two images, (..., N, 4) px → (..., 4)."""
-    return np.linalg.svd(centred(images)[1], compute_uv=False)
+    return np.asarray(np.linalg.svd(centred(images)[1], compute_uv=False), float)
 
 
 def dimensions(images: NDArray[np.float64]) -> NDArray[np.int_]:

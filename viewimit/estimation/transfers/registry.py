@@ -31,17 +31,19 @@ Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple
 class TransferMethod:
     """A transfer with its description. Calling it with `FourViews` calls `fit`."""
 
-    fit: Callable[[FourViews], FittedTransfer]  # views of points visible in all four, (..., N, 4) px, N ≥ 5
-    title: str = ""  # in dropdowns; by default the name of `fit`
-    assumes: str = ""  # one sentence: when it is exact
-    limitations: str = ""  # one sentence: where it fails
-    stored: tuple[type, ...] = ()  # dataclasses of a fitted transfer, nested ones too, of arrays, scalars and strings
-    equations: Equations = lambda fitted, demo, own, name: ()  # how one point, (4,) px in [l r] and [L R], is recovered
-    crosses_lines: bool = False  # whether a point is recovered at the intersection of its epipolar lines
-    condition_name: str = FLATNESS  # what `condition` is
-    degenerate_message: str = FLAT  # shown if `condition` is too large
-    conflict_equation: Callable[[float], Equation] | None = None  # E px² → what replaces Eq. (6), if anything
-    homography_of_space: bool = False  # whether rectified views are related by one, so `HomographyResiduals` apply
+    fit: Callable[[FourViews], FittedTransfer]  #: views of points visible in all four, (..., N, 4) px, N ≥ 5
+    title: str = ""  #: in dropdowns; by default the name of `fit`
+    assumes: str = ""  #: one sentence: when it is exact
+    limitations: str = ""  #: one sentence: where it fails
+    stored: tuple[type, ...] = ()  #: dataclasses of a fitted transfer, nested ones too, of arrays, scalars and strings
+    equations: Equations = (
+        lambda fitted, demo, own, name: ()
+    )  #: how one point, (4,) px in [l r] and [L R], is recovered
+    crosses_lines: bool = False  #: whether a point is recovered at the intersection of its epipolar lines
+    condition_name: str = FLATNESS  #: what `condition` is
+    degenerate_message: str = FLAT  #: shown if `condition` is too large
+    conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
+    homography_of_space: bool = False  #: whether rectified views are related by one, so `HomographyResiduals` apply
 
     def __post_init__(self) -> None:
         self.title = self.title or name_of(self.fit)

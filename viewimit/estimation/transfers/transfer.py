@@ -35,15 +35,48 @@ class FittedTransfer(Protocol):
         return None
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray[np.float64]:
-        """Map any points seen in [l], [r], (..., M, 2) px each, to [L, R], (..., M, 4) px."""
+        """Map points from the demonstrator's images to the own ones.
+
+        Parameters
+        ----------
+        demo_left, demo_right : (..., M, 2) arrays
+            Any points seen in [l], [r] [px], not only those that were fitted.
+
+        Returns
+        -------
+        (..., M, 4) array
+            Points in [L, R] [px].
+        """
         ...
 
     def residual(self, views: FourViews) -> NDArray[np.float64]:
-        """Compute e of Eq. (6), (..., N, C) px: C = 4, or 8 if the demonstrator's images have residuals as well."""
+        """Compute e of Eq. (6).
+
+        Parameters
+        ----------
+        views : FourViews
+            The N points that were fitted, or the same points with other own images.
+
+        Returns
+        -------
+        (..., N, C) array
+            Residuals [px]: C = 4, or 8 if the demonstrator's images have residuals as well.
+        """
         ...
 
     def conflict(self, views: FourViews) -> NDArray[np.float64]:
-        """Compute E, (...) px²."""
+        """Compute E of Eq. (6).
+
+        Parameters
+        ----------
+        views : FourViews
+            As for `residual`.
+
+        Returns
+        -------
+        (...) array
+            E [px²].
+        """
         ...
 
 
@@ -63,7 +96,18 @@ class Recovers(Protocol):
     """What a transfer function returns. It may also define any other member of `FittedTransfer`."""
 
     def recover(self, demo_left: NDArray[np.float64], demo_right: NDArray[np.float64]) -> ArrayLike:
-        """Map any points seen in [l], [r], (M, 2) px each, to [L, R], (M, 4) px."""
+        """Map points from the demonstrator's images to the own ones.
+
+        Parameters
+        ----------
+        demo_left, demo_right : (M, 2) arrays
+            Any points seen in [l], [r] [px].
+
+        Returns
+        -------
+        (M, 4) array
+            Points in [L, R] [px].
+        """
         ...
 
 

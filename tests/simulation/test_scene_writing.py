@@ -75,7 +75,7 @@ def test_settings_with_a_scene_in_full_repeat_those_with_its_file(tmp_path):
 
 
 def test_it_is_called_by_its_title():
-    assert [Settings(scene=scene).scene_called for scene in (MINE, 'extends = "iiwa"\n', "C:\\arms\\mine.toml")] == [
+    assert [Settings(scene=scene).scene_title for scene in (MINE, 'extends = "iiwa"\n', "C:\\arms\\mine.toml")] == [
         "Eyes <wider> a/part", "iiwa", "mine.toml",
     ]  # fmt: skip
     assert file_name("/x/mine.toml") == "mine.toml"

@@ -91,7 +91,14 @@ def in_part(part):
 
 
 def test_the_reader_of_imports_sees_them_all():
-    assert parts_imported(ROOT / "viewimit/loop/session.py") == {"estimation", "loop", "sensing", "servo", "simulation"}
+    assert parts_imported(ROOT / "viewimit/loop/session.py") == {
+        "estimation",
+        "geometry",
+        "loop",
+        "sensing",
+        "servo",
+        "simulation",
+    }
     assert "viser" in {module[0] for path in in_part("app") for module, _ in imports_of(path)}
 
 

@@ -44,7 +44,11 @@ from viewimit.drawing.plots import Axes, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper import fig7, fig7_figure, fig9, fig9_figure, fig10, fig10_figure
+from viewimit.experiments.paper import (
+    fig7,
+    fig9,
+    fig10,
+)
 from viewimit.experiments.paper.claims import Claim
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -94,14 +98,14 @@ def starts(d):
 
 class TestFig7:
     def place(self, degrees):
-        plane = PosturePlane(SCENE, fig7_figure.MAP_WIDTH, fig7_figure.MAP_HIGH)
+        plane = PosturePlane(SCENE, fig7.MAP_WIDTH, fig7.MAP_HIGH)
         return plane.place(np.asarray(degrees, float))
 
     def test_marks_are_at_the_demonstrator_and_at_the_minimum(self, landscape):
         html = draw("fig7", landscape)
         minimum = np.degrees(landscape.surfaces["epipolar"].minima.theta[0])
         cross = starts(paths(html, SMALLEST_E)[0])
-        assert [cross[0, 0] + fig7_figure.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
+        assert [cross[0, 0] + fig7.CROSS, cross[0, 1]] == pytest.approx(self.place(minimum), abs=0.06)
         diamond = starts(paths(html, DEMONSTRATORS_POSTURE)[0])[0]
         assert diamond == pytest.approx(self.place([45, -90]), abs=0.06)
         off = minimum - (45, -90)
@@ -110,7 +114,7 @@ class TestFig7:
 
     def test_the_ellipse_is_a_level_of_the_parabola_as_far_as_it_holds(self, landscape):
         surface = landscape.surfaces["epipolar"]
-        scale = PosturePlane(SCENE, fig7_figure.MAP_WIDTH, fig7_figure.MAP_HIGH).scale
+        scale = PosturePlane(SCENE, fig7.MAP_WIDTH, fig7.MAP_HIGH).scale
         away = vertices(paths(draw("fig7", landscape), PARABOLAS_LEVEL)[0])
         away = (away - self.place(np.degrees(surface.minima.theta[0])))[:, ::-1] * (-1, 1) / scale
         level = np.einsum("ni,ij,nj->n", away, surface.convexity.Q, away)
@@ -120,7 +124,7 @@ class TestFig7:
     def test_every_other_demonstrators_bias_is_a_dot(self, landscape):
         html = draw("fig7", landscape)
         most = np.ceil(max(5, *(np.abs(study.bias_deg).max() for study in landscape.studies.values())))
-        left, top, right, bottom = fig7_figure.CLOSE
+        left, top, right, bottom = fig7.BIAS_BOX
         scale = (bottom - top) / (2 * most)
         for transfer, kind in (("epipolar", BIASES_EPIPOLAR), ("linear", BIASES_LINEAR)):
             bias = landscape.studies[transfer].bias_deg
@@ -133,7 +137,7 @@ class TestFig7:
         worst = 100 * landscape.surfaces["epipolar"].convexity.worst
         drawn = vertices(lines(html, line_of("learner"))[0])
         assert len(drawn) == np.isfinite(worst).sum()
-        assert drawn[[0, -1], 0] == pytest.approx([fig7_figure.VALID[0], fig7_figure.VALID[2]], abs=0.06)
+        assert drawn[[0, -1], 0] == pytest.approx([fig7.VALIDITY_BOX[0], fig7.VALIDITY_BOX[2]], abs=0.06)
         heights = np.log10(worst[np.isfinite(worst)])
         assert np.corrcoef(heights, drawn[:, 1])[0, 1] == pytest.approx(-1, abs=1e-3)
 
@@ -167,20 +171,20 @@ class TestFig7:
 
 class TestFig9:
     def x(self, motions):
-        width = fig9_figure.RIGHT - fig9_figure.LEFT
-        return fig9_figure.LEFT + width * np.log1p(motions) / np.log1p(fig9.MOTIONS)
+        width = fig9.RIGHT - fig9.LEFT
+        return fig9.LEFT + width * np.log1p(motions) / np.log1p(fig9.MAX_MOTIONS)
 
     def test_motions_are_logarithmic_and_angles_true(self, imitation):
         run = imitation.of("broyden")[0]
         html = draw("fig9", imitation)
         curves = [vertices(d) for d in lines(html, line_of("learner"), SOLID)][-3:]
-        top, bottom = fig9_figure.ANGLES
+        top, bottom = fig9.ANGLES
         for curve, angle in zip(curves, run.theta_deg.T):
             np.testing.assert_allclose(curve[:, 0], self.x(np.arange(len(run.E))), atol=0.06)
             np.testing.assert_allclose(curve[:, 1], top + (bottom - top) * (90 - angle) / 270, atol=0.06)
         slope = np.polyfit(np.log10(run.E), curves[2][:, 1], 1)[0]
         low, high = decades(np.concatenate([run.E for run in imitation.runs]), 1, 100)
-        top, bottom = fig9_figure.CONFLICT
+        top, bottom = fig9.CONFLICT
         assert slope == pytest.approx((top - bottom) / np.log10(high / low), rel=1e-3)
 
     def test_what_does_not_arrive_ends_in_crosses_and_says_so(self, imitation):
@@ -201,7 +205,7 @@ class TestFig9:
 
     def test_the_demonstrators_angles_and_E_are_broken_lines(self, imitation):
         levels = [vertices(d)[:, 1] for d in paths(draw("fig9", imitation), TRUE)]
-        top, bottom = fig9_figure.ANGLES
+        top, bottom = fig9.ANGLES
         expected = [top + (bottom - top) * (90 - angle) / 270 for angle in (45, -90)]
         assert [level[0] for level in levels[:2]] == pytest.approx(expected, abs=0.06)
         assert all(level[0] == level[1] for level in levels) and len(levels) == 3
@@ -226,7 +230,7 @@ class TestFig9:
         html = draw("fig9", found)
         assert "E < 0.01 px²" in words(html) and "1e-" not in words(html)
         bottom = vertices(lines(html, SOLID)[2])[-1, 1]
-        assert bottom == pytest.approx(fig9_figure.CONFLICT[1], abs=0.06)
+        assert bottom == pytest.approx(fig9.CONFLICT[1], abs=0.06)
 
     def test_parts_of_it_are_drawn_too(self, imitation):
         for count in range(len(imitation.runs)):
@@ -245,7 +249,7 @@ class TestFig9:
 class TestFig10:
     def panels(self, html):
         """Four (own path, true path, words), L and R of each pair."""
-        boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10_figure.PANEL)]
+        boxes = [box for box in parsed(html).iter("svg") if box.get("width") == str(fig10.PANEL)]
         found = []
         for box in boxes:
             own = [p.get("d") for p in marked(box, "path", OWN_TRACE)]
@@ -259,7 +263,7 @@ class TestFig10:
             run, scales = trajectory.runs[name], []
             for k, ((own,), (true,), said) in enumerate(pair):
                 assert "LR"[k] in said and own.count("M") == true.count("M") == run.followed.sum()
-                kept = svg.thinned(len(run.own), fig10_figure.VERTICES)
+                kept = svg.thinned(len(run.own), fig10.VERTICES)
                 view = slice(2 * k, 2 * k + 2)
                 apart = (run.own - run.desired)[kept][:, run.followed, view]
                 drawn = (vertices(own.replace("M", " ")) - vertices(true.replace("M", " "))).reshape(
@@ -283,7 +287,7 @@ class TestFig10:
         html = draw("fig10", trajectory)
         styles = [("learner", "solid"), ("recovered", "dash-dot"), ("residual", "dashed"), ("ink", "dotted")]
         low, high = decades(np.concatenate([1e3 * run.hand_m for run in trajectory.runs.values()]), 1, 1000)
-        top, bottom = fig10_figure.LOWER
+        top, bottom = fig10.PLOT_TOP, fig10.PLOT_BOTTOM
         for run, (role, dash) in zip(trajectory.runs.values(), styles):
             curve = vertices(lines(html, line_of(role), dashed(dash))[1])
             y = bottom - (bottom - top) * np.log10(1e3 * run.hand_m[[0, -1]] / low) / np.log10(high / low)
@@ -314,7 +318,7 @@ class TestFig10:
         exact = replace(run, theta=run.theta_demo, hand_m=run.hand_m * 1e-12)
         html = draw("fig10", replace(trajectory, runs={fig10.CONVERGED: exact}))
         for curve in lines(html, SOLID):
-            np.testing.assert_allclose(vertices(curve)[:, 1], fig10_figure.LOWER[1], atol=0.06)
+            np.testing.assert_allclose(vertices(curve)[:, 1], fig10.PLOT_BOTTOM, atol=0.06)
         assert "0.01" in words(html) and "0.001" not in words(html)
 
     def test_a_motions_name_is_escaped(self, trajectory):
@@ -341,7 +345,7 @@ class TestAll:
     def test_each_says_of_what_it_was_made_and_an_empty_one_what_it_shows(self, drawings):
         for drawing in drawings[:3]:
             assert f"Demonstrator (45.0°, {MINUS}90.0°) · epipolar transfer · panda, 10 points" in words(drawing)
-        for drawing, module in zip(drawings[3:], (fig7_figure, fig9_figure, fig10_figure)):
+        for drawing, module in zip(drawings[3:], (fig7, fig9, fig10)):
             assert "Demonstrator (" not in drawing and all(line in words(drawing) for line in module.SENTENCE)
             assert paths(drawing, AXES)
 

@@ -65,10 +65,10 @@ def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(obse
 @pytest.mark.parametrize("delay", range(MAX_LATENCY_LOOKS + 1))
 def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_asked(eyes, observer, delay):
     now = Session(Settings.paper(start_deg=(25, -45), delay=delay)).snapshot
-    assert observer.wait(now, START + 0.1) == (delay, delay)
-    assert observer.wait(now, START) == (MAX_LATENCY_LOOKS, None)  # no motion that could show
+    assert observer.wait_for_motion(now, START + 0.1) == (delay, delay)
+    assert observer.wait_for_motion(now, START) == (MAX_LATENCY_LOOKS, None)  # no motion that could show
     asked = len(eyes.asked)
-    assert observer.wait(now.with_fields(lag=2), START + 0.1) == (2, 2) and len(eyes.asked) == asked
+    assert observer.wait_for_motion(now.with_fields(lag=2), START + 0.1) == (2, 2) and len(eyes.asked) == asked
 
 
 def test_the_noise_is_measured_at_rest():

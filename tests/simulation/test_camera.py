@@ -35,7 +35,7 @@ def test_projection_is_opencvs(lens):
 
 
 @pytest.mark.parametrize("lens", [LENS, OBLONG, BARREL, PINCUSHION])
-def test_a_ray_meets_the_point_whose_image_it_is_of(lens):
+def test_a_ray_through_an_image_point_meets_its_point(lens):
     camera = Camera(640, 240, lens, rigid_transform(look_rotation([2, -0.7, -0.7]), [0.1, 0.2, 1.7]))
     points = scattered(np.random.default_rng(4))
     image, visible = camera.project(points)
@@ -56,7 +56,7 @@ def test_an_image_rid_of_its_distortion_is_that_of_the_ideal_lens():
         np.testing.assert_allclose(found, ideal.T[seen], atol=1e-7)
 
 
-def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
+def test_a_wrong_correction_leaves_the_difference_of_distortions():
     """Distorted by one, then undone by the other, with its rays and both at once in a pair."""
     lens = Lens(BARREL.focal, BARREL.centre, BARREL.distortion, RadialDistortion(-0.08, 0.01))
     camera = Camera(640, 240, lens, HEAD.gaze([2, -0.7, 1])[0].T_world_camera)
@@ -72,7 +72,7 @@ def test_what_is_undone_by_other_numbers_than_the_lenss_is_what_one_sees():
     np.testing.assert_allclose(Cameras([camera]).images(points.T)[0][0][visible], image.T[visible], atol=1e-9)
 
 
-def test_a_barrel_does_not_fold_what_is_far_outside_back_into_the_image():
+def test_barrel_distortion_does_not_fold_outer_points_into_the_image():
     lens = Lens((256, 256), (320, 120), RadialDistortion(-0.2))
     across = np.linspace(0.01, 30, 3000)
     image, visible = Camera(640, 240, lens, np.eye(4)).project(np.stack([across, 0 * across, 1 + 0 * across]))
@@ -108,7 +108,7 @@ def test_visible_means_in_front_and_inside_the_image():
 
 
 @pytest.mark.parametrize("lenses", [(LENS, LENS), (LENS, OBLONG), (BARREL, OBLONG), (BARREL, PINCUSHION)])
-def test_several_cameras_at_once_see_what_each_sees(lenses):
+def test_a_batch_of_cameras_equals_each_camera(lenses):
     cameras = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, *lenses, toe_in=0.1).gaze([2, -0.7, 1])
     points = scattered(np.random.default_rng(3), 400)
     points[:, ::7] *= 3  # some beyond the images, some behind the cameras
@@ -120,7 +120,7 @@ def test_several_cameras_at_once_see_what_each_sees(lenses):
         np.testing.assert_array_equal(seen, expected_seen)
 
 
-def test_what_is_too_near_or_behind_is_set_back_on_its_way_to_the_image():
+def test_points_too_near_or_behind_are_moved_back():
     camera = Camera(640, 240, LENS, np.eye(4))
     points = np.array([[0.1, 0, 0.2], [0.1, 0, 0.01], [0.1, 0, -1.0]])
     images, depth = Cameras([camera]).images(points, nearest=0.05)
@@ -160,7 +160,7 @@ def test_parallel_axes_have_no_vertical_disparity_and_verged_ones_meet_at_the_ta
         np.testing.assert_allclose(camera.project(target[:, None])[0][:, 0], (320, 120), atol=1e-9)
 
 
-def test_toed_in_cameras_turn_by_so_much_towards_each_other_and_verged_ones_by_what_the_gaze_asks():
+def test_toed_in_cameras_turn_by_the_angle_and_verged_ones_to_the_gaze():
     target, toe_in = np.array([1.0, 0.9, 0.8]), np.radians(7)
     parallel = HEAD.gaze(target)
     toed = StereoHead((0.1, -0.2, 1.7), 0.6, 640, 240, LENS, LENS, toe_in=toe_in).gaze(target)

@@ -110,7 +110,7 @@ def test_an_arm_sags_and_obeys_and_repeats_itself(arm):
     np.testing.assert_allclose(arm.drive(reached, goal), reached, atol=np.radians(0.01))
 
 
-def test_nothing_but_detections_reaches_a_session():
+def test_only_detections_reach_a_session():
     session = Session(Settings.paper(sensor="rendered", transfer="projective", servo="trust-region"))
     now = session.snapshot
     found = session.eyes.detections
@@ -133,7 +133,7 @@ def test_pictures_need_a_robot_with_markers(ask, tmp_path):
 
 
 @pytest.mark.parametrize("package, extra", [("pybullet", "pybullet"), ("cv2", "opencv")])
-def test_what_is_missing_is_said(ask, monkeypatch, package, extra):
+def test_missing_packages_are_reported(ask, monkeypatch, package, extra):
     import importlib.util
 
     find = importlib.util.find_spec

@@ -35,7 +35,7 @@ from viewimit.simulation.urdf.reference import (
         ("arm.xml", "<robot name='a'/>", r"arm\.xml is a URDF by another name: cp \S*arm\.xml \S*arm\.urdf"),
     ],
 )
-def test_what_is_no_urdf_is_refused_in_one_line_with_the_command(tmp_path, load, name, content, message):
+def test_other_formats_are_refused_in_one_line_with_the_command(tmp_path, load, name, content, message):
     if content is not None:
         (tmp_path / name).write_text(content)
     with pytest.raises(ValueError, match=message) as refused:
@@ -63,12 +63,12 @@ def test_neither_is_one_that_is_only_named_so(tmp_path, content, message):
     assert "\n" not in str(refused.value)
 
 
-def test_what_xacro_leaves_of_itself_in_a_urdf_does_no_harm(tmp_path):
+def test_remains_of_xacro_in_a_urdf_are_harmless(tmp_path):
     (tmp_path / "arm.urdf").write_text(XACRO.format("".join(arm())))
     assert len(load_robot(tmp_path / "arm.urdf").joints) == 3
 
 
-def test_a_path_and_links_may_have_what_parts_a_reference(tmp_path):
+def test_paths_and_links_may_contain_the_separators_of_a_reference(tmp_path):
     odd = "lo&wer#1 %26=x"
     parts = [part.replace('"lower"', f'"{odd.replace("&", "&amp;")}"') for part in arm()]
     urdf = write(tmp_path / "a#b", *parts, name="x#y.urdf")
@@ -127,7 +127,7 @@ def test_a_description_is_found_where_its_files_are(descriptions):
     assert "robot_descriptions.small_description" not in sys.modules  # the package's own import would find its own
 
 
-def test_a_description_that_is_not_there_or_no_urdf_says_so(descriptions, ask):
+def test_a_missing_description_or_one_without_urdf_is_reported(descriptions, ask):
     descriptions.mkdir(parents=True)
     with pytest.raises(ValueError, match=r"macro_description has no URDF: it is xacro, .*a\.urdf\.xacro"):
         description_path("macro_description")
@@ -136,7 +136,7 @@ def test_a_description_that_is_not_there_or_no_urdf_says_so(descriptions, ask):
     assert ask("imitate", "--robot", "no_description")[0] == 2
 
 
-def test_without_the_package_it_says_how_to_get_it(monkeypatch):
+def test_a_missing_package_is_reported_with_the_remedy(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(ValueError, match="ur5_description: pip install robot_descriptions"):
         description_path("ur5_description")

@@ -35,7 +35,7 @@ def test_shipped_scenes_load_and_show_their_demonstrator(name):
     assert visible.all() and np.isfinite(points).all()
 
 
-def test_extends_takes_over_what_is_not_repeated(scene_file):
+def test_extends_takes_the_other_fields(scene_file):
     scene = load_scene(scene_file('extends = "panda"\ntitle = "Mine"\n[head]\nbaseline = 0.3\n'))
     parent = load_scene("panda")
     assert scene.title == "Mine" and scene.head.baseline == 0.3
@@ -47,7 +47,7 @@ def test_an_editors_mark_of_utf_8_is_no_part_of_a_file(scene_file):
     assert plain == marked and marked.title == "ü"
 
 
-def test_each_eye_may_have_a_lens_of_its_own_and_takes_the_heads_for_what_it_does_not_say(scene_file):
+def test_each_camera_may_differ_from_the_head(scene_file):
     text = 'extends = "panda"\n[head]\ntoe_in_deg = 5\n[head.left]\nfocal = [250, 260]\ndistortion = [-0.1, 0.01]\n'
     head = load_scene(scene_file(text)).stereo_head()
     assert head.left == Lens((250, 260), (320, 120), RadialDistortion(-0.1, 0.01)) and head.right == Lens(
@@ -104,7 +104,7 @@ def test_errors_name_the_file_and_the_field(scene_file, text, message):
         load_scene(scene_file(text))
 
 
-def test_unknown_scene_robot_and_layout_say_what_there_is(tmp_path):
+def test_unknown_scene_robot_and_layout_are_refused_with_a_list(tmp_path):
     with pytest.raises(ValueError, match="no scene 'kitchen'; there are .*panda"):
         load_scene("kitchen")
     with pytest.raises(ValueError, match="no robot 'r2d2'; there are iiwa, panda"):
@@ -135,7 +135,7 @@ def test_joints_that_cannot_be_are_refused(joints):
         load_scene("panda", joints=joints)
 
 
-def test_the_scenes_own_layout_is_taken_where_it_has_none_of_ten(ask_json, ask, tmp_path):
+def test_the_nearest_layout_replaces_a_missing_layout_of_ten(ask_json, ask, tmp_path):
     panda = load_scene("panda")
     path, (others, _) = tmp_path / "mine.toml", (ROOT / "scenes/panda.toml").read_text().split("[points]")
     layouts = "".join(f"{count} = {json.dumps(panda.points[count])}\n" for count in ("20", "16"))

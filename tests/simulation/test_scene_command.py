@@ -19,7 +19,7 @@ def run_of(told):
     return {name: value for name, value in told.items() if name not in ("options", "settings")}
 
 
-def test_the_file_is_the_scene_that_is_made(ask, ask_json, urdf, tmp_path):
+def test_the_written_file_is_the_scene_that_is_made(ask, ask_json, urdf, tmp_path):
     status, out, err = ask("scene", urdf, "--out", "elsewhere.TOML")
     assert (status, out) == (0, "") and "written to elsewhere.TOML" in err and "moving 2 (lift)" in err
     assert load_scene("elsewhere.TOML") == load_scene(urdf)
@@ -44,13 +44,13 @@ def test_given_joints_are_those_of_the_file(ask, ask_json, urdf, joints):
 
 @pytest.mark.parametrize("words", ["scene small.urdf", "imitate --max-motions 0 --robot small.urdf"])
 @pytest.mark.parametrize("joints, moving", [("1,3", "yaw elbow"), ("2", "lift"), ("all", "yaw lift elbow")])
-def test_the_joints_that_it_says_move_do(ask, urdf, words, joints, moving):
+def test_the_chosen_joints_move(ask, urdf, words, joints, moving):
     _, _, err = ask(*words.split(), "--joints", joints)
     (said,) = re.findall(r"^small.urdf: moving (.*)$", err, re.MULTILINE)
     assert re.findall(r"\((\w+)\)", said) == moving.split()
 
 
-def test_it_says_above_each_line_what_it_means(ask, urdf):
+def test_every_field_is_commented(ask, urdf):
     status, out, _ = ask("scene", urdf)
     assert status == 0 and out.startswith("# Made from a URDF by `viewimit scene`")
     for line in (
@@ -68,7 +68,7 @@ def test_json_is_one_object_with_the_scene(ask_json, urdf):
     json.dumps(told, allow_nan=False)
 
 
-def test_what_is_missing_is_told_and_no_failure(ask, tmp_path):
+def test_missing_meshes_are_reported_without_failure(ask, tmp_path):
     lost = '<visual><geometry><mesh filename="package://nowhere/hand.stl"/></geometry></visual>'
     path = write(tmp_path, *arm(joint("roll", "lower", "hand", axis="0 0 1", xyz="0 0 0.3"), link("hand", visual=lost)))
     status, out, err = ask("imitate", "--robot", path)
@@ -105,7 +105,7 @@ def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):
     assert re.search(message, err), err
 
 
-def test_bench_robots_tells_of_each_file_how_it_went(ask, ask_json, tmp_path):
+def test_bench_robots_reports_on_each_file(ask, ask_json, tmp_path):
     write(tmp_path, *arm(), name="a/good.urdf")
     write(tmp_path, joint("a", "base", "one"), name="b/one.urdf")
     status, out, _ = ask("bench", "robots", tmp_path, "--runs", 2)

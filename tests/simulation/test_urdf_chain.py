@@ -85,8 +85,8 @@ def test_a_tip_beyond_the_fingers_takes_them_in(tmp_path):
     assert names(write(tmp_path, *arm(*gripper("lower"))), tip="one") == ["yaw", "lift", "elbow", "left"]
 
 
-def test_a_prismatic_joint_is_held_within_its_limits(tmp_path):
-    """A torso that slides from 0.1 to 0.6 m along its axis, whatever its length: a fifth from its lower end."""
+def test_a_prismatic_joint_is_fixed_inside_its_limits(tmp_path):
+    """A torso that slides from 0.1 to 0.6 m along an axis of any length rests a fifth above its lower end."""
     lift = joint(
         "torso", "rail", "base", "prismatic", axis="0 0 2", xyz="0 0 1", more='<limit lower="0.1" upper="0.6"/>'
     )
@@ -155,7 +155,7 @@ def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
         np.testing.assert_allclose(carried, robot.link_frames(robot.with_mimics(whole)), atol=1e-14)
 
 
-def test_all_links_are_carried_where_pybullet_has_them(tmp_path):
+def test_link_frames_equal_pybullets(tmp_path):
     """Every link of a tree with a slide, fingers and a second arm, at rest and with the arm turned."""
     p = pytest.importorskip("pybullet")
     lift = joint("torso", "rail", "base", "prismatic", axis="0 0 1", more='<limit lower="-0.2" upper="0.6"/>')
@@ -217,13 +217,13 @@ def test_an_entity_bomb_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["arm.urdf", "a/b.URDF#tip=hand", "b.urdf#base=torso&tip=left_hand"])
-def test_a_reference_says_what_it_was_read_from(name):
+def test_a_reference_is_written_as_it_was_read(name):
     assert is_reference(name) and str(parse_reference(name)) == name
     assert parse_reference(name).tip == (re.search("tip=(.*)", name) or [None, None])[1]
 
 
 @pytest.mark.parametrize("name", ["arm.urdf#hand", "arm.urdf#tip=", "arm.urdf#foot=one"])
-def test_what_is_no_base_and_no_tip_is_refused(name):
+def test_other_words_than_base_and_tip_are_refused(name):
     with pytest.raises(ValueError, match=r"arm\.urdf: #\w+ is not read: say arm\.urdf#base=LINK&tip=LINK"):
         parse_reference(name)
     assert not is_reference("panda") and not is_reference("a.urdf.xacro")

@@ -195,7 +195,8 @@ def conflict_at(
         E, px², and the condition number.
     """
     keep_freed_memory()
-    return conflict_of_images(fit, demo, demo_visible, *world.own_images(theta), with_condition)
+    own, own_visible = world.own_images(theta)
+    return conflict_of_images(fit, demo, demo_visible, own, own_visible, with_condition)
 
 
 def conflict_of_images(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..estimation.transfers import FittedTransfer
 from ..loop.session import Session
 from ..loop.settings import Settings
-from ..loop.simulated_robot import average_frames
+from ..loop.simulated_robot import observed_images
 from ..sensing.files import MEGABYTE, read_bytes
 from ..servo import Observation
 from ..servo.image_jacobian import BroydenModel
@@ -220,12 +220,12 @@ def follow(
     theta, sent = session.snapshot.theta, session.snapshot.commanded
 
     def look() -> Observation:
-        own, visible = average_frames(settings, eyes.own_images(theta), OWN_FRAMES, n_motions)
+        own, visible = observed_images(settings, eyes.own_images(theta), OWN_FRAMES, n_motions)
         return Observation(own, visible, np.nan, sent - start, low - start, high - start, n_motions, max_step=max_step)
 
     seen, frames = look(), []
     for frame, theta_demo in enumerate(motion.theta):
-        demo, visible = average_frames(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
+        demo, visible = observed_images(settings, eyes.demo_images(theta_demo), DEMO_FRAMES, frame)
         target = transfer.recover(demo[:, :2], demo[:, 2:])
         for _ in range(1 if frame else MAX_APPROACH_STEPS):
             step = model.step_towards(seen, target, followed & visible.all(-1))

@@ -14,7 +14,7 @@ import numpy as np
 from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES
 from ..geometry.distortion import RadialDistortion
-from ..loop.embodiment import within, workspace
+from ..loop.embodiment import require_in_workspace, workspace
 from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.renamed import current_settings
@@ -186,7 +186,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         low, high = workspace(settings, scene.lower, scene.upper)
     with naming("--start"):
         start_deg = scene.start_deg if postures["start_deg"] is None else postures["start_deg"]
-        within(np.radians(start_deg), low, high, "the start")
+        require_in_workspace(np.radians(start_deg), low, high, "the start")
     return msgspec.structs.replace(
         settings,
         scene=chosen,

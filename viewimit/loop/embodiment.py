@@ -1,4 +1,8 @@
-"""What a person writes to put the loop on a robot and cameras of their own: an arm with four members, eyes with two."""
+"""What the loop needs of a robot and its cameras: an arm of your own, eyes of your own, and how a session uses both.
+
+`Arm` and `Eyes` are what you write for a real robot. The other protocols have two implementations each, one for a
+simulated scene and one for an arm and eyes. They know no scene, no world and no ground truth.
+"""
 
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
@@ -11,139 +15,172 @@ from .self_calibration import Body
 from .settings import Settings
 from .snapshot import Snapshot
 
+TOLERANCE_DEG = 1e-6  # beyond a limit
+TOLERANCE_WAYPOINTS = 1e-9  # in numbers of motions: the rounding error of their sum
+
+Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
+
 
 class Arm(Protocol):
-    """An arm of m joints. Postures are (m,) rad, their joints always in the same order; that is all that is known."""
+    """An arm of m joints, for `Session.of`. Postures are (m,) rad, with the joints always in the same order."""
 
     @property
-    def lower(self) -> NDArray:
-        """(m,) rad: it is never sent below."""
+    def lower(self) -> NDArray[np.float64]:
+        """(m,) rad: no joint is sent below."""
         ...
 
     @property
-    def upper(self) -> NDArray:
-        """(m,) rad: it is never sent above."""
+    def upper(self) -> NDArray[np.float64]:
+        """(m,) rad: no joint is sent above."""
         ...
 
     @property
-    def start(self) -> NDArray:
-        """(m,) rad: where a session first sends it."""
+    def start(self) -> NDArray[np.float64]:
+        """(m,) rad: where a session first sends the arm."""
         ...
 
-    def move(self, theta: NDArray) -> NDArray:
-        """Go to theta, (m,) rad, and return when at rest: (m,) rad, where it stands by its encoders, or theta if it has
-        none. That is for viewers: the learner goes by where it sent the arm. A turn or more beyond the limits is
-        refused, as what degrees would be."""
+    def move(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Move the arm, and return when it is at rest.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Posture to go to [rad].
+
+        Returns
+        -------
+        (m,) array
+            Where the arm is by its encoders [rad], or theta if it has none. Only viewers use it: the learner relies on
+            where it sent the arm. Angles a turn or more beyond the limits are refused, as they may be degrees.
+        """
         ...
 
 
 class Eyes(Protocol):
-    """Two cameras, or one pair of pictures for each body, in which N points are found."""
+    """Two cameras, or one pair of pictures for each body, in which N points are found. For `Session.of`."""
 
     @property
     def noise_px(self) -> float:
-        """Standard deviation of a coordinate beyond what can be measured with an arm at rest, px, from 0; mostly 0.
-        Rounding to whole pixels, or to steps of any other grid, is found by itself."""
+        """Noise of an image coordinate that does not show with an arm at rest: standard deviation [px], mostly 0.
+
+        Rounding to whole pixels, or to any other grid, is detected without it.
+        """
         ...
 
     def look(self) -> FourViews:
-        """One picture of each view, taken now: N points matched by index, always the same N, px.
-        `FourViews.from_images` makes it of four arrays (N, 2), NaN where a point is not seen. A point at (0, 0) or
-        (-1, -1) px, or a hundred times as far from the others as those are from each other, and a body all of whose
-        points are in one place or on one line, count as not seen."""
+        """Take one picture of each view now, and find N points in them.
+
+        Returns
+        -------
+        FourViews
+            Always the same N points, matched by index [px]. `FourViews.from_images` makes it of four arrays (N, 2),
+            with NaN where a point is not visible. The following count as not visible: a point at (0, 0) or (-1, -1) px,
+            one a hundred times as far from the others as those are from each other, and all points of a body if they
+            are in one place or on one line.
+        """
         ...
 
 
 class Observer(Protocol):
-    """How both bodies are looked at. m joints; N points, matched by index. anywhere: at any posture, not only where the
-    arm stands."""
+    """How both bodies are seen: m joints, N points matched by index."""
 
-    anywhere: ClassVar[bool]
+    sees_any_posture: ClassVar[bool]  # False: only the posture where the arm is
 
-    def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
-        """theta, theta_demo: (m,) rad, where the arms stand; look: which one it is, of the own body."""
+    def four_views(
+        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
+    ) -> FourViews:
+        """Look at both bodies. theta, theta_demo: (m,) rad, where the arms are; look: the number of this look."""
         ...
 
     def image_noise_std(self, settings: Settings) -> float:
-        """Standard deviation of a coordinate as four_views has it, px."""
+        """Standard deviation of a coordinate in `four_views` [px]."""
         ...
 
-    def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
-        """After a motion from `now` to theta, (m,) rad → how many looks were let pass until an image shows it, and
-        what is known of the lag, in looks: None if the motion does not show."""
+    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
+        """Wait until an image shows the motion from `now` to theta, (m,) rad.
+
+        Returns
+        -------
+        n_looks : int
+            Looks that have passed.
+        lag : int or None
+            The latency of the images, in looks. None if the motion does not show.
+        """
         ...
 
 
 class Embodiment(Protocol):
-    """The learner's arm, of m joints, and what shows it and the demonstrator. Postures are (m,) rad."""
+    """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
 
     @property
-    def lower(self) -> NDArray: ...
+    def lower(self) -> NDArray[np.float64]: ...
 
     @property
-    def upper(self) -> NDArray: ...
+    def upper(self) -> NDArray[np.float64]: ...
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
-        """theta, checked → a copy. Raises ValueError for a wrong count, NaN or beyond the limits."""
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
+        """Return a copy of theta. Raise ValueError for a wrong number of angles, NaN, or one beyond its limits."""
         ...
 
     def body(self, settings: Settings) -> Body:
-        """What a rehearsal with these is a rehearsal of."""
+        """The body that a calibration with these settings would describe."""
         ...
 
-    def demonstrator(self, settings: Settings) -> NDArray:
-        """Its posture as set, checked; NaN where nobody knows it. Raises ValueError if it is out of limits."""
+    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
+        """The demonstrator's posture in the settings; NaN where it is unknown. Raises ValueError beyond its limits."""
         ...
 
-    def pose(self, theta_demo: NDArray) -> NDArray:
-        """Where the demonstrator comes to rest that is round_to_degrees to stand there; NaN where nobody knows it."""
+    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where the demonstrator comes to rest if it is sent to theta_demo; NaN where it is unknown."""
         ...
 
-    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        """Where the arm at theta, last sent to `sent`, comes to rest once it is sent to `commanded`."""
+    def drive(
+        self,
+        settings: Settings,
+        theta: NDArray[np.float64],
+        sent: NDArray[np.float64],
+        commanded: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Send the arm to `commanded`. theta, sent: where it is, and was last sent. Return where it comes to rest."""
         ...
 
-    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
-        """A moment of the past is the present again: the arm, last sent to `sent`, goes to where it was sent then."""
+    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
+        """Bring the arm, last sent to `sent`, back to `commanded`, where a past snapshot had it."""
         ...
 
-    def looks(self, theta_rest: NDArray) -> Observer:
-        """theta_rest: the learner's start, where it measures the noise of its images."""
+    def observer(self, theta_rest: NDArray[np.float64]) -> Observer:
+        """How both bodies are seen. theta_rest: the learner's start, where it measures the noise of its images."""
         ...
 
 
 @dataclass(frozen=True)
 class SessionStart:
-    """settings: with what they leave open; start: (m,) rad, where the learner was sent; theta, theta_demo: (m,) rad,
-    where it and the demonstrator then stand, NaN where nobody knows; workspace: the lowest and the highest angles that
-    the learner may be sent to, (m,) rad each."""
+    """A session at its beginning."""
 
-    settings: Settings
+    settings: Settings  # complete
     embodiment: Embodiment
-    start: NDArray
-    theta: NDArray
-    theta_demo: NDArray
-    workspace: tuple[NDArray, NDArray]
+    start: NDArray[np.float64]  # (m,) rad, where the learner was sent
+    theta: NDArray[np.float64]  # (m,) rad, where it is
+    theta_demo: NDArray[np.float64]  # (m,) rad, where the demonstrator is; NaN where it is unknown
+    workspace: Limits  # of the learner
 
 
 class Opener(Protocol):
-    """Makes what settings ask for, and brings both arms to where these have them."""
+    """Makes the arms and cameras that settings ask for, and brings both arms to their first postures."""
 
-    def __call__(self, settings: Settings, sent: NDArray | None) -> SessionStart:
-        """sent: (m,) rad, where the learner was sent last, None if it never was. Raises ValueError, with all as it was,
-        if the settings cannot be."""
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
+        """sent: (m,) rad, where the learner was last sent; None if it never was.
+
+        Raises ValueError, with everything as it was, for impossible settings.
+        """
         ...
 
 
-ROUNDING_DEG = 1e-6
-ROUNDING = 1e-9  # of a motion's length: what sums of motions are off by
+def workspace(settings: Settings, lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Limits:
+    """The lowest and highest angle to which each joint may be sent: those of the settings, or else the arm's limits.
 
-
-def workspace(settings: Settings, lower: NDArray, upper: NDArray) -> tuple[NDArray, NDArray]:
-    """The lowest and the highest angle to which each joint may be sent, (m,) rad each.
-
-    lower, upper: (m,) rad, the arm's own limits, which are the workspace where the settings give none. Raises
-    ValueError for a workspace of another number of joints, or one that is not inside these limits.
+    lower, upper: (m,) rad, the arm's own limits. Raises ValueError for a workspace of another number of joints, or one
+    that is not inside these limits.
     """
     if settings.workspace_deg is None:
         return lower, upper
@@ -152,42 +189,46 @@ def workspace(settings: Settings, lower: NDArray, upper: NDArray) -> tuple[NDArr
             f"workspace_deg needs a range for each of the {len(lower)} moving joints, got {len(settings.workspace_deg)}"
         )
     limits_deg = np.degrees([lower, upper]).T
-    for k, ((low, high), (least, most)) in enumerate(zip(settings.workspace_deg, limits_deg), 1):
-        if low < least - ROUNDING_DEG or high > most + ROUNDING_DEG:
+    for k, ((low, high), (lowest, highest)) in enumerate(zip(settings.workspace_deg, limits_deg), 1):
+        if low < lowest - TOLERANCE_DEG or high > highest + TOLERANCE_DEG:
             raise ValueError(
                 f"workspace_deg: range {k}, {low:g}° … {high:g}°, is not inside its joint's limits "
-                f"{least:g}° … {most:g}°"
+                f"{lowest:g}° … {highest:g}°"
             )
     low, high = np.radians(settings.workspace_deg).T
     return np.maximum(low, lower), np.minimum(high, upper)
 
 
-def within(theta: NDArray, low: NDArray, high: NDArray, whose: str) -> NDArray:
-    """A posture in the workspace [low, high], (m,) rad each. Raises ValueError for one that is outside."""
-    for k, (angle, least, most) in enumerate(zip(*map(np.degrees, (theta, low, high))), 1):
-        if not least - ROUNDING_DEG <= angle <= most + ROUNDING_DEG:
+def require_in_workspace(
+    theta: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64], whose: str
+) -> NDArray[np.float64]:
+    """Return a posture, (m,) rad. Raise ValueError if it is outside the workspace [low, high], (m,) rad each."""
+    for k, (angle, lowest, highest) in enumerate(zip(*map(np.degrees, (theta, low, high))), 1):
+        if not lowest - TOLERANCE_DEG <= angle <= highest + TOLERANCE_DEG:
             raise ValueError(
-                f"{whose} posture is outside the workspace: angle {k} is {angle:g}°, the range {least:g}° … {most:g}°"
+                f"{whose} posture is outside the workspace: angle {k} is {angle:g}°, "
+                f"the range {lowest:g}° … {highest:g}°"
             )
     return np.clip(theta, low, high)
 
 
-def waypoints(sent: NDArray, target: NDArray, longest: float) -> list[NDArray]:
-    """Postures on the straight way from `sent` to the target, (m,) rad each, which is the last of them.
+def waypoints(sent: NDArray[np.float64], target: NDArray[np.float64], max_step: float) -> list[NDArray[np.float64]]:
+    """Postures on the straight line from `sent` to the target, (m,) rad each. The last one is the target.
 
-    longest: rad, which no joint turns by more from one of them to the next; inf for the target alone.
+    max_step: rad, the longest motion of a joint between two of them; inf for the target alone.
     """
     way = target - sent
-    motions = max(int(np.ceil(np.abs(way).max() / longest - ROUNDING)), 1)
+    motions = max(int(np.ceil(np.abs(way).max() / max_step - TOLERANCE_WAYPOINTS)), 1)
     return [*(sent + way * (k / motions) for k in range(1, motions)), target]
 
 
-def round_to_degrees(theta: NDArray, lower: NDArray, upper: NDArray) -> NDArray:
-    """A posture within its limits, (m,) rad each, as settings that tell of it in degrees have it, to the last bit: with
-    them a run is to repeat itself."""
-    return np.clip(np.radians(degrees(theta)), lower, upper)
+def round_to_degrees(
+    theta: NDArray[np.float64], lower: NDArray[np.float64], upper: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """A posture, (m,) rad, exactly as settings reproduce it that hold it in degrees, clipped to its limits."""
+    return np.clip(np.radians(to_degrees(theta)), lower, upper)
 
 
-def degrees(theta: NDArray) -> tuple[float, ...]:
-    """rad → degrees, without what conversion adds."""
+def to_degrees(theta: NDArray[np.float64]) -> tuple[float, ...]:
+    """Convert rad to degrees, without the rounding error of the conversion."""
     return tuple(float(angle) for angle in np.round(np.degrees(theta), 9))

@@ -1,4 +1,4 @@
-"""How eyes of one's own are used: so many pictures at each posture, and a demonstrator that may move by itself."""
+"""A learner with an arm and eyes of your own. Its demonstrator may move by itself, and its posture is unknown."""
 
 import reprlib
 from dataclasses import dataclass
@@ -20,51 +20,70 @@ from ..sensing.frames import (
     is_missing_value,
     noise_std,
 )
-from .embodiment import ROUNDING_DEG, Arm, Eyes, SessionStart, degrees, round_to_degrees, waypoints, within, workspace
+from .embodiment import (
+    TOLERANCE_DEG,
+    Arm,
+    Eyes,
+    SessionStart,
+    require_in_workspace,
+    round_to_degrees,
+    to_degrees,
+    waypoints,
+    workspace,
+)
 from .self_calibration import Body
 from .settings import Settings
 from .snapshot import Snapshot
 
-REST_LOOKS = 8  # pictures of the own body at rest, from which the learner knows their noise
-LEAST_PX, SURELY = 0.01, 5.0  # a coordinate of typical images; standard deviations: a demonstrator has moved by more
-WRONG = 0.1  # of the points: those that have moved the most may be found at wrong places
-KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # of NumPy's; a share is no bool, and would be taken for seen
+REST_LOOKS = 8  # pictures of the own body at rest that measure the noise
+MIN_MOVE_PX = 0.01  # of a coordinate in images of typical size: a demonstrator that moves by less stands still
+N_SIGMA_MOVED = 5.0  # standard deviations of the χ² test that says whether a demonstrator has moved
+OUTLIER_FRACTION = 0.1  # of the points: those that moved most may be misplaced, and are left out of that test
+KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # numpy's kinds of these arrays
+SETTINGS_OF_ROBOT = (  # fields of Settings that a real robot has; all others are of scenes
+    "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "restarts", "workspace_deg",
+)  # fmt: skip
+SETTINGS_FOUND = ("scene", "points")  # fields that the arm's name and the eyes' points set
+MAX_TURNS = 4  # of a joint, to either side
 
-Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
+Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
 
 
 class RealObserver:
-    """See `protocol.Observer`. The demonstrator's images stay the same ones until it moves, or more of it is seen."""
+    """See `embodiment.Observer`. Its images of the demonstrator stay until that moves, or shows more points."""
 
-    anywhere: ClassVar[bool] = False
+    sees_any_posture: ClassVar[bool] = False
 
     def __init__(self, eyes: Eyes, points: int):
         self._eyes, self._points = eyes, points
         self._demo: Images | None = None
-        self._noise: tuple[float, float] | None = None  # see _noises
+        self._noise: tuple[float, float] | None = None  # see _noises_px
 
-    def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
-        """Whatever is to be seen now."""
+    def four_views(
+        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
+    ) -> FourViews:
+        """Take `Settings.frames` pictures of both bodies now, and average them."""
         merged, visible = average_frames(*self._pictures(settings.frames))
         demo, demo_visible = self._demonstrator((merged[:, :4], visible[:, :2]), self.image_noise_std(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
 
     def image_noise_std(self, settings: Settings) -> float:
-        single, rounded = self._noises()
+        """Standard deviation of an averaged coordinate [px], measured in pictures of the own body at rest."""
+        single, rounded = self._noises_px()
         return float(np.hypot(single / np.sqrt(settings.frames), rounded))
 
-    def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
-        """Observer are pictures here."""
+    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
+        """Take pictures until one shows the motion from `now`. Later motions wait as long."""
         if now.lag is not None:
             for _ in range(now.lag):
                 self._eyes.look()
             return now.lag, now.lag
-        lag = estimate_latency((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._noises()[0])
+        lag = estimate_latency((now.views.own, now.views.visible[:, 2:]), lambda k: self._own(), self._noises_px()[0])
         return MAX_LATENCY_LOOKS if lag is None else lag, lag
 
     def _demonstrator(self, now: Images, noise_px: float) -> Images:
         before = self._demo
-        if before is None or _seen(now) > _seen(before) or _elsewhere(before, now, noise_px):
+        if before is None or _n_visible(now) > _n_visible(before) or _has_moved(before, now, noise_px):
             self._demo = before = now
         return before
 
@@ -78,18 +97,18 @@ class RealObserver:
         points = np.array([np.concatenate([views.demo, views.own], -1) for views in seen])
         return points, np.array([views.visible for views in seen])
 
-    def _noises(self) -> tuple[float, float]:
-        """Of a single picture, px, and what rounding adds however many are averaged: none if noise mixes the steps."""
+    def _noises_px(self) -> tuple[float, float]:
+        """Noise of a coordinate in one picture, and the rounding error that no averaging reduces (0 if noise does)."""
         if self._noise is None:
             points, visible = self._pictures(REST_LOOKS)
             measured, rounded = noise_std(points[..., 4:], visible[..., 2:]), rounding_std(points, visible)
-            single = float(np.hypot(measured, _unmeasured(self._eyes)))
+            single = float(np.hypot(measured, _extra_noise_px(self._eyes)))
             self._noise = single, 0.0 if measured > rounded else rounded
         return self._noise
 
 
 def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
-    """One look. Raises ValueError if it is no look, or not at so many points."""
+    """Look once, and check the answer. Raises ValueError for another type, or another number of points."""
     views = eyes.look()
     _require_images(views)
     if points is not None and len(views.demo) != points:
@@ -103,8 +122,8 @@ def look_with(eyes: Eyes, points: int | None = None) -> FourViews:
     return _without_lost(views)
 
 
-def _unmeasured(eyes: Eyes) -> float:
-    """Noise that their pictures do not show, px. Raises ValueError for what is no amount."""
+def _extra_noise_px(eyes: Eyes) -> float:
+    """Noise that the pictures do not show [px]. Raises ValueError for anything but a finite number from 0."""
     amount = eyes.noise_px
     if not isinstance(amount, Real) or not 0 <= amount < np.inf:
         raise ValueError(f"noise_px must be a finite number of pixels from 0, got {amount!r}")
@@ -112,21 +131,23 @@ def _unmeasured(eyes: Eyes) -> float:
 
 
 def _require_images(views: FourViews) -> None:
-    """Raises ValueError for what is no FourViews, or holds arrays of another shape or kind than it should."""
-    wanted = "look() must return FourViews of N points, such as FourViews.from_images makes of (N, 2) each"
+    """Raise ValueError for another type than FourViews, and for arrays of another shape or kind."""
+    expected = "look() must return FourViews of N points, such as FourViews.from_images makes of (N, 2) each"
     if not isinstance(views, FourViews):
-        raise ValueError(wanted)
+        raise ValueError(expected)
     for name, kinds in KINDS.items():
         array = getattr(views, name)
         if not isinstance(array, np.ndarray):
-            raise ValueError(f"{wanted}: its {name} is a {type(array).__name__}")
+            raise ValueError(f"{expected}: its {name} is a {type(array).__name__}")
         if array.shape != (*views.demo.shape[:1], 4) or array.dtype.kind not in kinds:
-            raise ValueError(f"{wanted}: its {name} is of shape {array.shape}, {array.dtype}")
+            raise ValueError(f"{expected}: its {name} is of shape {array.shape}, {array.dtype}")
 
 
 def _without_lost(views: FourViews) -> FourViews:
-    """Without what a tracker has lost and says so, as with zeros, and without a body all of whose points are in one
-    place or on one line. E of such points is nearly 0 wherever the arm is."""
+    """Mark points as invisible that a tracker has lost, such as (0, 0), and bodies with all points on one line.
+
+    E of such points would be nearly 0 wherever the arm is.
+    """
     both, visible = np.concatenate([views.demo, views.own], -1).reshape(-1, 4, 2), views.visible
     visible = visible & ~is_missing_value(both)
     for image, seen in zip(both.swapaxes(0, 1), visible.T):
@@ -139,38 +160,31 @@ def _without_lost(views: FourViews) -> FourViews:
     return FourViews(views.demo, views.own, visible)
 
 
-def _elsewhere(before: Images, after: Images, noise_px: float) -> bool:
-    """Whether the points seen in both have moved by more than noise moves them, as a whole (χ² test)."""
+def _has_moved(before: Images, after: Images, noise_px: float) -> bool:
+    """Whether the points visible in both have moved more than noise explains (χ² test of the sum of squares)."""
     both = (before[1] & after[1]).all(-1)
-    square = np.sort(((after[0] - before[0])[both] ** 2).sum(-1))[: int((1 - WRONG) * both.sum())]
+    square = np.sort(((after[0] - before[0])[both] ** 2).sum(-1))[: int((1 - OUTLIER_FRACTION) * both.sum())]
     coordinates = 4 * len(square)
-    variance = max((LEAST_PX * image_unit(after[0][both])) ** 2, 2 * noise_px**2)
-    return bool(square.sum() > variance * (coordinates + SURELY * np.sqrt(2 * coordinates)))
+    variance = max((MIN_MOVE_PX * image_unit(after[0][both])) ** 2, 2 * noise_px**2)
+    return bool(square.sum() > variance * (coordinates + N_SIGMA_MOVED * np.sqrt(2 * coordinates)))
 
 
-def _seen(images: Images) -> int:
+def _n_visible(images: Images) -> int:
     return int(images[1].all(-1).sum())
-
-
-HAVE = (  # of the settings; all else is of scenes
-    "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "restarts", "workspace_deg",
-)  # fmt: skip
-FOUND = ("scene", "points")  # set by what there is
-MOST_TURNS = 4  # that a joint has to either side
 
 
 @dataclass(frozen=True)
 class RealRobot:
-    """See `protocol.Embodiment`. points: how many its eyes show."""
+    """See `embodiment.Embodiment`."""
 
     arm: Arm
     eyes: Eyes
-    name: str
-    points: int
+    name: str  # of the arm, for calibrations
+    points: int  # number of points that the eyes find
     lower: NDArray
     upper: NDArray
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
         return _within(theta, self.lower, self.upper, whose)
 
     def body(self, settings: Settings) -> Body:
@@ -178,119 +192,125 @@ class RealRobot:
         span_deg = tuple(round(float(span), 6) for span in np.degrees(self.upper - self.lower))
         return Body(self.name, joints, span_deg, self.points, "own", (0.0, 0.0))
 
-    def demonstrator(self, settings: Settings) -> NDArray:
+    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
         _require(settings)
         return np.full_like(self.lower, np.nan)
 
-    def pose(self, theta_demo: NDArray) -> NDArray:
+    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
         if np.isfinite(theta_demo).any():
             raise ValueError("the demonstrator stands where your eyes see it: move it, and session.look()")
         return theta_demo
 
-    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+    def drive(
+        self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         return self.move(sent, commanded, settings.max_step)
 
-    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
+    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
         self.move(sent, commanded, settings.max_step)
 
-    def looks(self, theta_rest: NDArray) -> RealObserver:
+    def observer(self, theta_rest: NDArray[np.float64]) -> RealObserver:
         return RealObserver(self.eyes, self.points)
 
-    def move(self, sent: NDArray, theta: NDArray, longest: float) -> NDArray:
-        """From where it was sent to theta, (m,) rad each, by motions in which no joint turns by more than `longest` rad
-        → where it then stands. Raises ValueError as `_move`."""
-        for waypoint in waypoints(sent, theta, longest):
-            stands = self._move(waypoint)
-        return stands
+    def move(self, sent: NDArray[np.float64], theta: NDArray[np.float64], max_step: float) -> NDArray[np.float64]:
+        """Move from where the arm was sent to theta, (m,) rad each, in steps of at most max_step rad a joint.
 
-    def _move(self, theta: NDArray) -> NDArray:
-        """theta: (m,) rad → where it then stands. Raises ValueError if the arm says that of no posture, or of one that
-        is a turn or more beyond its limits, as degrees would be."""
-        told = self.arm.move(theta.copy())
-        stands = _numbers(told)
-        if stands.shape != theta.shape or not np.isfinite(stands).all():
-            raise ValueError(f"move() must return where the arm stands, {len(theta)} finite angles in rad, got {told}")
-        if (np.maximum(self.lower - stands, stands - self.upper) >= 2 * np.pi).any():
-            raise ValueError(f"move() must return where the arm stands, in rad: {told} is beyond its limits by a turn")
-        return stands
+        Returns where the arm is then, (m,) rad. Raises ValueError if the arm answers with anything but such a posture,
+        or with one a turn or more beyond its limits, which may be degrees.
+        """
+        for waypoint in waypoints(sent, theta, max_step):
+            answer = self.arm.move(waypoint.copy())
+            reached = _numbers(answer)
+            if reached.shape != theta.shape or not np.isfinite(reached).all():
+                expected = f"{len(theta)} finite angles in rad"
+                raise ValueError(f"move() must return where the arm stands, {expected}, got {answer}")
+            if (np.maximum(self.lower - reached, reached - self.upper) >= 2 * np.pi).any():
+                raise ValueError(
+                    f"move() must return where the arm stands, in rad: {answer} is beyond its limits by a turn"
+                )
+        return reached
 
 
 class RealRobotOpener:
-    """See `protocol.Opener`. name: of the arm, by which a rehearsal knows its own."""
+    """See `embodiment.Opener`. name: of the arm. A calibration is only used with an arm of the same name."""
 
     def __init__(self, arm: Arm, eyes: Eyes, name: str):
         _require_members("the arm", arm, Arm)
         _require_members("the eyes", eyes, Eyes)
         self._arm, self._eyes, self._name = arm, eyes, name
         self._lower, self._upper = _limits(arm)
-        self._own: RealRobot | None = None
+        self._robot: RealRobot | None = None
 
-    def __call__(self, settings: Settings, sent: NDArray | None) -> SessionStart:
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
         _require(settings)
         low, high = workspace(settings, self._lower, self._upper)
-        wanted = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
-        start = _within(wanted, self._lower, self._upper, "the start")
-        start = round_to_degrees(within(start, low, high, "the start"), low, high)
-        points = len(look_with(self._eyes).demo) if self._own is None else self._own.points
+        asked = self._arm.start if settings.start_deg is None else np.radians(settings.start_deg)
+        start = _within(asked, self._lower, self._upper, "the start")
+        start = round_to_degrees(require_in_workspace(start, low, high, "the start"), low, high)
+        points = len(look_with(self._eyes).demo) if self._robot is None else self._robot.points
         _require_found(settings, {"scene": self._name, "points": points})
-        own = RealRobot(self._arm, self._eyes, self._name, points, self._lower, self._upper)
-        standing, self._own = own.move(start if sent is None else sent, start, settings.max_step), own
-        settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=degrees(start))
-        return SessionStart(settings, own, start, standing, own.demonstrator(settings), (low, high))
+        robot = RealRobot(self._arm, self._eyes, self._name, points, self._lower, self._upper)
+        theta, self._robot = robot.move(start if sent is None else sent, start, settings.max_step), robot
+        settings = msgspec.structs.replace(settings, scene=self._name, points=points, start_deg=to_degrees(start))
+        return SessionStart(settings, robot, start, theta, robot.demonstrator(settings), (low, high))
 
 
 def _require_members(what: str, given: object, protocol: type) -> None:
-    """Raises TypeError for what is none of its kind, with the members that are missing."""
+    """Raise TypeError for an object that lacks members of the protocol, and for a class in place of an object."""
     if isinstance(given, type):
         raise TypeError(f"{what}: {given.__name__} is a class; make one, {given.__name__}(…)")
-    wanted = [name for name in vars(protocol) if not name.startswith("_")]
-    if missing := [name for name in wanted if not hasattr(given, name)]:
+    members = [name for name in vars(protocol) if not name.startswith("_")]
+    if missing := [name for name in members if not hasattr(given, name)]:
         raise TypeError(
             f"{what}, {reprlib.repr(given)}, has no {' and no '.join(missing)}: viewimit.{protocol.__name__} says what "
-            f"to write, {', '.join(wanted)}"
+            f"to write, {', '.join(members)}"
         )
 
 
-def _numbers(values: ArrayLike) -> NDArray:
-    """A copy, as floats; NaN of no shape for what is not numbers."""
+def _numbers(values: ArrayLike) -> NDArray[np.float64]:
+    """A copy as floats; a NaN without axes for anything but numbers."""
     try:
         return np.array(values, float)
     except (TypeError, ValueError):
         return np.array(np.nan)
 
 
-def _limits(arm: Arm) -> tuple[NDArray, NDArray]:
+def _limits(arm: Arm) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     lower, upper = _numbers(arm.lower), _numbers(arm.upper)
     if lower.ndim != 1 or lower.shape != upper.shape or len(lower) == 0 or not np.isfinite([lower, upper]).all():
         raise ValueError(f"the arm's limits must be finite angles in rad, one a joint, got {arm.lower} and {arm.upper}")
-    if np.abs([lower, upper]).max() > MOST_TURNS * 2 * np.pi:
-        raise ValueError(f"the arm's limits must be in rad: {arm.lower} and {arm.upper} are beyond {MOST_TURNS} turns")
+    if np.abs([lower, upper]).max() > MAX_TURNS * 2 * np.pi:
+        raise ValueError(f"the arm's limits must be in rad: {arm.lower} and {arm.upper} are beyond {MAX_TURNS} turns")
     for k, (low, high) in enumerate(zip(np.degrees(lower), np.degrees(upper)), 1):
         if not low < high:
             raise ValueError(f"joint {k}: limits {low:g}° … {high:g}° are empty")
     return lower, upper
 
 
-def _within(theta: ArrayLike, lower: NDArray, upper: NDArray, whose: str) -> NDArray:
+def _within(
+    theta: ArrayLike, lower: NDArray[np.float64], upper: NDArray[np.float64], whose: str
+) -> NDArray[np.float64]:
     angles = _numbers(theta)
     if angles.shape != lower.shape:
         got = angles.size if angles.ndim == 1 else theta
         raise ValueError(f"{whose} posture needs {len(lower)} angles, got {got}")
     for k, (angle, low, high) in enumerate(zip(*map(np.degrees, (angles, lower, upper))), 1):
-        if not low - ROUNDING_DEG <= angle <= high + ROUNDING_DEG:  # NaN fails too
+        if not low - TOLERANCE_DEG <= angle <= high + TOLERANCE_DEG:  # NaN fails too
             raise ValueError(f"{whose} joint {k} at {angle:g}° is outside its limits {low:g}° … {high:g}°")
     return np.clip(angles, lower, upper)
 
 
 def _require(settings: Settings) -> None:
-    """Raises ValueError for what only a simulated scene has."""
+    """Raise ValueError for settings that only a simulated scene has."""
     for name in Settings.__struct_fields__:
-        if name not in (*HAVE, *FOUND) and getattr(settings, name) != getattr(Settings(), name):
-            raise ValueError(f"{name} is of a simulated scene; an arm and eyes of your own have {', '.join(HAVE)}")
+        if name not in (*SETTINGS_OF_ROBOT, *SETTINGS_FOUND) and getattr(settings, name) != getattr(Settings(), name):
+            raise ValueError(
+                f"{name} is of a simulated scene; an arm and eyes of your own have {', '.join(SETTINGS_OF_ROBOT)}"
+            )
 
 
 def _require_found(settings: Settings, found: dict[str, object]) -> None:
-    """Raises ValueError for what is asked to be other than it is."""
+    """Raise ValueError for settings that contradict the arm's name or the eyes' points."""
     for name, there in found.items():
         if getattr(settings, name) not in (there, getattr(Settings(), name)):
             raise ValueError(f"{name} is what there is, {there!r}: leave it out")

@@ -163,6 +163,14 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             raise ValueError("it runs a transfer or a servo of your own, which no script, link or file can hold")
         return found
 
+    def begin(self, motion: int, settings: Settings) -> Log:
+        """The log of a session that starts anew after this one, of which it keeps a calibration."""
+        try:
+            script = self.script(motion)
+        except ValueError:
+            return Log.unknown()
+        return Log(Script(script.settings, (*script.actions, Begin(settings))))
+
     def copy(self) -> Log:
         """That does not follow any more."""
         return Log(

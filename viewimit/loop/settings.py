@@ -217,7 +217,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return cls(**{**PAPER_FIELDS, **changes})
 
     @property
-    def scene_called(self) -> str:
+    def scene_title(self) -> str:
         """In a line, for people."""
         if not is_text(self.scene):
             return file_name(self.scene)

@@ -1,6 +1,7 @@
-"""What a learner gets to see of two bodies: so many frames of each as are set, disturbed, merged, and perhaps late.
+"""A learner in a simulated scene: how it sees both bodies, and how its arm moves.
 
-With equal seeds it sees the same to the last bit. Every look has a stream of the seed for itself.
+The images are disturbed and averaged as the settings say, and perhaps late. With equal seeds the learner sees the same
+to the last bit: every look has its own stream of the seed.
 """
 
 import hashlib
@@ -12,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
-from ..sensing import frames
-from ..sensing.frames import MAX_LATENCY_LOOKS, estimate_latency, noise_std
+from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
 from ..simulation.disturbances import (
     ImageDisturbance,
     MatchDisturbance,
@@ -25,52 +25,55 @@ from ..simulation.disturbances import (
 )
 from ..simulation.eyes import SimulatedEyes
 from ..simulation.scene import Scene, load_scene
-from .embodiment import SessionStart, degrees, round_to_degrees, within, workspace
+from .embodiment import SessionStart, require_in_workspace, round_to_degrees, to_degrees, workspace
 from .self_calibration import Body
 from .settings import USUAL_POINTS, BodyPoint, Settings
 from .snapshot import Snapshot
 
-DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH = 0, 1, 4, 5  # streams of the seed: demonstrator, once; own body, at every
-# motion, at rest; which of the demonstrator's points are swapped
-REST_LOOKS = 8  # images of the own body at rest, from which the learner knows their noise
+# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped
+DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH = 0, 1, 4, 5
+REST_LOOKS = 8  # images of the own body at rest that measure the noise
 
-Images = tuple[NDArray, NDArray]  # of one body in a pair of views: points (N, 4) px, visible (N, 2) bool
+Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
+OpenEyes = Callable[[str, Scene, int], SimulatedEyes]  # sensor, scene, points
 
 
 class SimulatedObserver:
-    """Looks with `eyes`. theta_rest: (m,) rad, the learner's start, where it measures the noise of its images."""
+    """See `embodiment.Observer`. theta_rest: (m,) rad, the learner's start, where it measures the noise of images."""
 
-    anywhere: ClassVar[bool] = True
+    sees_any_posture: ClassVar[bool] = True
 
-    def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray):
+    def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray[np.float64]):
         self._eyes, self._theta_rest = eyes, theta_rest
-        self._demo: tuple[tuple, Images] | None = None  # what it depends on, what was seen
+        self._demo: tuple[tuple, Images] | None = None  # cache: key, images
         self._noise: tuple[tuple, float] | None = None
-        self._visible: NDArray | None = None
+        self._visible: NDArray[np.bool_] | None = None
 
-    def four_views(self, settings: Settings, theta: NDArray, theta_demo: NDArray, look: int) -> FourViews:
-        """theta, theta_demo: (m,) rad; look: which one it is, of the own body."""
+    def four_views(
+        self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
+    ) -> FourViews:
+        """Look at both bodies. theta, theta_demo: (m,) rad; look: its number, of the own body."""
         demo, demo_visible = self.demo(settings, theta_demo)
         own, own_visible = self.own(settings, theta, look)
         visible = np.concatenate([demo_visible, own_visible], -1)
         if self._visible is None or self._visible.tobytes() != visible.tobytes():
-            self._visible = visible  # mostly all, at every look: kept once
+            self._visible = visible  # mostly the same at every look: shared by all snapshots
         return FourViews(demo, own, self._visible)
 
-    def own(self, settings: Settings, theta: NDArray, look: int) -> Images:
-        """The own body, looked at anew. theta: (m,) rad."""
-        return average_frames(settings, self._eyes.own_images(theta), OWN_LOOK, look)
+    def own(self, settings: Settings, theta: NDArray[np.float64], look: int) -> Images:
+        """Look at the own body. theta: (m,) rad."""
+        return observed_images(settings, self._eyes.own_images(theta), OWN_LOOK, look)
 
-    def demo(self, settings: Settings, theta_demo: NDArray) -> Images:
-        """The demonstrator, looked at anew only when it, or its disturbance, has changed. theta_demo: (m,) rad."""
+    def demo(self, settings: Settings, theta_demo: NDArray[np.float64]) -> Images:
+        """The demonstrator's images: new ones only if it, or a disturbance, has changed. theta_demo: (m,) rad."""
         key = theta_demo.tobytes(), settings.amounts(SightDisturbance), settings.frames, settings.seed
         if self._demo is None or self._demo[0] != key:
-            images = average_frames(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
+            images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
             self._demo = key, mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
         return self._demo[1]
 
     def image_noise_std(self, settings: Settings) -> float:
-        """Standard deviation of a coordinate, as averaged, from single images of the own body at the start, px."""
+        """Standard deviation of an averaged coordinate [px], measured in images of the own body at the start."""
         amounts = settings.amounts(ImageDisturbance)
         key = amounts, settings.seed, settings.frames
         if self._noise is None or self._noise[0] != key:
@@ -82,11 +85,10 @@ class SimulatedObserver:
             self._noise = key, float(np.hypot(measured, self._eyes.noise_px))
         return self._noise[1]
 
-    def wait(self, now: Snapshot, theta: NDArray) -> tuple[int, int | None]:
-        """After a motion from `now` to theta, (m,) rad → for how many looks to wait until an image shows it, and what
-        is known of the lag, in looks: None if the motion does not show.
+    def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
+        """Count the looks until an image shows the motion from `now` to theta, (m,) rad, and estimate the latency.
 
-        Nobody tells how late images come: the first motion that shows does.
+        The first motion that shows gives the latency of all.
         """
         if now.lag is not None:
             return now.lag, now.lag
@@ -98,25 +100,22 @@ class SimulatedObserver:
         return MAX_LATENCY_LOOKS if lag is None else lag, lag
 
 
-def average_frames(settings: Settings, images: Images, *stream: int) -> Images:
-    """What is seen of images: as many frames as are set, disturbed and merged. stream: of the seed."""
+def observed_images(settings: Settings, images: Images, *stream: int) -> Images:
+    """The images that the learner sees: disturbed, and averaged over `Settings.frames`. stream: of the seed."""
     seed, amounts = [settings.seed, *stream], settings.amounts(ImageDisturbance)
     if settings.frames == 1 or not any_active(amounts):
         return disturb(amounts, *images, seed)
-    return frames.average_frames(*disturbed_frames(amounts, *images, seed, settings.frames))
-
-
-OpenEyes = Callable[[str, Scene, int], SimulatedEyes]
+    return average_frames(*disturbed_frames(amounts, *images, seed, settings.frames))
 
 
 class SimulatedRobot:
-    """See `protocol.Embodiment`."""
+    """See `embodiment.Embodiment`."""
 
     def __init__(self, eyes: SimulatedEyes, scene: Scene):
         self.eyes, self._scene = eyes, scene
         self.lower, self.upper = scene.lower, scene.upper  # asked for at every motion
 
-    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray:
+    def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
         return self._scene.require_posture(theta, whose)
 
     def body(self, settings: Settings) -> Body:
@@ -131,19 +130,21 @@ class SimulatedRobot:
             layout="" if settings.body_points is None else _digest(settings.body_points),
         )
 
-    def demonstrator(self, settings: Settings) -> NDArray:
+    def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
         return _demonstrator(settings, self._scene)
 
-    def pose(self, theta_demo: NDArray) -> NDArray:
+    def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.eyes.settle(theta_demo)
 
-    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+    def drive(
+        self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         return self.eyes.drive(settings, theta, sent, commanded)
 
-    def revisit(self, settings: Settings, sent: NDArray, commanded: NDArray) -> None:
-        """A simulated arm is wherever it is looked at."""
+    def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
+        """Nothing to do: a simulated arm has no posture of its own."""
 
-    def looks(self, theta_rest: NDArray) -> SimulatedObserver:
+    def observer(self, theta_rest: NDArray[np.float64]) -> SimulatedObserver:
         return SimulatedObserver(self.eyes, theta_rest)
 
 
@@ -152,14 +153,13 @@ def _digest(points: Sequence[BodyPoint]) -> str:
 
 
 class SimulatedRobotOpener:
-    """See `protocol.Opener`. open_eyes(camera, scene, points): what the learner looks with and moves by; the same ones
-    serve until any of these changes."""
+    """See `embodiment.Opener`. The same eyes serve until the sensor, the scene or the layout of points changes."""
 
     def __init__(self, open_eyes: OpenEyes):
         self._open_eyes = open_eyes
         self._opened: tuple[tuple[str, Scene, int], SimulatedRobot] | None = None
 
-    def __call__(self, settings: Settings, sent: NDArray | None) -> SessionStart:
+    def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
         wanted = settings.sensor, scene, settings.points
@@ -171,7 +171,7 @@ class SimulatedRobotOpener:
 
 
 def complete(settings: Settings) -> Settings:
-    """As a session has them that begins with these: with what the scene says where they leave it open.
+    """The settings as a session has them that begins with these: completed from the scene.
 
     Raises ValueError as `Session` does.
     """
@@ -179,21 +179,23 @@ def complete(settings: Settings) -> Settings:
     return _complete(settings, scene)[0]
 
 
-def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray, NDArray]:
-    """And the postures of the demonstrator and of the learner's start, (m,) rad."""
+def _complete(settings: Settings, scene: Scene) -> tuple[Settings, NDArray[np.float64], NDArray[np.float64]]:
+    """The completed settings, and the postures of the demonstrator and of the learner's start, (m,) rad."""
     anyway = settings.points == USUAL_POINTS or settings.body_points is not None
     points = scene.layout_near(USUAL_POINTS) if anyway else settings.points
     start_deg = scene.start_deg if settings.start_deg is None else settings.start_deg
     demo = round_to_degrees(_demonstrator(settings, scene), scene.lower, scene.upper)
     low, high = workspace(settings, scene.lower, scene.upper)
-    start = within(scene.require_posture(np.radians(start_deg), "learner's start"), low, high, "learner's start")
+    start = require_in_workspace(
+        scene.require_posture(np.radians(start_deg), "learner's start"), low, high, "learner's start"
+    )
     start = round_to_degrees(start, low, high)
-    fields = {"points": points, "demonstrator_deg": degrees(demo), "start_deg": degrees(start)}
+    fields = {"points": points, "demonstrator_deg": to_degrees(demo), "start_deg": to_degrees(start)}
     return msgspec.structs.replace(settings, **fields), demo, start
 
 
-def _demonstrator(settings: Settings, scene: Scene) -> NDArray:
-    """(m,) rad, of the settings or else the scene's own. Raises ValueError if it is out of limits."""
+def _demonstrator(settings: Settings, scene: Scene) -> NDArray[np.float64]:
+    """(m,) rad, from the settings, or else the scene. Raises ValueError for a posture beyond its limits."""
     if settings.demonstrator_deg is None:
         posture_deg = np.array(scene.posture_deg)[scene.moving]
     else:

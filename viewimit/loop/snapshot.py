@@ -66,12 +66,12 @@ class Snapshot:
         """The transfer that the settings name. Raises ValueError for one that no session was given."""
         if self.settings.transfer != OWN:
             return TRANSFERS[self.settings.transfer]
-        return given_own("transfer", self.custom_transfer)
+        return require_given("transfer", self.custom_transfer)
 
     @property
     def servo(self) -> ServoMethod:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
-        return SERVOS[self.settings.servo] if self.settings.servo != OWN else given_own("servo", self.custom_servo)
+        return SERVOS[self.settings.servo] if self.settings.servo != OWN else require_given("servo", self.custom_servo)
 
     @cached_property
     def usable(self) -> NDArray:
@@ -223,7 +223,7 @@ class Snapshot:
 T = TypeVar("T")
 
 
-def given_own(what: str, given: T | None) -> T:
+def require_given(what: str, given: T | None) -> T:
     """What a session was given itself. Raises ValueError if it was given none."""
     if given is None:
         raise ValueError(f"{what} {OWN!r} is one of your own that is not here: give it to Session(settings, {what}=…)")

@@ -40,15 +40,16 @@ DICTIONARIES = {name.removeprefix("DICT_").upper(): name for name in dir(cv2.aru
 OPENCV_OFFSET_PX = 0.5  # OpenCV has (0, 0) at the centre of the first pixel
 
 Picture = NDArray[np.uint8]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Detections:
     """Markers found in one picture."""
 
-    points: NDArray[np.float64]  # (N, 2) centres [px], NaN if not found
-    confidence: NDArray[np.float64]  # (N,) roundness in 0 … 1, 0 if not found
-    area: NDArray[np.float64]  # (N,) visible area [px²], NaN if not found
+    points: Floats  # (N, 2) centres [px], NaN if not found
+    confidence: Floats  # (N,) roundness in 0 … 1, 0 if not found
+    area: Floats  # (N,) visible area [px²], NaN if not found
 
     @property
     def found(self) -> NDArray[np.bool_]:
@@ -128,13 +129,13 @@ def read_pictures(path: Path) -> Iterator[Picture]:
         picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
         if picture is None:
             raise ValueError(f"{path}: not a picture that OpenCV reads")
-        yield cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)
+        yield np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
         return
     video, count = cv2.VideoCapture(str(path)), 0
     _require_pixels(path, int(video.get(cv2.CAP_PROP_FRAME_WIDTH)), int(video.get(cv2.CAP_PROP_FRAME_HEIGHT)))
     while (read := video.read())[0]:
         count += 1
-        yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)
+        yield np.asarray(cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB), np.uint8)
     video.release()
     if count == 0:
         raise ValueError(f"{path}: not a picture or video that OpenCV reads")
@@ -160,9 +161,7 @@ def _require_pixels(path: Path, width: int, height: int) -> None:
         raise ValueError(f"{path}: a picture of {size}: make it smaller")
 
 
-def _coloured_part(
-    picture: Picture, middle: float
-) -> tuple[tuple[int, int], tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tuple[Floats, Floats]]:
     """Upper left corner of the bounding box of the coloured pixels, and their chroma: towards red, towards green."""
     width = picture.shape[1]
     first = round((1 - middle) / 2 * width)
@@ -174,7 +173,7 @@ def _coloured_part(
     return (first + x, y), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
 
 
-def _marker_by_hue(hue_deg: NDArray[np.float64]) -> NDArray[np.int_]:
+def _marker_by_hue(hue_deg: Floats) -> NDArray[np.int_]:
     """Index of the marker of the nearest hue, -1 if none is near, for the hues 0°, 1°/HUES_PER_DEGREE … 360°."""
     hue = np.arange(360 * HUES_PER_DEGREE) / HUES_PER_DEGREE
     difference = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
@@ -187,7 +186,7 @@ def _marker_by_hue(hue_deg: NDArray[np.float64]) -> NDArray[np.int_]:
     return np.where(close, nearest, -1)
 
 
-def _disc(chroma: NDArray[np.float64]) -> tuple[NDArray[np.float64], float, float]:
+def _disc(chroma: Floats) -> tuple[Floats, float, float]:
     """Centre (x, y) [px], roundness (shorter axis over longer) and area [px²] of a blob, from its second moments.
 
     chroma: 0 outside the blob.
@@ -229,7 +228,7 @@ class Fiducials:
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR  # six times as exact as SUBPIX
         self._detector = cv2.aruco.ArucoDetector(self.dictionary, parameters)
 
-    def detect(self, picture: Picture) -> dict[int, NDArray[np.float64]]:
+    def detect(self, picture: Picture) -> dict[int, Floats]:
         """Return the centre of each marker, (2,) px, by its number. A number that appears twice is left out."""
         corners, numbers, _ = self._detector.detectMarkers(picture)
         found = [] if numbers is None else [int(number) for number in np.ravel(numbers)]
@@ -241,7 +240,7 @@ class Fiducials:
         }
 
 
-def _diagonal_crossing(corners: NDArray[np.float32]) -> NDArray[np.float64]:
+def _diagonal_crossing(corners: NDArray[np.float32]) -> Floats:
     """Crossing of the diagonals, which is the square's centre in any perspective: (4, 2) in order -> (2,) px."""
     a, b, c, d = corners.astype(float)
     along = np.linalg.solve(np.stack([c - a, b - d], -1), b - a)

@@ -22,6 +22,7 @@ GRID_ANGLES, MIN_SAMPLES = 9, 200  # postures: angles for each of two joints; ra
 SAMPLE_RANGE_RAD = np.radians(20)  # of the random samples, about each posture
 
 Floats = NDArray[np.float64]
+Images = tuple[Floats, NDArray[np.bool_]]  # points (..., N, 4) px, visible (..., N, 2)
 
 
 class Moment(Protocol):
@@ -140,7 +141,7 @@ def arm_image_points(world: World, moment: Moment) -> dict[str, Floats]:
     return _by_view(world.demo_images(moment.theta_demo), world.own_images(moment.theta))
 
 
-def _by_view(demo: tuple[Floats, Floats], own: tuple[Floats, Floats]) -> dict[str, Floats]:
+def _by_view(demo: Images, own: Images) -> dict[str, Floats]:
     points = {}
     for pair, (images, visible) in (("lr", demo), ("LR", own)):
         for side, view in enumerate(pair):

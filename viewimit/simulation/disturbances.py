@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
-Points = NDArray[np.float64]
+Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 
@@ -44,7 +44,7 @@ class ImageDisturbance(SightDisturbance):
     """
 
     # (points (N, 4) px, visible (N, 2), amount, generator) -> points, visible
-    apply: Callable[[Points, Visible, float, np.random.Generator], tuple[Points, Visible]]
+    apply: Callable[[Floats, Visible, float, np.random.Generator], tuple[Floats, Visible]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,18 +59,18 @@ class ArmDisturbance(Disturbance):
     """Makes an arm miss the commanded posture."""
 
     # (posture (m,) rad, commanded posture (m,) rad, amount != 0) -> posture reached (m,) rad
-    drive: Callable[[NDArray[np.float64], NDArray[np.float64], float], NDArray[np.float64]]
+    drive: Callable[[Floats, Floats, float], Floats]
 
 
-def _add_noise(points: Points, visible: Visible, sigma_px: float, rng: np.random.Generator) -> tuple[Points, Visible]:
+def _add_noise(points: Floats, visible: Visible, sigma_px: float, rng: np.random.Generator) -> tuple[Floats, Visible]:
     return points + sigma_px * rng.standard_normal(points.shape), visible
 
 
-def _lose(points: Points, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Points, Visible]:
+def _lose(points: Floats, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Floats, Visible]:
     return points, visible & (rng.random(visible.shape) >= share)
 
 
-def _misplace(points: Points, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Points, Visible]:
+def _misplace(points: Floats, visible: Visible, share: float, rng: np.random.Generator) -> tuple[Floats, Visible]:
     wrong = np.repeat(rng.random(visible.shape) < share, 2, -1)
     return np.where(wrong, points + rng.uniform(-OUTLIER_PX, OUTLIER_PX, points.shape), points), visible
 
@@ -82,11 +82,11 @@ def _swap(count: int, share: float, rng: np.random.Generator) -> NDArray[np.int_
     return order
 
 
-def _overshoot(theta: NDArray[np.float64], commanded: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+def _overshoot(theta: Floats, commanded: Floats, share: float) -> Floats:
     return theta + (1 + share) * (commanded - theta)
 
 
-def _quantise(theta: NDArray[np.float64], commanded: NDArray[np.float64], step_deg: float) -> NDArray[np.float64]:
+def _quantise(theta: Floats, commanded: Floats, step_deg: float) -> Floats:
     step = np.radians(step_deg)
     return step * np.round(commanded / step)
 
@@ -103,7 +103,7 @@ NOISE = ImageDisturbance(
 MISSING = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="points that an image does not show",
+    description="probability that an image does not show a point",
     caption="missing {:.0%}",
     label="Missing %",
     slider_range=(0, 50, 1),
@@ -113,7 +113,7 @@ MISSING = ImageDisturbance(
 OUTLIERS = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="points that are found at a wrong place",
+    description="probability that a point is found at a wrong place",
     caption="outliers {:.0%}",
     label="Wrong %",
     slider_range=(0, 30, 1),
@@ -123,7 +123,7 @@ OUTLIERS = ImageDisturbance(
 SWAPPED = MatchDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="the demonstrator's points that are swapped, in pairs",
+    description="fraction of the demonstrator's points that are swapped, in pairs",
     caption="swapped {:.0%}",
     label="Swapped %",
     slider_range=(0, 50, 1),
@@ -133,7 +133,7 @@ SWAPPED = MatchDisturbance(
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
-    description="the arm moves farther than commanded by this share, or less far if negative",
+    description="relative actuation error: the arm moves farther than commanded by this fraction",
     caption="gain error {:.0%}",
     label="Gain err. %",
     slider_range=(-20, 20, 1),
@@ -159,7 +159,7 @@ class ActuatorSettings(Protocol):
     """The part of a run's settings on which the motion of a simulated arm depends."""
 
     @property
-    def start_rad(self) -> NDArray[np.float64]:
+    def start_rad(self) -> Floats:
         """(m,) posture at which the learner starts [rad]."""
         ...
 
@@ -173,7 +173,7 @@ def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
     return any(amount for _, amount in amounts)
 
 
-def disturb(amounts: ImageAmounts, points: Points, visible: Visible, seed: Sequence[int]) -> tuple[Points, Visible]:
+def disturb(amounts: ImageAmounts, points: Floats, visible: Visible, seed: Sequence[int]) -> tuple[Floats, Visible]:
     """Disturb one image.
 
     Parameters
@@ -194,16 +194,16 @@ def disturb(amounts: ImageAmounts, points: Points, visible: Visible, seed: Seque
 
 
 def disturbed_frames(
-    amounts: ImageAmounts, points: Points, visible: Visible, seed: Sequence[int], count: int
-) -> tuple[Points, Visible]:
+    amounts: ImageAmounts, points: Floats, visible: Visible, seed: Sequence[int], count: int
+) -> tuple[Floats, Visible]:
     """Return several disturbed images of the same points, (count, N, 4) px and (count, N, 2)."""
     looks = [disturb(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
     return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
 
 
 def mismatch_points(
-    amounts: MatchAmounts, points: Points, visible: Visible, seed: Sequence[int]
-) -> tuple[Points, Visible]:
+    amounts: MatchAmounts, points: Floats, visible: Visible, seed: Sequence[int]
+) -> tuple[Floats, Visible]:
     """Mix up the demonstrator's points, (N, 4) px and (N, 2)."""
     rng = np.random.default_rng(seed)
     for disturbance, amount in amounts:
@@ -213,7 +213,7 @@ def mismatch_points(
     return points, visible
 
 
-def drive(amounts: ArmAmounts, theta: NDArray[np.float64], commanded: NDArray[np.float64]) -> NDArray[np.float64]:
+def drive(amounts: ArmAmounts, theta: Floats, commanded: Floats) -> Floats:
     """Return the posture that an arm at theta reaches when it is commanded to another one, (m,) rad each."""
     for disturbance, amount in amounts:
         if amount:

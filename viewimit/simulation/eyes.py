@@ -19,7 +19,7 @@ __all__ = ["SimulatedEyes", "ProjectedEyes", "open_eyes", "require_eyes"]
 NEEDS = {"pybullet": "pybullet", "cv2": "opencv"}  # packages, and the extras that install them
 WHEELS = "CPython 3.10 and 3.11 on Linux x86-64"  # of PyBullet; elsewhere pip would compile it for minutes
 
-Points = NDArray[np.float64]
+Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 
 
@@ -36,7 +36,7 @@ class SimulatedEyes(Protocol):
         """Standard deviation of an image coordinate [px], without disturbances."""
         ...
 
-    def demo_images(self, theta: Angles) -> tuple[Points, Visible]:
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
         """Images of the demonstrator in [l] and [r].
 
         Parameters
@@ -51,21 +51,15 @@ class SimulatedEyes(Protocol):
         """
         ...
 
-    def own_images(self, theta: Angles) -> tuple[Points, Visible]:
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
         """Images of the learner in [L] and [R], in the same form."""
         ...
 
-    def settle(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def settle(self, theta: Floats) -> Floats:
         """Posture at which an arm comes to rest if it is placed at theta, (m,) rad each."""
         ...
 
-    def drive(
-        self,
-        settings: ActuatorSettings,
-        theta: NDArray[np.float64],
-        sent: NDArray[np.float64],
-        commanded: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
         """Posture that an arm at theta, whose last command was `sent`, reaches for a new command; (m,) rad each."""
         ...
 
@@ -78,22 +72,16 @@ class ProjectedEyes:
     def __init__(self, scene: Scene, points: int):
         self.world = World(scene, points)
 
-    def demo_images(self, theta: Angles) -> tuple[Points, Visible]:
+    def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self.world.demo_images(theta)
 
-    def own_images(self, theta: Angles) -> tuple[Points, Visible]:
+    def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self.world.own_images(theta)
 
-    def settle(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def settle(self, theta: Floats) -> Floats:
         return theta
 
-    def drive(
-        self,
-        settings: ActuatorSettings,
-        theta: NDArray[np.float64],
-        sent: NDArray[np.float64],
-        commanded: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
         amounts, scene = settings.amounts(ArmDisturbance), self.world.scene
         if not any_active(amounts):
             return commanded

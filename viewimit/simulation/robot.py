@@ -254,7 +254,7 @@ def _transformed(rotation: Floats, offset: Floats, xyz: Floats) -> Floats:
     return moved
 
 
-def _gather(groups: dict, index: Ints, xyz: Floats) -> None:
+def _gather(groups: dict[tuple[int, ...], tuple[Ints, Floats]], index: Ints, xyz: Floats) -> None:
     """Add points to the group of their batch shape."""
     if len(index) == 0:
         return

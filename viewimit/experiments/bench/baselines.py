@@ -74,7 +74,7 @@ def conflict(demo: NDArray[np.float64], own: NDArray[np.float64]) -> float:
     return ((own - recovered) ** 2).sum() / (2 * len(demo))
 
 
-def _fundamental(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def _fundamental(p: NDArray, q: NDArray) -> tuple[NDArray, float]:
     """Eqs. (2), (3). p, q: (N, 2) px → f: (4,), f33."""
     u = np.hstack([p, q])
     centre = u.mean(0)
@@ -82,7 +82,7 @@ def _fundamental(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArra
     return vectors[:, 0], -float(centre @ vectors[:, 0])
 
 
-def _fundamentals(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _fundamentals(p: NDArray, q: NDArray) -> tuple[NDArray, NDArray]:
     """Eqs. (2), (3). p, q: (G, N, 2) px → f: (G, 4), f33: (G,)."""
     u = np.concatenate([p, q], -1)
     centre = u.mean(1)
@@ -101,12 +101,12 @@ def own_image(world: World, posture: NDArray[np.float64]) -> NDArray[np.float64]
     for joint, angle in zip(world.robot.joints, angles):
         T = T @ joint.T_parent_joint @ _turns(joint.axis, angle)
         frames.append(T)
-    frames = np.array(frames)[world.body.link]
-    points = (frames[:, :3, :3] @ world.body.local[:, :, None])[:, :, 0] + frames[:, :3, 3]
+    T_world_links = np.array(frames)[world.body.link]
+    points = (T_world_links[:, :3, :3] @ world.body.local[:, :, None])[:, :, 0] + T_world_links[:, :3, 3]
     return np.hstack([_project(camera, points) for camera in world.own_cameras])
 
 
-def _own_images(world: World, postures: NDArray[np.float64]) -> NDArray[np.float64]:
+def _own_images(world: World, postures: NDArray) -> NDArray:
     """postures: (G, m) rad → (G, N, 4) px in [L, R]."""
     angles = np.tile(np.radians(world.scene.posture_deg), (len(postures), 1))
     angles[:, world.scene.moving] = postures
@@ -122,7 +122,7 @@ def _own_images(world: World, postures: NDArray[np.float64]) -> NDArray[np.float
     return np.concatenate([_project(camera, points) for camera in world.own_cameras], -1)
 
 
-def _turns(axis: NDArray[np.float64], angle) -> NDArray[np.float64]:
+def _turns(axis: NDArray, angle) -> NDArray:
     """Rodrigues' formula. axis: (3,); angle: (...) rad → (..., 4, 4)."""
     x, y, z = axis / np.linalg.norm(axis)
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -133,13 +133,13 @@ def _turns(axis: NDArray[np.float64], angle) -> NDArray[np.float64]:
     return T
 
 
-def _project(camera: Camera, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _project(camera: Camera, points: NDArray) -> NDArray:
     """points: (..., 3) m in the world → (..., 2) px."""
     in_camera = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, :3]
     on_plane = in_camera[..., :2] / in_camera[..., 2:]
     if camera.lens.is_distorted:
         on_plane = on_plane * camera.lens.stretch((on_plane**2).sum(-1, keepdims=True))
-    return camera.lens.focal * on_plane + camera.lens.centre
+    return np.array(camera.lens.focal) * on_plane + np.array(camera.lens.centre)
 
 
 def opencv_unavailable(points: int) -> str | None:
@@ -178,7 +178,7 @@ def opencv_conflict(demo: NDArray[np.float64], own: NDArray[np.float64]) -> floa
     return float(((own - recovered) ** 2).sum() / (2 * len(demo)))
 
 
-def _resect(X: NDArray[np.float64], image: NDArray[np.float64]) -> NDArray[np.float64]:
+def _resect(X: NDArray, image: NDArray) -> NDArray:
     """Resect a camera by the direct linear transformation. X: (N, 4); image: (N, 2) px → (3, 4)."""
     centre = image.mean(0)
     scale = np.sqrt(2) / np.linalg.norm(image - centre, axis=1).mean()
@@ -189,7 +189,7 @@ def _resect(X: NDArray[np.float64], image: NDArray[np.float64]) -> NDArray[np.fl
     return np.vstack([P[:2] / scale + np.outer(centre, P[2]), P[2]])
 
 
-def _project_homogeneous(P: NDArray[np.float64], X: NDArray[np.float64]) -> NDArray[np.float64]:
+def _project_homogeneous(P: NDArray, X: NDArray) -> NDArray:
     """P: (3, 4); X: (N, 4) → (N, 2) px."""
     x = X @ P.T
     return x[:, :2] / x[:, 2:]

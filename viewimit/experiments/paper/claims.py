@@ -1,7 +1,7 @@
-"""What the paper says beside what is found here, and how far apart they may be: all tolerances, with their reasons."""
+"""Claims: what the paper says beside what is found here, with all tolerances and their reasons."""
 
 import operator
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ...estimation.equations import with_minus
@@ -14,26 +14,24 @@ PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)
 
 @dataclass(frozen=True)
 class Claim:
-    """One line of the table, in words. holds: None where nothing is claimed, and where the tolerance says why it is not
-    judged; subject: what does not hold if it does not."""
+    """One line of the table, in words."""
 
     name: str
     paper: str
     here: str
     tolerance: str
-    holds: bool | None
-    subject: str
+    holds: bool | None  # None if nothing is claimed, or the tolerance says why it is not judged
+    subject: str  # of the verdict, if it does not hold
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """value: at most, or at least, of what is found in the paper's scene; elsewhere: in any other, None where the paper
-    claims nothing of others."""
+    """A bound on a result."""
 
-    value: float
-    reason: str
-    elsewhere: float | None
-    least: bool = False
+    value: float  # in the paper's scene
+    reason: str  # of the value, with its unit
+    elsewhere: float | None  # in any other scene, None if the paper claims nothing there
+    least: bool = False  # whether it is a lower bound
 
 
 TOLERANCES = {
@@ -63,8 +61,10 @@ TOLERANCES = {
 
 
 class Claims(list[Claim]):
-    """Claims about a run with these settings: judged in the paper's scene by what is known of it, in any other by what
-    the paper claims in general. unjudged: why nothing is, if so."""
+    """Claims about a run with these settings, judged by the tolerances of its scene.
+
+    unjudged: the reason why nothing is judged, if so.
+    """
 
     def __init__(self, settings: Settings, unjudged: str = ""):
         super().__init__()
@@ -75,13 +75,13 @@ class Claims(list[Claim]):
         )
 
     def limit(self, what: str) -> float | None:
-        """Of TOLERANCES, for these settings."""
+        """Return the bound in TOLERANCES for these settings."""
         return TOLERANCES[what].value if self._papers else TOLERANCES[what].elsewhere
 
     def add(
         self, name: str, paper: str, here: str, tolerance: str = "–", condition: bool | None = None, subject: str = ""
     ) -> None:
-        """condition: None if nothing is claimed."""
+        """Add a claim. condition: whether it holds, None if nothing is claimed."""
         if condition is not None and self._unjudged:
             tolerance, condition = f"not judged: {self._unjudged}", None
         holds = None if condition is None else bool(condition)
@@ -92,7 +92,7 @@ class Claims(list[Claim]):
     def judge(
         self, name: str, paper: str, here: str, what: str, found: float, form: str = "≤ {:g}", subject: str = ""
     ) -> None:
-        """By a tolerance of TOLERANCES. form: what it reads as."""
+        """Add a claim that is judged by a bound in TOLERANCES. form: of the bound's text."""
         limit = self.limit(what)
         if limit is None:
             words = form.format(TOLERANCES[what].value)
@@ -103,7 +103,7 @@ class Claims(list[Claim]):
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """How many of those judged hold, and what does not; "" if none is judged."""
+    """Say how many of the judged claims hold, and which do not; "" if none is judged."""
     judged = [claim for claim in claims if claim.holds is not None]
     missed = list(dict.fromkeys(claim.subject for claim in judged if not claim.holds))
     if not judged:
@@ -117,12 +117,13 @@ def verdict(claims: Sequence[Claim]) -> str:
     return f"{counted}; {', '.join(missed[:-1])} and {missed[-1]} do not"
 
 
-def in_degrees(theta_deg) -> str:
+def in_degrees(theta_deg: Iterable[float]) -> str:
+    """Write a posture, such as (45.0°, −90.0°)."""
     return "(" + ", ".join(f"{angle:.1f}°" for angle in theta_deg).replace("-", "−") + ")"
 
 
 def table(claims: list[Claim]) -> str:
-    """For people."""
+    """Lay out the claims for people."""
     marks = {True: "pass", False: "MISS", None: "–"}
     rows = [("", "paper", "here", "tolerance", "")]
     rows += [(claim.name, claim.paper, claim.here, claim.tolerance, marks[claim.holds]) for claim in claims]

@@ -123,7 +123,7 @@ def read_deeplabcut_h5(path: Path, group: Any, individual: str | None) -> Track:
     return track_of(str(path), [_heading(path, one) for one in headings], frames, values, individual)
 
 
-def _read_table(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
+def _read_table(path: Path, group: Any) -> tuple[list[Any], list[Any], NDArray[Any]]:
     table = group["table"]
     blocks = sorted((name for name in table.dtype.names if name.startswith("values_block_")), key=lambda n: int(n[13:]))
     headings = [one for block in blocks for one in _unpickled(path, table.attrs[f"{block}_kind"])]
@@ -132,7 +132,7 @@ def _read_table(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
     return rows["index"].tolist(), headings, values
 
 
-def _read_fixed(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
+def _read_fixed(path: Path, group: Any) -> tuple[list[Any], list[Any], NDArray[Any]]:
     headings, values = [], []
     for block in range(int(group.attrs["nblocks"])):
         headings += _levels(group, f"block{block}_items")
@@ -142,7 +142,7 @@ def _read_fixed(path: Path, group: Any) -> tuple[list, list, NDArray[Any]]:
     return index, headings, np.concatenate(values, 1)
 
 
-def _levels(group: Any, of: str) -> list[tuple]:
+def _levels(group: Any, of: str) -> list[tuple[Any, ...]]:
     """The rows of a MultiIndex."""
     columns = []
     for level in range(int(group.attrs[f"{of}_nlevels"])):
@@ -157,7 +157,7 @@ def _numbers(path: Path, values: Any) -> NDArray[Any]:
     return values.astype(float)
 
 
-def _heading(path: Path, one: Sequence) -> Heading:
+def _heading(path: Path, one: Sequence[Any]) -> Heading:
     if not all(isinstance(name, (str, bytes, int, float, np.generic)) for name in one):
         raise ValueError(f"{path}: its headings are no names; {EXPORT_CSV}")
     names = [as_text(name) for name in one]
@@ -185,7 +185,7 @@ class _PlainUnpickler(pickle.Unpickler):
         raise pickle.UnpicklingError(f"it asks for {module}.{name}")
 
 
-def _unpickled(path: Path, value: Any) -> list:
+def _unpickled(path: Path, value: Any) -> list[Any]:
     content = value if isinstance(value, bytes) else as_text(value).encode("latin-1")
     try:
         found = _PlainUnpickler(io.BytesIO(content)).load()

@@ -66,6 +66,7 @@ class Table:
             raise ValueError(f"{self.path}: line {reader.line_num}: {error}") from None
 
     def require_count(self, line: int, cells: list[str], columns: int) -> None:
+        """Raise ValueError for a line that has another number of cells."""
         if len(cells) != columns:
             hint = "; with decimal commas separate columns by ;" if self._separator == "," else ""
             raise ValueError(f"{self.path}: line {line}: {len(cells)} cells, but {columns} columns{hint}")

@@ -140,6 +140,7 @@ class Rows:
         self.xy, self.confidence = array("d"), array("d")
 
     def add(self, line: int, frame: int, point: str, x: float, y: float, confidence: float) -> None:
+        """Add one row."""
         self.frame.append(frame)
         self.point.append(self._points.setdefault(point, len(self._points)))
         self.line.append(line)

@@ -40,13 +40,15 @@ VIEW_ANGLES = 3  # of those, for visibility
 MIN_GAIN = 1.02  # by which another yaw must be better
 START = 0.2, 0.8, 0.35  # of the ranges of the moving joints: the learner's start
 
+Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class AutoScene:
     """A scene made for a URDF."""
 
     fields: dict[str, Any]  # of `Scene`
-    choices: tuple[str, ...]  # messages about what was chosen
+    choices: tuple[str, ...]  # messages about the choices
     faults: tuple[str, ...]  # messages about shapes that are not drawn
 
 
@@ -114,13 +116,9 @@ def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joi
         return
     stiff = [joint.name for k, joint in enumerate(robot.joints, 1) if k not in among]
     slides = [joint.name for joint in arm.joints if joint.kind in SLIDING]
-    why = (
-        f"; {stiff[0]} {_why_fixed(tree, stiff[0])}"
-        if stiff
-        else f"; {slides[0]} slides, and is held"
-        if slides
-        else ""
-    )
+    why = f"; {stiff[0]} {_why_fixed(tree, stiff[0])}" if stiff else ""
+    if slides and not stiff:
+        why = f"; {slides[0]} slides, and is held"
     raise ValueError(
         f"{tree.path}: from {arm.base} to {arm.tip} {len(among) or 'no'} joint{'s' * (not among)} can turn, "
         f"and two are needed{why}; another chain can be named by --tip"
@@ -138,7 +136,7 @@ def _why_fixed(tree: Tree, name: str) -> str:
 
 
 def _best_view(
-    robot: Robot, rest: NDArray[np.float64], surface: Surface, lowest: float, among: Sequence[int], given: bool
+    robot: Robot, rest: Floats, surface: Surface, lowest: float, among: Sequence[int], given: bool
 ) -> tuple[float, list[int]]:
     """Yaw of the bases [rad] at which two joints, or the given ones, move the images most, and these joints."""
     spans = np.zeros(len(robot.joints))
@@ -166,8 +164,8 @@ def _best_view(
 
 
 def _posture_grid(
-    robot: Robot, rest: NDArray[np.float64], moving: Sequence[int], ranges: Sequence[tuple[float, float]]
-) -> list[NDArray[np.float64]]:
+    robot: Robot, rest: Floats, moving: Sequence[int], ranges: Sequence[tuple[float, float]]
+) -> list[Floats]:
     """Postures on a grid over the ranges, (n,) rad each."""
     axes = [np.radians(np.linspace(low, high, GRID_ANGLES)) for low, high in ranges]
     found = []
@@ -178,7 +176,7 @@ def _posture_grid(
     return found
 
 
-def _visibility(placing: Placing, sides: list[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> NDArray[np.float64]:
+def _visibility(placing: Placing, sides: list[tuple[Floats, Floats]]) -> Floats:
     """Fraction of the views of both arms over the ranges that show each place, (K,)."""
     views = sides[:: max(1, len(sides) // VIEW_ANGLES**2)]
     fractions = [
@@ -189,7 +187,7 @@ def _visibility(placing: Placing, sides: list[tuple[NDArray[np.float64], NDArray
     return np.mean(fractions, axis=0)
 
 
-def _lowest(shapes: Shapes, robot: Robot, rest: NDArray[np.float64]) -> float:
+def _lowest(shapes: Shapes, robot: Robot, rest: Floats) -> float:
     """Height of the lowest vertex in the base frame [m]."""
     frames = robot.link_frames(rest)
     return min(float((mesh.vertices @ frames[k][2, :3] + frames[k][2, 3]).min()) for k, mesh in shapes.meshes.items())
@@ -201,7 +199,7 @@ def _fields(
     robot: Robot,
     moving: Sequence[int],
     ranges: Sequence[tuple[float, float]],
-    rest: NDArray[np.float64],
+    rest: Floats,
     placing: Placing,
 ) -> dict[str, Any]:
     start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
@@ -229,7 +227,7 @@ def _fields(
     }
 
 
-def _rounded(values: NDArray[np.float64]) -> list[float]:
+def _rounded(values: Floats) -> list[float]:
     """Rounded to 0.1 mm, without minus zero."""
     return [float(value) for value in np.asarray(values).round(4) + 0.0]
 

@@ -148,7 +148,7 @@ def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray[np.fl
     for joint in tree.joints:
         below.setdefault(joint.parent, []).append(joint)
     root, T_root_base = _root_of(tree, arm.base)
-    frames = {root: (0, np.linalg.inv(T_root_base))}
+    frames: dict[str, tuple[int, NDArray[np.float64]]] = {root: (0, np.asarray(np.linalg.inv(T_root_base), float))}
     pending = [root]
     while pending:
         link = pending.pop()

@@ -26,6 +26,8 @@ MAX_FILE_FACES, MAX_LINK_FACES = 1500, 6000  # of one file, and of all shapes th
 MAX_CELLS, MIN_CELLS = 128, 4  # along the longest side
 CREASE_COS = np.cos(np.radians(38.0))  # sharper edges are shaded as edges
 
+Floats = NDArray[np.float64]
+
 
 class NotFound(Exception):
     """A mesh is missing or not read. The message tells why."""
@@ -179,9 +181,7 @@ def _connected_components(count: int, one: NDArray[np.int_], other: NDArray[np.i
             return group
 
 
-def _clustered(
-    vertices: NDArray[np.float64], faces: NDArray[np.int_], cells: int
-) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
+def _clustered(vertices: Floats, faces: NDArray[np.int_], cells: int) -> tuple[Floats, NDArray[np.int_]]:
     low, high = vertices.min(0), vertices.max(0)
     edge = max(float((high - low).max()), 1e-9) / cells
     cell = ((vertices - low) / edge).astype(np.int64)

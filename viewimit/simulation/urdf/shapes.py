@@ -97,7 +97,10 @@ def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
     for number, mesh in _rods(arm, frames):
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
-    whole = {number: creased(simplified(_concatenated(each), MAX_LINK_FACES)) for number, each in sorted(parts.items())}
+    whole = {
+        number: creased(simplified(trimesh.util.concatenate(each), MAX_LINK_FACES))
+        for number, each in sorted(parts.items())
+    }
     meshes = {number: Mesh(np.array(mesh.vertices, float), np.array(mesh.faces)) for number, mesh in whole.items()}
     return meshes, list(missing)
 
@@ -139,12 +142,6 @@ def _rods(arm: Chain, frames: dict[str, tuple[int, Floats]]) -> Iterator[tuple[i
             mesh = stub(joint.axis, length)
         if mesh is not None:
             yield numbers[k], mesh
-
-
-def _concatenated(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-    faces = [mesh.faces + start for mesh, start in zip(meshes, starts)]
-    return trimesh.Trimesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces), process=False)
 
 
 def rod(end: Floats, length: float) -> trimesh.Trimesh | None:

@@ -1,4 +1,4 @@
-"""Square markers in pictures that OpenCV has drawn: found where they are, told apart, and left out where ambiguous."""
+"""Square markers that OpenCV has drawn: found at their places, identified, and left out if ambiguous."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_a_number_seen_twice_is_nobodys():
     assert fiducials.detect(np.full((100, 100, 3), 90, np.uint8)) == {}
 
 
-def test_a_dictionary_that_is_none_is_told_those_there_are():
+def test_an_unknown_dictionary_is_refused_with_a_list_of_names():
     assert {"4X4_50", "APRILTAG_36H11"} <= set(dictionary_names()) and len(set(dictionary_names())) == len(
         dictionary_names()
     )
@@ -40,7 +40,7 @@ def test_a_dictionary_that_is_none_is_told_those_there_are():
         Fiducials("4x4")
 
 
-def test_detect_finds_them_and_evaluate_takes_what_it_wrote(ask, ask_json, tmp_path):
+def test_evaluate_reads_the_markers_that_detect_writes(ask, ask_json, tmp_path):
     points = np.random.default_rng(1).uniform((-0.4, -0.3, 2.0), (0.4, 0.3, 2.6), (16, 3))
     dictionary, seen = Fiducials("APRILTAG_36h11").dictionary, {}
     for view, (eye, by) in zip(VIEWS, ((-0.05, 0.0), (0.05, 0.0), (-0.05, 0.1), (0.05, 0.1))):

@@ -1,8 +1,11 @@
-"""A scene told in full is the very same scene; wherever it comes from, no file is opened for it but shipped ones."""
+"""A scene that is written as text or as a file is the same scene when it is read."""
 
 import msgspec
 import numpy as np
 import pytest
+from page_fakes import Hands, quiet_model
+from urdfs import arm, joint, link, write
+from viewimit.app.control.commands.points import PlacePoint
 
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.codegen import as_command, as_python
@@ -32,7 +35,7 @@ def told(name: str, other: dict) -> Scene:
 
 @pytest.mark.parametrize("name", scene_names())
 @pytest.mark.parametrize("other", OTHERS)
-def test_a_scene_told_in_full_is_the_same_scene(name, other):
+def test_the_text_of_a_scene_is_the_same_scene(name, other):
     scene = told(name, OTHERS[other])
     text = scene_text(scene)
     assert is_text(text) and load_scene(text) == scene
@@ -40,7 +43,7 @@ def test_a_scene_told_in_full_is_the_same_scene(name, other):
         assert f'extends = "{name}"' in text and len(text) < 250  # of what is the same nothing is said
 
 
-def test_what_a_shipped_scene_says_is_not_left_standing():
+def test_fields_of_a_shipped_scene_are_not_inherited_by_mistake():
     """Of scenes with unlike cameras or more layouts nothing can be taken back."""
     plain = msgspec.to_builtins(load_scene("panda-toed"))
     plain["head"] = {**plain["head"], "left": {}, "right": {}}
@@ -72,7 +75,7 @@ def test_settings_with_a_scene_in_full_repeat_those_with_its_file(tmp_path):
 
 
 def test_it_is_called_by_its_title():
-    assert [Settings(scene=scene).scene_called for scene in (MINE, 'extends = "iiwa"\n', "C:\\arms\\mine.toml")] == [
+    assert [Settings(scene=scene).scene_title for scene in (MINE, 'extends = "iiwa"\n', "C:\\arms\\mine.toml")] == [
         "Eyes <wider> a/part", "iiwa", "mine.toml",
     ]  # fmt: skip
     assert file_name("/x/mine.toml") == "mine.toml"
@@ -80,7 +83,7 @@ def test_it_is_called_by_its_title():
     assert "· Eyes <wider> a/part, 10 points" in describe_settings(Settings.paper(scene=MINE))
 
 
-def test_a_robot_of_ones_own_cannot_be_told(tmp_path):
+def test_a_users_own_robot_has_no_text(tmp_path):
     own = msgspec.structs.replace(load_scene("panda"), robot="arm.urdf")
     with pytest.raises(ValueError, match="its robot, arm.urdf"):
         scene_text(own)
@@ -108,9 +111,34 @@ def test_a_robot_of_ones_own_cannot_be_told(tmp_path):
     ],
     ids=lambda value: str(value)[:30],
 )
-def test_what_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
+def test_a_text_that_is_no_scene_is_refused(text, says, tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text('extends = "panda"\n')
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match="the scene") as refused:
         load_scene(text)
     assert says in str(refused.value)
+
+
+def test_a_saved_scene_names_no_folder_and_runs_beside_its_urdf(tmp_path, ask, ask_json):
+    files = []
+    hand = joint("twist", "lower", "hand", xyz="0 0 0.3"), link("hand", "0.05 0.1 0.1")
+    urdf = write(tmp_path / "secret", *arm(*hand), name="my arm.urdf")
+    model, queue = quiet_model(Settings.paper(scene=f"{urdf}#tip=lower"), send=lambda *file: files.append(file))
+    visitor = Hands(model, queue)
+    visitor.act("edit points")
+    PlacePoint(2, (0.04, 0.0, 0.1)).apply(model, 0.0)
+    visitor.act("save scene")
+    ((name, data),) = files
+    assert b"secret" not in data and str(tmp_path).encode() not in data and len(model.session.world.robot.joints) == 3
+    path = tmp_path / "elsewhere" / name
+    path.parent.mkdir()
+    path.write_bytes(data)
+    status, _, told = ask("imitate", "--scene", path)
+    assert status == 2 and told.count("\n") == 1 and "my arm.urdf, is not there: put it there, or name it by" in told
+    status, told = ask_json("imitate", "--scene", path, "--robot", urdf)
+    assert status == 0 and told["settings"]["points"] == 11
+    beside = urdf.rename(path.parent / urdf.name)
+    assert load_scene(path).robot == f"{beside}#tip=lower" == load_scene(path, beside).robot
+    assert ask_json("imitate", "--scene", path)[1]["final_deg"] == told["final_deg"]
+    with pytest.raises(ValueError, match="posture_deg has 3 angles, but other has 4 joints"):
+        load_scene(path, beside.rename(path.parent / "other.urdf"))

@@ -66,7 +66,7 @@ def test_columns_are_known_in_capitals_and_between_blanks_too(tmp_path, tidy):
         read_view(other)
 
 
-def test_the_command_says_what_the_library_computes(ask_json, tidy, deeplabcut, views):
+def test_the_command_prints_the_results_of_the_library(ask_json, tidy, deeplabcut, views):
     files = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
     for words, transfer in (
         ([tidy], "projective"),
@@ -132,14 +132,14 @@ def test_points_in_whole_pixels_are_not_called_misplaced(ask_json, tmp_path, mor
     assert status == 0 and told["suspects"] == []
 
 
-def test_where_nothing_is_wrong_or_told_that_is_said(ask, ask_json, tidy, suspicious):
+def test_no_suspects_and_undecided_swaps_are_reported(ask, ask_json, tidy, suspicious):
     _, told = ask_json("evaluate", tidy)
     assert told["suspects"] == [] and "they show only with arms in one posture" in told["undecided"][0]
     _, out, _ = ask("evaluate", tidy)
     assert "suspects: none\n  undecided: swapped points: E of the projective transfer is " in out
 
 
-def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
+def test_a_view_of_one_frame_is_used_for_all_frames(tmp_path, tidy):
     text = tidy.read_text()
     more = [line.replace("0,", "7,", 1) for line in text.splitlines() if line[:4] in ("0,L,", "0,R,")]
     tidy.write_text(text + "\n".join(more) + "\n")
@@ -147,7 +147,7 @@ def test_a_view_of_one_frame_holds_for_all(tmp_path, tidy):
     assert tracked.frames == (0, 7) and tracked.views().visible.all()
 
 
-def test_a_view_that_lost_its_points_in_all_frames_but_one_does_not_hold_for_all(tmp_path):
+def test_a_view_with_one_non_empty_frame_is_not_used_for_all_frames(tmp_path):
     """Its body moves: the other view of it says so."""
     lines = [
         f"{t},{view},p{k},{'' if view == 'L' and t != 3 else 9 * k},{k * k + t},1"
@@ -190,7 +190,7 @@ def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
         read_view(of_one)
 
 
-def test_a_png_that_cannot_be_made_is_refused_with_what_can(ask, tidy, tmp_path, monkeypatch):
+def test_a_png_that_cannot_be_rendered_is_refused_with_alternatives(ask, tidy, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "can_render", lambda: False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
     assert status == 2 and "pip install" in err
@@ -198,7 +198,7 @@ def test_a_png_that_cannot_be_made_is_refused_with_what_can(ask, tidy, tmp_path,
     assert ask("evaluate", tidy, "--out", tmp_path / f"report{instead}")[0] == 0
 
 
-def test_tracks_without_a_common_name_are_told_apart_from_points_that_are_lost(ask, tmp_path, tidy):
+def test_tracks_without_a_common_name_have_a_message_of_their_own(ask, tmp_path, tidy):
     head, *rows = tidy.read_text().splitlines()
     other = tmp_path / "other.csv"
     renamed = [re.sub(r"^(\d+,[LR],)", r"\1own ", row) for row in rows]
@@ -251,7 +251,7 @@ def test_a_point_of_no_confidence_is_not_seen(ask_json, tidy, sure, usable):
 
 
 @pytest.mark.parametrize("mark", ["0,0", "-1,-1", "0.0,-0.0"])
-def test_a_point_that_its_tracker_has_lost_is_not_seen_and_that_is_said(ask, tidy, mark):
+def test_missing_values_are_invisible_and_reported(ask, tidy, mark):
     lines = tidy.read_text().splitlines()
     lost = [",".join([*line.split(",")[:3], mark, "0.9"]) if line.split(",")[2] == "4" else line for line in lines]
     tidy.write_text("\n".join(line for line in lines if line.split(",")[2] != "4"))
@@ -314,7 +314,7 @@ def test_faults_of_deeplabcut_files_are_named(ask, deeplabcut):
     assert ask("evaluate", path)[0] == 2 and "no view" not in err
 
 
-def test_a_picture_says_its_view_by_name_or_option(ask, tmp_path):
+def test_the_view_of_a_picture_follows_from_its_name_or_an_option(ask, tmp_path):
     pytest.importorskip("cv2")
     status, _, err = ask("detect", tmp_path / "front.png", "--out", tmp_path / "a.csv")
     assert status == 2 and "does not end in a view" in err
@@ -358,13 +358,13 @@ def test_full_names_of_views_and_those_of_the_paper_are_read_alike(tmp_path, tid
     assert "own_left" in full.read_text() and read_tidy(full).points == short.points
 
 
-def test_a_row_that_stands_under_both_names_of_its_view_stands_twice(tmp_path, tidy):
+def test_a_row_under_both_names_of_its_view_is_a_repeated_row(tmp_path, tidy):
     tidy.write_text(tidy.read_text() + "0,demo_left,3,1,2,0.9\n")
     with pytest.raises(ValueError, match="point 3 of frame 0 in view demo_left stands in line 5 too"):
         read_tidy(tidy)
 
 
-def test_what_is_written_tells_views_apart_by_more_than_the_case_of_a_letter(tmp_path):
+def test_written_names_of_views_differ_by_more_than_case(tmp_path):
     path = tmp_path / "p.csv"
     write_tidy(path, {view: [(0, "a", 1.0 + k, 2.0, 1.0), (0, "b", 3.0, 4.0 + k, 1.0)] for k, view in enumerate(VIEWS)})
     lines = path.read_text().splitlines()
@@ -374,7 +374,7 @@ def test_what_is_written_tells_views_apart_by_more_than_the_case_of_a_letter(tmp
     assert read_tidy(path).image["L"][0].tolist() == [[3.0, 2.0], [3.0, 6.0]]
 
 
-def test_an_option_by_its_old_name_works_and_tells_the_new_one(ask, ask_json, deeplabcut):
+def test_an_old_option_works_and_warns_with_the_new_name(ask, ask_json, deeplabcut):
     old = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]
     new = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
     (status, out, err), (_, same, silent) = ask("evaluate", *old), ask("evaluate", *new)

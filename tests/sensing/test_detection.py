@@ -34,7 +34,7 @@ def test_middles_are_found_to_a_few_hundredths_of_a_pixel():
 
 
 @pytest.mark.parametrize("light", [0.5, 0.7, 1.0])
-def test_hue_tells_markers_apart_in_any_white_light(light):
+def test_markers_are_identified_by_hue_in_any_white_light(light):
     hues = load_markers("panda").hue_deg
     middles = np.stack([12 + 20.0 * (np.arange(len(hues)) % 7), 12 + 20.0 * (np.arange(len(hues)) // 7)], -1)
     discs = [(*middle, 3.5, colour) for middle, colour in zip(middles, colours(hues))]
@@ -52,14 +52,14 @@ def test_a_ball_half_hidden_is_not_found():
         assert np.isnan(found.points[1]).all()
 
 
-def test_nothing_is_found_in_grey_and_of_two_the_larger():
+def test_grey_pictures_have_no_marker_and_the_larger_of_two_blobs_counts():
     assert not detect(np.full((48, 64, 3), 90, np.uint8), HUES).found.any()
     red = colours(0.0)
     found = detect(drawn([(30, 40, 3.5, red), (100, 40, 4.5, red)]), HUES)
     np.testing.assert_allclose(found.points[0], (100, 40), atol=0.06)
 
 
-def test_what_is_beside_the_middle_is_another_body():
+def test_markers_outside_the_searched_width_are_ignored():
     red = colours(0.0)
     picture = drawn([(70, 40, 3.5, red), (150, 40, 4.5, red)])
     np.testing.assert_allclose(detect(picture, HUES, 0.6).points[0], (70, 40), atol=0.06)
@@ -74,7 +74,7 @@ def test_files_that_are_no_pictures_are_named(tmp_path):
             next(read_pictures(tmp_path / name))
 
 
-def test_markers_are_of_all_links_and_hues_apart():
+def test_markers_are_on_all_links_with_separate_hues():
     for name in marker_names():
         markers = load_markers(name)
         apart = np.abs((markers.hue_deg[:, None] - markers.hue_deg + 180) % 360 - 180)

@@ -1,4 +1,4 @@
-"""What is chosen for a robot of which only the URDF is known: within its limits, in sight, spread, and enough."""
+"""A scene made for a URDF: within the limits, visible, and with enough spread points."""
 
 import importlib.util
 import re
@@ -10,12 +10,15 @@ from urdfs import LIMIT, arm, gripper, joint, link, write
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.simulation.autoscene.candidates import MAX_PLACES, find_candidates
 from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, rest_posture, turning_range
 from viewimit.simulation.autoscene.scene import make_scene
 from viewimit.simulation.autoscene.surface import Surface, parts_of, visible_fraction
 from viewimit.simulation.camera import Cameras
+from viewimit.simulation.meshes import first_hit
 from viewimit.simulation.robot import Robot, link_meshes
-from viewimit.simulation.scene import load_robot, load_scene
+from viewimit.simulation.scene import load_robot, load_scene, scene_names
+from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.world import World
 
@@ -109,7 +112,7 @@ def urdf(request, tmp_path):
     return write(tmp_path, *ROBOTS[request.param](), name=f"{request.param}.urdf")
 
 
-def test_the_default_method_arrives_and_says_so(urdf):
+def test_the_default_method_converges_and_claims_it(urdf):
     session = Session(
         Settings.paper(**{name: getattr(Settings(), name) for name in ("transfer", "servo")}, scene=str(urdf))
     )
@@ -139,7 +142,7 @@ def test_all_points_are_in_all_four_images_over_the_whole_range(urdf):
         assert spread.max() > 60  # px: not far away either
 
 
-def test_points_lie_on_what_is_drawn_with_a_share_for_each_part_and_not_in_a_plane(urdf):
+def test_points_are_on_the_surface_of_every_part_and_not_in_a_plane(urdf):
     scene, shapes = load_scene(urdf), link_meshes(str(urdf))
     for count in (10, 16, 20):
         body = scene.body_points(count)
@@ -243,7 +246,7 @@ def test_a_place_behind_another_or_turned_away_is_not_seen():
     np.testing.assert_array_equal(seen, [1, 0, 0])
 
 
-def test_of_a_large_base_only_what_is_near_the_arm_has_points(tmp_path):
+def test_only_the_part_of_a_large_base_near_the_arm_has_points(tmp_path):
     """A rail of ten metres does not move the head away."""
     small, rail = (
         load_scene(write(tmp_path, *arm())),
@@ -298,12 +301,12 @@ STIFF = '<limit lower="0.5" upper="0.5"/>'
         ),
     ],
 )
-def test_too_few_joints_and_those_that_cannot_move_are_named_with_what_to_do(tmp_path, parts, joints, message):
+def test_too_few_or_fixed_joints_are_named_with_the_remedy(tmp_path, parts, joints, message):
     with pytest.raises(ValueError, match=message):
         load_scene(write(tmp_path, *parts), joints=joints)
 
 
-def test_what_slides_and_what_follows_is_said(tmp_path):
+def test_prismatic_and_mimic_joints_are_reported(tmp_path):
     said = "\n".join(make_scene(Reference(write(tmp_path, *mobile()))).choices)
     assert "torso slides, and is held at 0.08 m" in said and "1 yaw, 2 lift, 3 elbow" in said
     assert "tilt follows elbow" in "\n".join(make_scene(Reference(write(tmp_path, *coupled()))).choices)
@@ -319,7 +322,7 @@ def test_what_slides_and_what_follows_is_said(tmp_path):
         ({"more": LIMIT + '<mimic joint="perch"/>'}, "perch follows perch, which does not turn in this arm"),
     ],
 )
-def test_what_is_held_though_it_might_move_is_said(tmp_path, more, says):
+def test_fixed_joints_that_could_move_are_reported(tmp_path, more, says):
     arm_on = [link("floor"), joint("perch", "floor", "base", **more), *arm()]
     said = "\n".join(make_scene(Reference(write(tmp_path, *arm_on))).choices)
     assert re.search(says, said) and "1 yaw, 2 lift, 3 elbow" in said
@@ -332,7 +335,7 @@ def test_a_wrist_of_no_type_does_not_vanish_without_a_word(tmp_path):
     assert "held" not in "\n".join(make_scene(Reference(write(tmp_path, *arm()))).choices)
 
 
-def test_an_edited_file_is_read_anew(tmp_path):
+def test_an_edited_file_is_read_again(tmp_path):
     path = write(tmp_path, *arm())
     before = load_scene(path)
     replaced(path, 'xyz="0 0 0.4"', 'xyz="0 0 0.6"')
@@ -356,3 +359,46 @@ def test_public_robots_are_imitated_from_their_urdf_alone(name):
     session = Session(Settings.paper(scene=str(path), transfer="projective", servo="trust-region"))
     last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5
+
+
+@pytest.mark.parametrize("name, joints", [("panda", None), ("iiwa", None), ("panda", (1, 2, 3, 4, 5, 6, 7))])
+def test_they_are_on_the_arm_and_every_camera_sees_them(name, joints):
+    scene = load_scene(name, joints=joints)
+    world, meshes = World(scene), link_meshes(name)
+    theta = np.radians(scene.start_deg)
+    found = find_candidates(world, theta)
+    assert 20 < len(found) <= MAX_PLACES
+    seen = World(scene, body=found)
+    assert seen.demo_images(theta)[1].all() and seen.own_images(theta)[1].all()
+    for k in range(len(found)):  # no vertex of its link is nearer than its faces are large
+        assert np.linalg.norm(meshes[found.link[k]].vertices - found.local[k], axis=1).min() < 0.12
+    for cameras, T in ((world.demo_cameras, world.T_world_demo), (world.own_cameras, world.T_world_own)):
+        frames, places = world.link_frames(theta, T), seen.points_world(theta, T)
+        for camera in cameras:
+            eye = camera.T_world_camera[:3, 3]
+            for place in places:
+                hit = first_hit(meshes, frames, eye, place - eye)
+                assert hit is None or np.linalg.norm(eye - place) - hit.distance < 3e-3
+
+
+def test_fixed_links_and_the_last_link_have_candidates():
+    scene = load_scene("panda")
+    link = find_candidates(World(scene), np.radians(scene.start_deg)).link
+    parts = np.bincount(np.searchsorted(scene.moving_joints, link, side="right"))
+    assert len(parts) == 3 and parts.min() >= 6
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_scene_with_points_by_hand_is_the_same_after_its_file(name, tmp_path):
+    points = tuple((k % 8, 0.0123 * k, -1e-5 / (k + 1), 0.1) for k in range(11))
+    scene = load_scene(name, body_points=points)
+    assert scene.points == {"11": points}
+    path = tmp_path / "mine.toml"
+    path.write_text(saved_scene(scene, "by hand"))
+    assert load_scene(path) == scene
+
+
+def test_points_by_hand_are_checked_as_those_of_a_file():
+    for wrong, why in (((8, 0.0, 0.0, 0.0), "links are 0 … 7"), ((1, 0.0, np.nan, 0.0), "not all numbers are finite")):
+        with pytest.raises(ValueError, match=why):
+            load_scene("panda", body_points=[wrong] * 5)

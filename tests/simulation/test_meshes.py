@@ -1,14 +1,35 @@
-"""Where a ray meets an arm: against a sphere and a box, whose distances are known without any triangle."""
+"""Meshes of the shipped robots against trimesh, and rays against a sphere and a box."""
 
 import numpy as np
 import pytest
 import trimesh
+from viewimit.assets import ROOT
 
 from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
-from viewimit.simulation.meshes import first_hit, ray_distances
-from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.meshes import Mesh, first_hit, ray_distances
+from viewimit.simulation.robot import link_meshes, robot_names
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
+
+
+@pytest.mark.parametrize("robot", robot_names())
+def test_a_shipped_robot_is_read_as_trimesh_reads_it(robot):
+    expected = trimesh.load_scene(ROOT / "robots" / robot / f"{robot}.glb", process=False).geometry
+    meshes = link_meshes(robot)
+    assert {f"link{link}" for link in meshes} == set(expected)
+    for link, mesh in meshes.items():
+        same = expected[f"link{link}"]
+        np.testing.assert_array_equal(mesh.vertices, same.vertices)
+        np.testing.assert_array_equal(mesh.faces, same.faces)
+        for name in ("triangles", "face_normals", "area_faces", "bounds"):
+            np.testing.assert_allclose(getattr(mesh, name), getattr(same, name), atol=1e-12, err_msg=name)
+
+
+def test_a_face_without_area_has_no_normal():
+    mesh = Mesh(np.eye(3), np.array([[0, 1, 2], [0, 1, 1]]))
+    np.testing.assert_allclose(mesh.face_normals, [np.full(3, 1 / np.sqrt(3)), np.zeros(3)])
+    np.testing.assert_allclose(mesh.area_faces, [np.sqrt(3) / 2, 0])
+
 
 RNG = np.random.default_rng(3)
 
@@ -31,7 +52,7 @@ def test_a_box_is_met_where_its_planes_are(origin):
     assert np.isfinite(true).any() and (np.isinf(true).any() or np.abs(origin).max() < 1)
 
 
-def test_what_lies_behind_or_beside_is_not_met():
+def test_triangles_behind_or_beside_the_ray_are_missed():
     square = np.array([[[0, 1, 0], [1, 1, 0], [0, 1, 1]], [[1, 1, 1], [1, 1, 0], [0, 1, 1]]], float)
     for aim, met in (((0.4, 1, 0.3), 1), ((-0.4, -1, -0.3), 0), ((1.1, 1, 0.3), 0), ((1, 0, 0), 0)):
         assert np.isfinite(ray_distances(square, np.zeros(3), np.array(aim, float))).sum() == met

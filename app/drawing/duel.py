@@ -69,7 +69,7 @@ class Racer(Protocol):
     def cursor(self) -> int: ...  # index of the present moment
 
 
-def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray) -> str:
+def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np.float64]) -> str:
     """Draw what lies under the paths, as HTML. found: landscapes of both transfers; empty while they are computed."""
     parts = []
     for k in range(2):

@@ -20,7 +20,9 @@ POINTS_WIDTH, ROW = 250, 19  # px of the drawing of body points, and per joint
 MAX_NAMED = 3  # joints of which a sentence names all
 
 
-def draw_learner(scene: Scene, theta: NDArray, theta_demo: NDArray, assessment: Assessment | None = None) -> str:
+def draw_learner(
+    scene: Scene, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], assessment: Assessment | None = None
+) -> str:
     """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap.
 
     Parameters
@@ -116,7 +118,7 @@ def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: boo
     return "The hollow one tells most" + ("." if after is None else f": {_worst_costs(joints, after)}.")
 
 
-def _worst_costs(joints: Sequence[int], spread: NDArray) -> str:
+def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:
     """Describe all of few joints; of many, the costliest and the unobservable ones. spread: (m,) rad/px."""
     if len(joints) <= MAX_NAMED:
         return describe_costs(joints, spread)

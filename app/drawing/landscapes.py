@@ -21,14 +21,14 @@ MARK = 4.6  # px, half the size of a start's mark
 CLASSES: dict[Place, str] = {"demonstrator": "there", "smallest E": "lowest", "elsewhere": "elsewhere"}
 
 
-def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray) -> str:
+def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray[np.float64]) -> str:
     """Draw one transfer's landscape with its words. theta_demo: (2,) rad."""
     plane = small_plane(scene, MAX_HEIGHT)
     drawing = draw_small(plane, studied.landscape, studied.minima.theta, theta_demo)
     return _placed(studied.transfer, drawing, describe_landscape(studied), plane.box)
 
 
-def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray | None) -> str:
+def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray[np.float64] | None) -> str:
     """Draw what 1 px of noise costs at each joint, (m,) rad, by one transfer; None with too few points."""
     bars, words = "", "fewer than five points are seen"
     if spread is not None:
@@ -110,7 +110,7 @@ def describe_basin(found: Basin) -> str:
     return f"{', '.join(shares)}. {claims} claim to have arrived (filled){falsely}."
 
 
-def _mark(where: Place, place: NDArray, more: str = "") -> str:
+def _mark(where: Place, place: NDArray[np.float64], more: str = "") -> str:
     x, y = place.tolist()
     classes = f'class="vi-basin-mark vi-basin-{CLASSES[where]}{more}"'
     if where == "demonstrator":

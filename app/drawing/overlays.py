@@ -92,7 +92,9 @@ def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str
     return link(address, f"point/{i}", f"point {name}", inside, stop)
 
 
-def point_places(demo: NDArray, own: NDArray, visible: NDArray, windows: Windows, whole: bool) -> str:
+def point_places(
+    demo: NDArray[np.float64], own: NDArray[np.float64], visible: NDArray[np.bool_], windows: Windows, whole: bool
+) -> str:
     """Build a style that moves links to their points and hides those of invisible ones. Arrays as in `FourViews`."""
     shown = windows[whole]
     rules = _resting_rules(demo.tobytes(), visible[:, :2].tobytes(), (shown["l"], shown["r"]), whole)
@@ -105,7 +107,9 @@ def _resting_rules(demo: bytes, visible: bytes, windows: tuple[Window, Window], 
     return _rules(points, seen, dict(zip("lr", windows)), whole, "lr")
 
 
-def _rules(images: NDArray, visible: NDArray, windows: Mapping[str, Window], whole: bool, pair: str) -> str:
+def _rules(
+    images: NDArray[np.float64], visible: NDArray[np.bool_], windows: Mapping[str, Window], whole: bool, pair: str
+) -> str:
     """Write the rules of a body's points in a pair of views. images: (N, 4) px; visible: (N, 2)."""
     points = placed(images.reshape(-1, 2, 2).transpose(1, 0, 2), windows, pair)
     inside = ((points >= 0) & (points <= _SIZES[whole, pair])).all(-1) & visible.T
@@ -130,7 +134,7 @@ def _form(count: int, pair: str) -> str:
     return "".join(rule.format(view, i) for view in pair for i in range(count))
 
 
-def _free_radii(points: NDArray, there: NDArray) -> NDArray:
+def _free_radii(points: NDArray[np.float64], there: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return half the distance to the nearest other visible point, so that no circles meet. (2, N, 2) → (2, N) px."""
     places = points.view(complex)[..., 0]
     distance = np.abs(places[:, :, None] - places[:, None]) + _to_itself(points.shape[1])
@@ -140,7 +144,7 @@ def _free_radii(points: NDArray, there: NDArray) -> NDArray:
 
 
 @lru_cache(16)
-def _to_itself(count: int) -> NDArray:
+def _to_itself(count: int) -> NDArray[np.float64]:
     """Return a (count, count) matrix whose diagonal is infinite: no point is its own neighbour."""
     return np.diag(np.full(count, np.inf))
 
@@ -175,7 +179,7 @@ def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
     )
 
 
-def _cells(low: float, high: float) -> tuple[NDArray, NDArray]:
+def _cells(low: float, high: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the multiples of CELL_DEG in a range, (k,), and the borders of their cells, (k + 1,), degrees."""
     middles = CELL_DEG * np.arange(np.ceil(low / CELL_DEG), np.floor(high / CELL_DEG) + 1)
     return middles, np.array([low, *(middles[1:] - CELL_DEG / 2), high])

@@ -134,7 +134,7 @@ class TestBasin:
     def test_each_start_has_a_mark_that_says_where_its_run_ends_and_what_it_claims(self):
         html = draw_basin(load_scene("panda"), Basin(self.STARTS, self.ENDINGS))
         plane, root = PosturePlane(load_scene("panda")), parsed(html)
-        kinds = "there", "lowest", "astray", "hollow"
+        kinds = "there", "lowest", "elsewhere", "hollow"
         marks = {kind: [one for one in root.iter() if f"vi-basin-{kind}" in classes(one)] for kind in kinds}
         assert [len(marks[kind]) for kind in kinds] == [2, 1, 1, 1]
         places = plane.place(np.degrees(self.STARTS))

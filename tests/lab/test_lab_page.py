@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from viewimit.app.lab.address import lab_address
 from viewimit.app.lab.page import lab_page, presets
 from viewimit.app.sessions import link
 from waiting import wait_until
@@ -159,7 +160,7 @@ def test_everything_can_be_dragged(opened):
             """([k, i]) => {
                 const {x, y, scale} = lab.images.views[k].window, {demo, own} = lab.session().now.views;
                 const images = k < 2 ? demo : own, at = 4 * i + 2 * (k & 1);
-                return [(images[at] - x) * scale, (images[at + 1] - y) * scale];
+                return [(images[at] - x) * scale * lab.images.unit, (images[at + 1] - y) * scale * lab.images.unit];
             }""",
             ["lrLR".index(view), point],
         )
@@ -175,7 +176,7 @@ def test_everything_can_be_dragged(opened):
     assert degrees(now(page)["theta"]) != degrees(moved["theta"])
 
     box = page.locator("#map").bounding_box()
-    place = lambda theta: page.evaluate("theta => lab.map.place(theta)", theta)
+    place = lambda theta: page.evaluate("theta => lab.map.place(theta).map(v => v * lab.map.unit)", theta)
     goal = [0.7, -2.0]
     start, end = place(now(page)["theta"]), place(goal)
     drag(page, (box["x"] + start[0], box["y"] + start[1]), (end[0] - start[0], end[1] - start[1]))
@@ -322,6 +323,21 @@ def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
     script = link.read(text, Settings()).script
     assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
     page.close()
+
+
+@pytest.mark.browser
+def test_the_pages_link_leads_to_the_lab_in_its_state(opened):
+    session = Session(
+        Settings.paper(demonstrator_deg=(50, -80), start_deg=(30, -40), noise_px=0.5, seed=3, rectify="off")
+    )
+    session.run(3)
+    page = opened("#" + lab_address(session.snapshot).partition("#")[2])
+    there = now(page)
+    assert degrees(there["thetaDemo"]) == [50, -80]
+    assert np.abs(np.degrees(np.array(there["theta"]) - session.snapshot.theta)).max() < 0.01
+    assert page.locator("#noise").input_value() == "0.5" and page.locator("#seed").input_value() == "3"
+    assert lab_address(Session(Settings(scene="panda", joints=(1, 2, 4), points=16)).snapshot) is None
+    assert "preset=facing" in lab_address(Session(Settings.paper(scene="panda-facing")).snapshot)
 
 
 def test_presets_have_scenes_that_load():

@@ -123,7 +123,9 @@ def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Seq
     return "".join(parts)
 
 
-def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, E_true: float | None) -> str:
+def _draw_E(
+    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, E_true: float | None
+) -> str:
     E = np.maximum([snapshot.E for snapshot in snapshots], MIN_E)
     E_true = max(E_true, MIN_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
@@ -143,7 +145,7 @@ def _draw_E(box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cu
 
 
 def _draw_angles(
-    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray, cursor: int, joints: Sequence[int]
+    box: Box, step: int, snapshots: list[Snapshot], motions: NDArray[np.float64], cursor: int, joints: Sequence[int]
 ) -> str:
     own = np.degrees(np.array([snapshot.theta for snapshot in snapshots]))
     demo = np.degrees(np.array([snapshot.theta_demo for snapshot in snapshots]))
@@ -173,7 +175,7 @@ def _draw_angles(
     return "".join(parts) + axes.labels(labels)
 
 
-def _curve(points: NDArray, done: int, probes: NDArray, role: str) -> str:
+def _curve(points: NDArray[np.float64], done: int, probes: NDArray[np.bool_], role: str) -> str:
     """Draw a line with a dot per motion, hollow for probes; the part after the cursor is faint.
 
     points: (k, 2) px; done: number of points up to the cursor; probes: (k,) bool.

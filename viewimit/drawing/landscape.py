@@ -60,13 +60,13 @@ class LandscapePicture:
         scene: Scene,
         snapshot: Snapshot,
         problem: str = "computing …",
-        std_per_px: NDArray | None = None,
+        std_per_px: NDArray[np.float64] | None = None,
         contours: str | None = None,
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks, over the path
         self._labels: list[Label] = []  # of marks and contours
-        self._zoom: tuple[NDArray, NDArray] | None = None  # centre of the inset, px and degrees
+        self._zoom: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
         if not plane.has_plane and std_per_px is not None:
             self.html = plane.wrap(draw_observability(joints, std_per_px))
@@ -90,7 +90,7 @@ class LandscapePicture:
         inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
-    def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None = None) -> str:
+    def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None = None) -> str:
         """Draw the motions up to the cursor, later ones faint. theta: (m,) rad, shown while the arm moves."""
         if not self._plane.has_plane:
             return self._plane.wrap("", "vi-over")
@@ -136,7 +136,13 @@ class LandscapePicture:
         self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])
         return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
 
-    def _inset(self, landscape: Landscape, demo: NDArray, lowest: NDArray, busy: list[NDArray]) -> str:
+    def _inset(
+        self,
+        landscape: Landscape,
+        demo: NDArray[np.float64],
+        lowest: NDArray[np.float64],
+        busy: list[NDArray[np.float64]],
+    ) -> str:
         """Enlarge the plot around both marks in the corner of the plot farthest from `busy` places, px."""
         side, (x, y, w, h) = INSET / 2, self._plane.box
         corners = [np.array([a, b]) for a in (x + side + 4, x + w - side - 4) for b in (y + side + 4, y + h - side - 4)]
@@ -159,7 +165,7 @@ class LandscapePicture:
         note = svg.text(left + 5, top + INSET - 5, f"±{CLOSE_DEG:g}°", "vi-2nd vi-halo")
         return self._clipped(frame + contours + note)
 
-    def _in_inset(self, line: NDArray) -> str:
+    def _in_inset(self, line: NDArray[np.float64]) -> str:
         """Draw the last motions in the inset. line: (k, 2) px of the plot."""
         if self._zoom is None:
             return ""
@@ -172,7 +178,7 @@ class LandscapePicture:
     def _enlargement(self) -> float:
         return INSET / (2 * CLOSE_DEG * self._plane.scale)
 
-    def _zoomed(self, points: NDArray) -> NDArray:
+    def _zoomed(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert px of the plot to px of the inset."""
         assert self._zoom is not None
         middle, centre = self._zoom
@@ -185,11 +191,11 @@ class LandscapePicture:
         return f'<svg {place} viewBox="{left:.1f} {top:.1f} {INSET} {INSET}">{inside}</svg>'
 
 
-def _dot(place: NDArray) -> str:
+def _dot(place: NDArray[np.float64]) -> str:
     return f'<circle class="vi-now" cx="{place[0]:.1f}" cy="{place[1]:.1f}" r="{NOW}"/>'
 
 
-def _marks(points: NDArray) -> str:
+def _marks(points: NDArray[np.float64]) -> str:
     """Draw the demonstrator's diamond and the cross of the smallest E, of sizes that do not hide each other."""
     return f'<path class="vi-seen" d="{svg.diamonds(points[:1], OBSERVED + 1)}"/>' + svg.cross(points[1], 6)
 
@@ -199,7 +205,9 @@ def small_plane(scene: Scene, max_height: float) -> PosturePlane:
     return PosturePlane(scene, SMALL_WIDTH, max_height, SMALL_MARGINS)
 
 
-def draw_small(plane: PosturePlane, found: Landscape, minima: NDArray, theta_demo: NDArray) -> str:
+def draw_small(
+    plane: PosturePlane, found: Landscape, minima: NDArray[np.float64], theta_demo: NDArray[np.float64]
+) -> str:
     """Draw a small landscape with the demonstrator's diamond and a cross at each minimum.
 
     Parameters

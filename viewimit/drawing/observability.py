@@ -19,7 +19,7 @@ TITLE = "What 1 px of noise costs at each joint"
 NOTE = "in the own images, at the demonstrator's posture; from the curvature of E"
 
 
-def draw_observability(joints: Sequence[int], std_per_px: NDArray) -> str:
+def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
     """Draw title, a bar per joint, and the sentence."""
     head = f'<text x="0" y="12"><tspan class="vi-b">{TITLE}</tspan></text>' + svg.text(0, 27, NOTE, "vi-2nd")
     row = min(ROW, (HEIGHT - 96) / len(joints))
@@ -32,7 +32,7 @@ def draw_observability(joints: Sequence[int], std_per_px: NDArray) -> str:
     return head + bars + "".join(words)
 
 
-def draw_bars(joints: Sequence[int], std_per_px: NDArray, width: float, row: float) -> str:
+def draw_bars(joints: Sequence[int], std_per_px: NDArray[np.float64], width: float, row: float) -> str:
     """Draw a row per joint: its name, a bar, its degrees. Rows are `row` px high, the drawing `width` px wide.
 
     Bars of weakly observable joints are amber with a diamond; those of unobservable ones take the whole width.
@@ -56,7 +56,7 @@ def draw_bars(joints: Sequence[int], std_per_px: NDArray, width: float, row: flo
     return "".join(parts)
 
 
-def describe_weakness(joints: Sequence[int], std_per_px: NDArray) -> list[str]:
+def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> list[str]:
     """Say in short lines which joints are unobservable or weakly observable."""
     degrees, unobservable = np.degrees(std_per_px), unobservable_joints(std_per_px)
     weak = [k for k in weak_joints(std_per_px) if k not in unobservable]
@@ -78,7 +78,7 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray) -> list[str]:
     return [f"{_named(joints, weak)} weakly observable:", f"1 px costs {costs} there, {most} at the others."]
 
 
-def describe_costs(joints: Sequence[int], std_per_px: NDArray) -> str:
+def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
     """Write the degrees of all joints in a few words, for a caption."""
     unobservable, degrees = unobservable_joints(std_per_px), np.degrees(std_per_px)
     seen = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in unobservable]

@@ -100,11 +100,13 @@ class PosturePlane:
         """Height with the axes, px."""
         return self._top + self.box[3] + self._bottom
 
-    def place(self, degrees: NDArray) -> NDArray:
+    def place(self, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert postures, (..., 2) degrees, to px. Called several times per motion, hence in one step."""
         return degrees[..., ::-1] * self._slope + self._origin
 
-    def grid(self, axes: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
+    def grid(
+        self, axes: tuple[NDArray[np.float64], NDArray[np.float64]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the px of a grid's columns and rows. axes: of both joints, rad."""
         first, second = (np.degrees(axis) for axis in axes)
         return self._axes.x_px(second), self._axes.y_px(first)
@@ -203,7 +205,7 @@ def _widest_gap(places: list[float]) -> float:
 class _PathEnd(NamedTuple):
     n_moments: int
     cursor: int  # index of the shown moment
-    theta: NDArray  # (m,) rad, the learner's posture there
+    theta: NDArray[np.float64]  # (m,) rad, the learner's posture there
 
     def is_same(self, other: "_PathEnd") -> bool:
         return self[:2] == other[:2] and self.theta is other.theta
@@ -264,7 +266,9 @@ class PathLabels:
         self._plane, self._labels = plane, labels
         self._placement: _Placement | None = None
 
-    def draw(self, history: Sequence[Snapshot], cursor: int, theta: NDArray | None, points: NDArray) -> str:
+    def draw(
+        self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None, points: NDArray[np.float64]
+    ) -> str:
         """Draw all labels.
 
         Parameters
@@ -281,7 +285,7 @@ class PathLabels:
             placement = self._placement = self._follow(history, cursor, points)
         return placement.words + (placement.own if theta is None else self._own(placement.free, theta, cursor)[0])
 
-    def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> _Placement:
+    def _follow(self, history: Sequence[Snapshot], cursor: int, points: NDArray[np.float64]) -> _Placement:
         """Keep the labels if the path has grown; else place all of them."""
         placement, new = self._placement, self._new_rectangles(history, cursor)
         if placement is None or new is None or cursor - placement.since > MAX_KEPT:
@@ -298,7 +302,7 @@ class PathLabels:
         since = history[before : cursor + 1]
         return line_rectangles(self._plane.place(np.degrees([moment.theta for moment in since])), CLEARANCE)
 
-    def _place_all(self, history: Sequence[Snapshot], cursor: int, points: NDArray) -> _Placement:
+    def _place_all(self, history: Sequence[Snapshot], cursor: int, points: NDArray[np.float64]) -> _Placement:
         line, (x, y) = self._plane.labels.copy(), points[0].tolist()
         line.take_line(points, CLEARANCE)
         line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
@@ -348,7 +352,7 @@ class PathLabels:
         placement.end = _end(history, cursor)
         return placement
 
-    def _own(self, labels: Labels, theta: NDArray, cursor: int) -> tuple[str, Rectangle | None]:
+    def _own(self, labels: Labels, theta: NDArray[np.float64], cursor: int) -> tuple[str, Rectangle | None]:
         """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"

@@ -28,10 +28,10 @@ SPACING = 2.6  # px between vertices of a contour
 MAX_DEVIATION = np.radians(40)  # between a label and its ray
 _PROCESS, _ids = secrets.token_hex(3), itertools.count()  # drawings of several processes are shown on one page
 
-Grid = tuple[NDArray, NDArray]
+Grid = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> str:
+def shading(grid: Grid, E: NDArray[np.float64], box: tuple[float, float, float, float]) -> str:
     """Draw the shading of E, (rows, columns). grid: px of its columns and rows; box: x, y, w, h of the plot, px."""
     every = 2 if min(E.shape) >= FINE_GRID else 1  # browsers interpolate
     alpha, blind = _alpha(E[::every, ::every])
@@ -46,7 +46,7 @@ def shading(grid: Grid, E: NDArray, box: tuple[float, float, float, float]) -> s
     return "".join(parts)
 
 
-def shades(E: NDArray, shape: tuple[int, int]) -> bytes:
+def shades(E: NDArray[np.float64], shape: tuple[int, int]) -> bytes:
     """Shade a coarser grid: a byte per posture, row by row, from 0 for the valley to 255; 0 where E is unknown."""
     rows, columns = (np.rint(np.linspace(0, count - 1, few)).astype(int) for count, few in zip(E.shape, shape))
     coarse = E[np.ix_(rows, columns)]
@@ -56,7 +56,7 @@ def shades(E: NDArray, shape: tuple[int, int]) -> bytes:
     return np.rint(alpha).astype(np.uint8).tobytes()
 
 
-def _alpha(E: NDArray) -> tuple[NDArray, NDArray]:
+def _alpha(E: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the opacity, 0 … 255, and where E is unknown."""
     top = np.nanmax(E)
     bottom = max(np.nanmin(E), top / MAX_RATIO, 1e-12)
@@ -66,7 +66,9 @@ def _alpha(E: NDArray) -> tuple[NDArray, NDArray]:
     return np.where(blind, 0, 255 * MAX_OPACITY * np.clip(height, 0, 1) ** 0.85), blind
 
 
-def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, float, float], fill: str) -> str:
+def _masked(
+    grid: Grid, every: int, alpha: NDArray[np.float64], box: tuple[float, float, float, float], fill: str
+) -> str:
     """Draw a rectangle of one colour, masked by a picture with a pixel at every `every`-th grid point."""
     x, y = grid
     buffer = io.BytesIO()
@@ -84,14 +86,16 @@ def _masked(grid: Grid, every: int, alpha: NDArray, box: tuple[float, float, flo
     )
 
 
-def contours(grid: Grid, E: NDArray) -> str:
+def contours(grid: Grid, E: NDArray[np.float64]) -> str:
     """Draw contours at levels 1, 2, 5 …"""
     generator = _generator(grid, E)
     lines = [_thin(line) for level in _levels(E) for line in _lines(generator, level)]
     return f'<path class="vi-contour" d="{"".join(map(svg.path, lines))}"/>'
 
 
-def level_labels(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArray) -> list[Label]:
+def level_labels(
+    grid: Grid, E: NDArray[np.float64], bounds: Sequence[float], lowest: NDArray[np.float64]
+) -> list[Label]:
     """Make labels of the contours near two opposite rays from `lowest`, (2,) px, to the plot's far corner.
 
     bounds: left, top, right and bottom of the plot, px.
@@ -105,7 +109,7 @@ def level_labels(grid: Grid, E: NDArray, bounds: Sequence[float], lowest: NDArra
     return found
 
 
-def _level_label(line: NDArray, words: str, lowest: NDArray, ray: float) -> Label:
+def _level_label(line: NDArray[np.float64], words: str, lowest: NDArray[np.float64], ray: float) -> Label:
     def draw(place: Rectangle) -> tuple[str, Sequence[Rectangle]]:
         left, top, right, bottom = place
         return svg.text((left + right) / 2, (top + bottom) / 2 + 4, words, "vi-2nd vi-halo vi-mid"), ()
@@ -113,7 +117,7 @@ def _level_label(line: NDArray, words: str, lowest: NDArray, ray: float) -> Labe
     return Label(_places(line, words, lowest, ray), draw)
 
 
-def fine_contours(grid: Grid, E: NDArray) -> str:
+def fine_contours(grid: Grid, E: NDArray[np.float64]) -> str:
     """Draw narrowly spaced contours without labels."""
     if np.isnan(E).all():
         return ""
@@ -125,32 +129,32 @@ def fine_contours(grid: Grid, E: NDArray) -> str:
     return f'<path class="vi-contour" d="{"".join(svg.path(line) for line in lines)}"/>'
 
 
-def _levels(E: NDArray) -> list[float]:
+def _levels(E: NDArray[np.float64]) -> list[float]:
     """Return the highest levels, at most MAX_LEVELS."""
     top = np.nanmax(E)
     return [level for level in LEVELS if max(np.nanmin(E), top / MAX_RATIO) < level < top][-MAX_LEVELS:]
 
 
-def _generator(grid: Grid, E: NDArray) -> ContourGenerator:
+def _generator(grid: Grid, E: NDArray[np.float64]) -> ContourGenerator:
     """Contour log E, which is nearly linear between grid points."""
     with np.errstate(invalid="ignore"):
         z = np.log(np.maximum(E, 1e-12))
     return contour_generator(*grid, np.ma.masked_invalid(z))
 
 
-def _lines(generator: ContourGenerator, level: float) -> list[NDArray]:
+def _lines(generator: ContourGenerator, level: float) -> list[NDArray[np.float64]]:
     """Return the lines on which E has this value, px."""
-    return cast(list[NDArray], generator.lines(np.log(level)))  # of the default type
+    return cast(list[NDArray[np.float64]], generator.lines(np.log(level)))  # of the default type
 
 
-def _thin(line: NDArray) -> NDArray:
+def _thin(line: NDArray[np.float64]) -> NDArray[np.float64]:
     """Keep vertices about SPACING px from each other, with the first and the last."""
     steps = np.diff(line, axis=0)
     length = np.sqrt((steps * steps).sum(1)).sum()
     return line[svg.thinned(len(line), max(int(length / SPACING) + 1, 8))]
 
 
-def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
+def _rays(bounds: Sequence[float], lowest: NDArray[np.float64]) -> list[float]:
     """Return the directions towards the corner farthest from `lowest` and away from it, rad."""
     left, top, right, bottom = bounds
     corners = np.array([[x, y] for x in (left, right) for y in (top, bottom)]) - lowest
@@ -159,7 +163,7 @@ def _rays(bounds: Sequence[float], lowest: NDArray) -> list[float]:
     return [angle, angle + np.pi]
 
 
-def _places(points: NDArray, words: str, lowest: NDArray, ray: float) -> list[Rectangle]:
+def _places(points: NDArray[np.float64], words: str, lowest: NDArray[np.float64], ray: float) -> list[Rectangle]:
     """List places on a contour, (n, 2) px, the nearest to the ray first."""
     x, y = (points - lowest).T
     off = np.abs((np.arctan2(y, x) - ray + np.pi) % (2 * np.pi) - np.pi)

@@ -218,7 +218,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.degenerate_message}."
 
 
-def describe_truth(joints: Sequence[int], theta: NDArray, theta_demo: NDArray) -> str:
+def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo: NDArray[np.float64]) -> str:
     """Say how far off the learner is, which it cannot know. joints: numbers from 1; theta, theta_demo: (m,) rad."""
     is_at, should_be = theta.tolist(), theta_demo.tolist()
     off = [abs(own - demo) for own, demo in zip(is_at, should_be)]

@@ -47,7 +47,7 @@ def joint_symbol(joint: int) -> str:
     return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))
 
 
-def path(points: NDArray) -> str:
+def path(points: NDArray[np.float64]) -> str:
     """Write an open line through points; NaN interrupts it."""
     broken = np.isnan(points[:, 1])
     if not broken.any():
@@ -56,14 +56,14 @@ def path(points: NDArray) -> str:
     return "".join(_line(run) for run in (run[~np.isnan(run[:, 1])] for run in runs) if len(run))
 
 
-def paths(points: NDArray) -> list[str]:
+def paths(points: NDArray[np.float64]) -> list[str]:
     """Write an open line per view through (views, k, 2) px; NaN interrupts it."""
     if np.isnan(points).any():
         return [path(view) for view in points]
     return [_written(view) for view in points.reshape(len(points), -1).round(1).tolist()]
 
 
-def _line(points: NDArray) -> str:
+def _line(points: NDArray[np.float64]) -> str:
     return _written(points.round(1).ravel().tolist())
 
 
@@ -75,17 +75,17 @@ def _written(numbers: list[float]) -> str:
 _as_json = msgspec.json.Encoder().encode
 
 
-def segments(start: NDArray, end: NDArray) -> str:
+def segments(start: NDArray[np.float64], end: NDArray[np.float64]) -> str:
     """Write k separate lines from start to end."""
     return filled(SEGMENT * len(start), np.concatenate([start, end], 1))
 
 
-def dots(points: NDArray) -> str:
+def dots(points: NDArray[np.float64]) -> str:
     """Write dots as wide as the stroke."""
     return filled(DOT * len(points), points)
 
 
-def circles(points: NDArray, radius: float) -> str:
+def circles(points: NDArray[np.float64], radius: float) -> str:
     """Write circles of a radius in px."""
     r, d = f"{radius:g}", f"{2 * radius:g}"
     return filled(f"M%s %sm-{r} 0a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0-{d} 0" * len(points), points)
@@ -97,17 +97,17 @@ def diamond(radius: float) -> str:
     return f"M%s %sm0-{r}l{r} {r}-{r} {r}-{r}-{r}z"
 
 
-def diamonds(points: NDArray, radius: float) -> str:
+def diamonds(points: NDArray[np.float64], radius: float) -> str:
     """Write diamonds centred on points. radius: half the diagonal, px."""
     return filled(diamond(radius) * len(points), points)
 
 
-def arrow_tips(start: NDArray, end: NDArray, size: float) -> list[str]:
+def arrow_tips(start: NDArray[np.float64], end: NDArray[np.float64], size: float) -> list[str]:
     """Write per view the heads of k arrows from start to end, (views, k, 2) px; short arrows have shorter heads."""
     return [filled(TIP * end.shape[1], view) for view in arrow_corners(start, end, size)]
 
 
-def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
+def arrow_corners(start: NDArray[np.float64], end: NDArray[np.float64], size: float) -> NDArray[np.float64]:
     """Return the corners of the heads of `arrow_tips`, tip first: (views, k, 6) px."""
     tips = end.view(complex)  # x + iy: a quarter turn is a product
     along = tips - start.view(complex)
@@ -117,7 +117,7 @@ def arrow_corners(start: NDArray, end: NDArray, size: float) -> NDArray:
     return np.concatenate([tips, back + across, back - across], 2).view(float)
 
 
-def polygons(corners: NDArray) -> list[str]:
+def polygons(corners: NDArray[np.float64]) -> list[str]:
     """Write per view k polygons of c corners, (views, k, c, 2) px, without corners that repeat their predecessor."""
     views, k, c, _ = corners.shape
     if k == 0:
@@ -142,13 +142,13 @@ def _polygon_template(views: int, k: int, c: int) -> str:
     return "|".join([("M%s %s" + "l%s %s" * (c - 1) + "z") * k] * views)
 
 
-def cross(place: NDArray, size: float) -> str:
+def cross(place: NDArray[np.float64], size: float) -> str:
     """Draw an upright cross at a point, (2,) px. size: from its middle to its ends, px."""
     x, y = place
     return f'<path class="vi-cross" d="M{x - size:.1f} {y:.1f}h{2 * size:g}M{x:.1f} {y - size:.1f}v{2 * size:g}"/>'
 
 
-def saltire(place: NDArray) -> str:
+def saltire(place: NDArray[np.float64]) -> str:
     """Draw the mark of the paper's own result at a point, (2,) px."""
     x, y = place
     return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
@@ -180,7 +180,7 @@ def thinned_between(count: int, limit: int, keep: int) -> Sequence[int]:
 
 
 @lru_cache(1024)  # the pages of a class show paths of similar lengths
-def _geometric_steps(most: int, count: int) -> NDArray:
+def _geometric_steps(most: int, count: int) -> NDArray[np.intp]:
     """Return at most `count` integers from 1 to most, geometrically spaced; none if most is 0."""
     return np.unique(np.geomspace(1, most, count).astype(int)) if most else np.empty(0, int)
 
@@ -188,7 +188,7 @@ def _geometric_steps(most: int, count: int) -> NDArray:
 # Templates with many numbers
 
 
-def filled(template: str, values: NDArray) -> str:
+def filled(template: str, values: NDArray[np.float64]) -> str:
     """Fill a number with one decimal into each %s of a template.
 
     A table gives the texts of all numbers at once, in a quarter of the time that formatting hundreds of them takes.
@@ -203,16 +203,16 @@ def filled(template: str, values: NDArray) -> str:
 class _Template(NamedTuple):
     """A template cut into words of eight bytes, padded with 0, so that numpy can fill in all numbers at once."""
 
-    words: NDArray  # uint64
-    places: NDArray  # (n,) indices of the numbers' words
-    leads: NDArray  # (n,) the byte before each number, which shares its word
+    words: NDArray[np.uint64]  # uint64
+    places: NDArray[np.intp]  # (n,) indices of the numbers' words
+    leads: NDArray[np.uint64]  # (n,) the byte before each number, which shares its word
 
-    def fill(self, texts: NDArray) -> str:
+    def fill(self, texts: NDArray[np.uint64]) -> str:
         words = self.words.copy()
         words[self.places] = texts
         return words.tobytes().translate(None, b"\0").decode()
 
-    def texts(self, tenths: NDArray) -> NDArray:
+    def texts(self, tenths: NDArray[np.float64]) -> NDArray[np.uint64]:
         """Look up the words of n numbers, given in tenths, with their leads."""
         return _number_words()[tenths.astype(np.intp)] | self.leads
 
@@ -230,7 +230,7 @@ def _template(text: str) -> _Template:
 
 
 @cache
-def _number_words() -> NDArray:
+def _number_words() -> NDArray[np.uint64]:
     """Return the words of all numbers of the table, indexed by their tenths, negative ones from the end.
 
     The first byte of a word is free for the lead. -0 is written as 0.

@@ -81,7 +81,7 @@ def minimise(residual_at: Callable[[Array], Array], starts: Array, low: Array, h
         hessians[live] = normal / count
         candidates = np.minimum(np.maximum(theta[:, None] - steps, low), high)
         heading[live] = candidates[:, 0]
-        on = gains & _apart(heading, best_E)[live]
+        on = gains & _distinct(heading, best_E)[live]
         if not on.any():
             break  # by its own linear model nothing more is gained
         live, candidates = live[on], candidates[on]
@@ -91,12 +91,12 @@ def minimise(residual_at: Callable[[Array], Array], starts: Array, low: Array, h
     return Minimum(best[least], float(best_E[least]), float(E_first), hessians[least], count, newton_step)
 
 
-def _apart(heading: Array, E: Array) -> Array:
+def _distinct(heading: Array, E: Array) -> Array:
     """Return which starts, (s,), head elsewhere than the start with the smallest E, or are that one."""
     least = E.argmin()
-    apart = np.abs(heading - heading[least]).max(1) > CLUSTER_TOL
-    apart[least] = True
-    return apart
+    distinct = np.abs(heading - heading[least]).max(1) > CLUSTER_TOL
+    distinct[least] = True
+    return distinct
 
 
 def _linear(e: Array, E: Array, inward: Array, theta: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:

@@ -63,11 +63,6 @@ class RecursiveState:
 
 
 @dataclass(frozen=True)
-class KalmanState(RecursiveState):
-    """State of `Kalman`."""
-
-
-@dataclass(frozen=True)
 class GaussNewtonState(RecursiveState):
     """State of `GaussNewton`."""
 
@@ -78,17 +73,17 @@ class GaussNewtonState(RecursiveState):
 class Kalman:
     """Proportional control on the residual; a Kalman filter estimates the image Jacobian as a random walk."""
 
-    def start(self, observation: Observation) -> KalmanState:
+    def start(self, observation: Observation) -> RecursiveState:
         """Return the state before the first motion."""
-        return _initial(KalmanState, observation, JACOBIAN_STD**2)
+        return _initial(RecursiveState, observation, JACOBIAN_STD**2)
 
-    def retarget(self, state: KalmanState, observation: Observation) -> KalmanState:
+    def retarget(self, state: RecursiveState, observation: Observation) -> RecursiveState:
         """Forget the progress of E, and keep the image Jacobian."""
         return replace(state, best_E=np.inf, n_since_best=0, status=ServoStatus.MOVING)
 
     def step(
-        self, state: KalmanState, observation: Observation, residuals: ResidualFunction
-    ) -> tuple[KalmanState, NDArray[np.float64]]:
+        self, state: RecursiveState, observation: Observation, residuals: ResidualFunction
+    ) -> tuple[RecursiveState, NDArray[np.float64]]:
         """Return the next state and the motion, (m,) rad."""
         r = LINEARITY_PX**2 + 2 * observation.noise_px**2  # of a difference of two images
         state = _with_update(state, state.model.update(observation, r, DRIFT_STD**2), observation.E)

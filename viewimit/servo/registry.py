@@ -21,7 +21,7 @@ from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD, BroydenModel, RecursiveJacobian
 from .observation import Observation, Visit
-from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, KalmanState, RecursiveState
+from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, RecursiveState
 from .servo import LastMotion, Retargetable, Servo
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
@@ -178,7 +178,7 @@ def _probe_note(motion: LastMotion) -> str:
     return f"This motion, ({angles(motion.moved)}), is a probe: it teaches a first column of Ĵ."
 
 
-def _kalman_equations(state: KalmanState | None, motion: LastMotion) -> tuple[Equation, ...]:
+def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple[Equation, ...]:
     if state is None:
         return (
             Equation("", "no motion yet", _KALMAN_LAW),
@@ -272,7 +272,7 @@ SERVOS = Servos(
             title="Kalman filter",
             assumes="That the image Jacobian changes little from motion to motion, and e is small enough to be linear.",
             limitations="Far from the goal: long motions change the Jacobian more than its filter allows, unchecked.",
-            stored=(KalmanState, RecursiveJacobian, Visit),
+            stored=(RecursiveState, RecursiveJacobian, Visit),
             equations=_kalman_equations,
             describe_status=_describe_recursive,
         ),

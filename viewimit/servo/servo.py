@@ -26,7 +26,18 @@ class Servo(Protocol):
     """
 
     def start(self, observation: Observation) -> Any:
-        """Return the state before the first motion."""
+        """Return the state before the first motion.
+
+        Parameters
+        ----------
+        observation : Observation
+            What the learner sees at its start.
+
+        Returns
+        -------
+        any
+            State that is passed to `step`.
+        """
         ...
 
     def step(
@@ -58,7 +69,20 @@ class Retargetable(Protocol):
     """A servo that goes on from its state after E has changed by itself. Other servos start again."""
 
     def retarget(self, state: Any, observation: Observation) -> Any:
-        """Return the state after E has changed by itself, as when the demonstrator moved."""
+        """Return the state after E has changed by itself, as when the demonstrator moved.
+
+        Parameters
+        ----------
+        state : any
+            Returned by the last call of `start` or `step`.
+        observation : Observation
+            What the learner sees now.
+
+        Returns
+        -------
+        any
+            State that is passed to `step`.
+        """
         ...
 
 

@@ -13,7 +13,7 @@
  * @property {number} ease share of their way that the windows go to fit what is drawn: 1 for all at once
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {add, fixed, px, say, set} from "./svg.js";
+import {add, drawingUnit, fixed, px, say, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18;
@@ -40,14 +40,18 @@ export class Images {
     });
     /** @type {Record<string, {key: string, outlines: Outline[]}>} */
     this.known = {};
+    /** px of a drawing's unit */
+    this.unit = 1;
     /** Whether the windows have to fit at once. */
     this.fresh = true;
   }
 
   /** The sizes of the drawings are those of their boxes. */
   measure() {
+    this.unit = drawingUnit();
     for (const view of this.views) {
-      [view.width, view.height] = [Math.max(view.box.clientWidth, 40), Math.max(view.box.clientHeight, 40)];
+      view.width = Math.max(view.box.clientWidth, 40) / this.unit;
+      view.height = Math.max(view.box.clientHeight, 40) / this.unit;
       set(view.svg, {viewBox: `0 0 ${view.width} ${view.height}`});
       set(view.plane, {width: view.width - 1, height: view.height - 1});
       set(view.note, {x: view.width - 8, y: view.height - 9});
@@ -77,7 +81,7 @@ export class Images {
     const view = this.views.find(({svg}) => svg.contains(/** @type {Node} */ (event.target)));
     if (!view) return null;
     const [x, y] = this.under(event, view.k), images = view.k < 2 ? views.demo : views.own;
-    let point = -1, least = TOUCH_PX / view.window.scale;
+    let point = -1, least = TOUCH_PX / this.unit / view.window.scale;
     for (let i = 0; i < images.length / 4; i++) {
       const away = Math.hypot(images[4 * i + 2 * (view.k & 1)] - x, images[4 * i + 2 * (view.k & 1) + 1] - y);
       if (away < least) [point, least] = [i, away];
@@ -88,7 +92,7 @@ export class Images {
   /** The image's px under a pointer. @param {PointerEvent} event @param {number} k the view */
   under(event, k) {
     const {svg, window: {x, y, scale}} = this.views[k], box = svg.getBoundingClientRect();
-    return [(event.clientX - box.left) / scale + x, (event.clientY - box.top) / scale + y];
+    return [(event.clientX - box.left) / this.unit / scale + x, (event.clientY - box.top) / this.unit / scale + y];
   }
 
   /** Silhouettes of the links and the line through their origins, in both images. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {string} name @returns {Outline[]} */

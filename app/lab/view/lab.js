@@ -298,12 +298,13 @@ function begin(data, meshes) {
     };
   }, hold);
   draggable($("map"), event => {
-    const box = $("map").getBoundingClientRect(), at = (/** @type {PointerEvent} */ moved) => map.posture(moved.clientX - box.left, moved.clientY - box.top);
-    const away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - [event.clientX - box.left, event.clientY - box.top][k]));
+    const box = $("map").getBoundingClientRect(), at = (/** @type {PointerEvent} */ {clientX, clientY}) => [(clientX - box.left) / map.unit, (clientY - box.top) / map.unit];
+    const from = at(event), away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - from[k]));
+    const posture = (/** @type {PointerEvent} */ moved) => { const [x, y] = at(moved); return map.posture(x, y); };
     const isDemo = away(session.now.thetaDemo) < 16 && away(session.now.theta) > 12;
     $("map").focus({preventScroll: true});
-    if (!isDemo) place(at(event));
-    return moved => isDemo ? pose(at(moved)) : place(at(moved));
+    if (!isDemo) place(posture(event));
+    return moved => isDemo ? pose(posture(moved)) : place(posture(moved));
   }, hold);
   $("map").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     const turns = {ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1]}[event.key];

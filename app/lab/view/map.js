@@ -1,6 +1,6 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
 import {clamp} from "../engine/engine.js";
-import {px, set} from "./svg.js";
+import {drawingUnit, px, set} from "./svg.js";
 
 /** @typedef {import("../engine/landscape.js").Landscape} Landscape */
 
@@ -48,6 +48,8 @@ export class EnergyMap {
     this.labels = "";
     this.last = "";
     this.z = new Float64Array(0);
+    /** px of a drawing's unit */
+    this.unit = 1;
     this.width = 1;
     this.height = 1;
   }
@@ -73,9 +75,10 @@ export class EnergyMap {
   /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
-    this.width = this.box.clientWidth;
-    this.height = this.box.clientHeight;
-    const {canvas, width, height} = this, ratio = Math.min(3, devicePixelRatio || 1);
+    this.unit = drawingUnit();
+    this.width = this.box.clientWidth / this.unit;
+    this.height = this.box.clientHeight / this.unit;
+    const {canvas, width, height} = this, ratio = this.unit * Math.min(3, devicePixelRatio || 1);
     if (width < PAD.left + PAD.right + 20 || height < PAD.top + PAD.bottom + 20) return;
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];

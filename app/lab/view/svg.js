@@ -35,3 +35,6 @@ export const energyText = E => Number.isNaN(E) ? "–" : E >= 100 ? fixed(E, 0) 
 
 /** For a path. @param {number} value */
 export const px = value => value.toFixed(1);
+
+/** How many px a drawing's unit is: its marks and letters grow with the page's own. */
+export const drawingUnit = () => Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);

@@ -8,6 +8,7 @@ from viewimit.sensing.files import file_name
 
 from ...control.commands.display import ToggleShare
 from ...control.state import PageState
+from ...lab.address import lab_address
 from ...sessions.link import files_named, written
 from ..panel import Layout, Panel
 from ..qr import draw_qr
@@ -58,6 +59,9 @@ def share_html(state: PageState, origin: str | None) -> str:
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
     if state.course is None:
+        in_lab = lab_address(state.present)
+        if in_lab is not None:
+            parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}"))
         for what, said in ("in Python", as_python), ("as a command", as_command):
             try:
                 parts.append(_copied(f"The same {what}", said(script), lines=True))

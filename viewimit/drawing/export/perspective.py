@@ -36,14 +36,14 @@ LOOK = scene_geometry.LOOKS[False]
 class Viewpoint:
     """From where the scene is seen."""
 
-    position: NDArray  # (3,) m
-    target: NDArray  # (3,) m, in the middle of the picture
+    position: NDArray[np.float64]  # (3,) m
+    target: NDArray[np.float64]  # (3,) m, in the middle of the picture
     fov: float = float(FOV)  # rad, vertical
     aspect: float = ASPECT  # width by height
     below: float = 0.0  # share of the height that is cut off at the bottom
 
     @property
-    def axes(self) -> NDArray:
+    def axes(self) -> NDArray[np.float64]:
         """Right, down and forward, (3, 3) in rows."""
         forward = self.target - self.position
         forward = forward / np.linalg.norm(forward)
@@ -51,7 +51,7 @@ class Viewpoint:
         right /= max(float(np.linalg.norm(right)), 1e-9)
         return np.stack([right, np.cross(forward, right), forward])
 
-    def see(self, points: NDArray) -> tuple[NDArray, NDArray]:
+    def see(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Project points, (..., 3) m. → px of the drawing, (..., 2); depth, (...) m."""
         seen = (points - self.position) @ self.axes.T
         depth = np.maximum(seen[..., 2], NEAR)
@@ -98,19 +98,23 @@ def draw_space(world: World, moment: Snapshot, viewpoint: Viewpoint | None = Non
     return Figure(inside, WIDTH, height, title)
 
 
-def _links(world: World, frames: dict[str, NDArray]) -> Iterator[tuple[NDArray, NDArray, tuple]]:
+def _links(
+    world: World, frames: dict[str, NDArray[np.float64]]
+) -> Iterator[tuple[NDArray[np.float64], NDArray[np.integer], tuple[int, int, int]]]:
     for arm, T_world_links in frames.items():
         for link, mesh in link_meshes(world.scene.robot).items():
             T = T_world_links[link]
             yield np.asarray(mesh.vertices) @ T[:3, :3].T + T[:3, 3], np.asarray(mesh.faces), half_white(arm)
 
 
-def _standing(world: World) -> Iterator[tuple[NDArray, NDArray, tuple]]:
+def _standing(world: World) -> Iterator[tuple[NDArray[np.float64], NDArray[np.integer], tuple[int, int, int]]]:
     for solid in scene_geometry.solids(world):
-        yield solid.vertices @ solid.turn.T + solid.position, solid.faces, getattr(LOOK, solid.colour)
+        yield solid.vertices @ solid.turn.T + solid.position, solid.faces, LOOK._asdict()[solid.colour]
 
 
-def _faces(viewpoint: Viewpoint, vertices: NDArray, faces: NDArray, colour: tuple[int, int, int]) -> Iterator[Item]:
+def _faces(
+    viewpoint: Viewpoint, vertices: NDArray[np.float64], faces: NDArray[np.integer], colour: tuple[int, int, int]
+) -> Iterator[Item]:
     """Draw the faces that are turned to the viewer, shaded. colour: 0 … 255."""
     places, depth = viewpoint.see(vertices)
     corners = vertices[faces]
@@ -126,7 +130,7 @@ def _faces(viewpoint: Viewpoint, vertices: NDArray, faces: NDArray, colour: tupl
         yield Item(float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
 
 
-def _shaded(normals: NDArray, colour: tuple[int, int, int]) -> NDArray:
+def _shaded(normals: NDArray[np.float64], colour: tuple[int, int, int]) -> NDArray[np.float64]:
     """Shade matt faces with these normals, (k, 3), under sky and sun. → (k, 3), 0 … 255."""
     up = 0.5 + 0.5 * normals[:, 2:]
     sky = (GROUND + (SKY - GROUND) * up) * LOOK.sky
@@ -136,7 +140,7 @@ def _shaded(normals: NDArray, colour: tuple[int, int, int]) -> NDArray:
 
 
 def _points(
-    world: World, moment: Snapshot, viewpoint: Viewpoint, points: dict[str, NDArray], rays: bool
+    world: World, moment: Snapshot, viewpoint: Viewpoint, points: dict[str, NDArray[np.float64]], rays: bool
 ) -> Iterator[Item]:
     """Draw body points, recovered points with residuals, and frusta with their image points."""
     size = world.scene.size
@@ -161,7 +165,11 @@ def _points(
 
 
 def _mark(
-    viewpoint: Viewpoint, place: NDArray, radius: float, shape: Callable[[NDArray, float], str], role: str
+    viewpoint: Viewpoint,
+    place: NDArray[np.float64],
+    radius: float,
+    shape: Callable[[NDArray[np.float64], float], str],
+    role: str,
 ) -> Iterator[Item]:
     at, depth = viewpoint.see(place)
     if depth > NEAR:
@@ -171,7 +179,12 @@ def _mark(
 
 
 def _line(
-    viewpoint: Viewpoint, start: NDArray, end: NDArray, role: str, width: float, opacity: float = 1
+    viewpoint: Viewpoint,
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    role: str,
+    width: float,
+    opacity: float = 1,
 ) -> Iterator[Item]:
     places, depth = viewpoint.see(np.stack([start, end]))
     if (depth > NEAR).all():
@@ -179,7 +192,7 @@ def _line(
         yield Item(float(depth.min()), f'<path {look} d="{svg.segments(places[:1], places[1:])}"/>')
 
 
-def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray) -> str:
+def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64]) -> str:
     """Draw the shadow of a nearly convex body on the floor."""
     ground = _cast(vertices)
     turns = 2 * np.pi * np.arange(SHADOW_CORNERS) / SHADOW_CORNERS
@@ -188,7 +201,7 @@ def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray) -> str:
     return f'<path d="{svg.path(places)}z"/>' if (depth > NEAR).all() else ""
 
 
-def _shadow(viewpoint: Viewpoint, vertices: NDArray, faces: NDArray) -> str:
+def _shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64], faces: NDArray[np.integer]) -> str:
     """Draw the shadow of any body on the floor, face by face, with one orientation, so that overlaps stay filled."""
     corners = _cast(vertices)[faces]
     (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
@@ -199,7 +212,7 @@ def _shadow(viewpoint: Viewpoint, vertices: NDArray, faces: NDArray) -> str:
     return f'<path d="{"".join(TRIANGLE.format(*triangle) for triangle in seen)}"/>'
 
 
-def _cast(vertices: NDArray) -> NDArray:
+def _cast(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
     """Cast points, (V, 3) m, along the sunlight on the floor, (V, 2) m."""
     return vertices[:, :2] - vertices[:, 2:] * (SUN[:2] / SUN[2])
 

@@ -14,6 +14,7 @@ from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry as geometry
 from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
+from ...simulation.scene_geometry import Mesh
 from ...simulation.world import World
 from ..images.planes import image_points
 
@@ -29,7 +30,7 @@ class Shapes:
         self._parts: list[bytes] = []
         self._length = 0
 
-    def add(self, vertices: NDArray, faces: NDArray) -> dict[str, Any]:
+    def add(self, vertices: NDArray[np.floating], faces: NDArray[np.integer]) -> dict[str, Any]:
         """Add a mesh, (V, 3) m and (F, 3). → its offsets and how to decode it."""
         low, high = vertices.min(0), vertices.max(0)
         span = np.maximum(high - low, 1e-9)
@@ -77,10 +78,10 @@ def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) ->
     """Describe what all scenes of a robot share. most_faces: of each link, None for all."""
     links = []
     for link, mesh in sorted(link_meshes(robot).items()):
-        vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
-        if most_faces is not None and len(faces) > most_faces:
-            vertices, faces = thinned(vertices, faces, most_faces)
-        links.append({"link": link, **shapes.add(vertices, faces)})
+        shape: Mesh = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+        if most_faces is not None and len(shape[1]) > most_faces:
+            shape = thinned(*shape, most_faces)
+        links.append({"link": link, **shapes.add(*shape)})
     direction = {"azimuth": float(geometry.AZIMUTH), "elevation": float(geometry.ELEVATION)}
     return {
         "links": links,
@@ -89,7 +90,7 @@ def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) ->
     }
 
 
-def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray]) -> dict[str, Any]:
+def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
     """Describe the static parts of a scene. postures: (m,) rad each, which the first view must show."""
     size = world.scene.size
     return {
@@ -119,7 +120,7 @@ def describe_stage(world: World, shapes: Shapes, postures: Sequence[NDArray]) ->
     }
 
 
-def thinned(vertices: NDArray, faces: NDArray, most_faces: int) -> tuple[NDArray, NDArray]:
+def thinned(vertices: NDArray[np.floating], faces: NDArray[np.integer], most_faces: int) -> Mesh:
     """Simplify a mesh: vertices, (V, 3) m, in one cell of a grid become their mean (Rossignac & Borrel 1993)."""
     low, span = vertices.min(0), float(np.ptp(vertices, axis=0).max()) or 1.0
     cells = 256
@@ -134,18 +135,18 @@ def thinned(vertices: NDArray, faces: NDArray, most_faces: int) -> tuple[NDArray
     return vertices, faces
 
 
-def outermost(points: NDArray) -> NDArray:
+def outermost(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Keep points, (k, 3) m, that are farthest in some direction: a view of these shows all."""
     directions = np.random.default_rng(0).normal(size=(DIRECTIONS, 3))
     return points[np.unique((points @ directions.T).argmax(0))]
 
 
-def rows_of(T: NDArray) -> list[float]:
+def rows_of(T: NDArray[np.float64]) -> list[float]:
     """Return the first three rows of a transform as one list."""
     return np.asarray(T, float)[:3].ravel().round(7).tolist()
 
 
-def _landmarks(world: World, postures: Sequence[NDArray]) -> NDArray:
+def _landmarks(world: World, postures: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     pairs = zip(postures[::2], postures[1::2])
     arms = [geometry.arm_landmarks(world, own, demo) for own, demo in pairs]
     return np.concatenate([geometry.landmarks(world), *arms])
@@ -165,17 +166,17 @@ def _at(world: World, moment: Snapshot) -> dict[str, Any]:
     }
 
 
-def _where(points: NDArray, seen: NDArray) -> list:
+def _where(points: NDArray[np.float64], seen: NDArray[np.bool_]) -> list:
     return [point if one else None for point, one in zip(_plain(points), seen.tolist())]
 
 
-def _angles(world: World, theta: NDArray) -> list[float]:
+def _angles(world: World, theta: NDArray[np.float64]) -> list[float]:
     return np.array(world.joint_angles(theta), float).round(MICRORAD).tolist()
 
 
-def _plain(values: NDArray) -> list:
+def _plain(values: NDArray[np.float64]) -> list:
     return np.nan_to_num(np.asarray(values, float)).round(TENTHS_OF_MM).tolist()
 
 
-def _unit(axis: NDArray) -> list[float]:
+def _unit(axis: NDArray[np.float64]) -> list[float]:
     return (axis / np.linalg.norm(axis)).tolist()

@@ -59,7 +59,7 @@ def describe(construction: Construction | None, point: int, stage: int | None, c
 
 
 def draw(
-    construction: Construction, windows: dict[str, Window], stage: int | None, own: NDArray, gain: float
+    construction: Construction, windows: dict[str, Window], stage: int | None, own: NDArray[np.float64], gain: float
 ) -> dict[str, str]:
     """Draw the construction by view.
 
@@ -97,7 +97,7 @@ def draw(
     return drawn
 
 
-def _ellipse(centre: NDArray, half_axes: NDArray, direction: float, scale: float) -> str:
+def _ellipse(centre: NDArray[np.float64], half_axes: NDArray[np.float64], direction: float, scale: float) -> str:
     """Draw an ellipse. centre: (2,) px of the drawing; half_axes: (2,) px of the image; direction: rad."""
     turn = f"translate({centre[0]:.1f} {centre[1]:.1f})rotate({np.degrees(direction):.1f})"
     long, short = np.minimum(scale * half_axes, MAX_HALF_AXIS).tolist()

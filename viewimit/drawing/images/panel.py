@@ -110,7 +110,7 @@ def draw_images(
     return f'<div class="vi-panel vi-four">{four}</div>'
 
 
-def arrow_gain(lengths: NDArray) -> float:
+def arrow_gain(lengths: NDArray[np.float64]) -> float:
     """Choose how many times longer residuals of these lengths, px, are drawn: 1, 2, 5 or 10."""
     largest = lengths.max(initial=0.0)
     if lengths.size == 0 or largest >= SMALL:
@@ -132,7 +132,7 @@ def _arms(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
     return drawn
 
 
-def _seen_marks(snapshot: Snapshot, points: NDArray) -> dict[str, str]:
+def _seen_marks(snapshot: Snapshot, points: NDArray[np.float64]) -> dict[str, str]:
     """Draw the demonstrator's points in l and r; those not visible in all four images are faint."""
     used, drawn = points[:, snapshot.usable], {}
     for k, view in enumerate("lr"):
@@ -147,7 +147,9 @@ def _observed(points: bytes) -> str:
     return svg.diamonds(np.frombuffer(points).reshape(-1, 2), OBSERVED)
 
 
-def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], gain: float) -> dict[str, str]:
+def _own_marks(
+    snapshot: Snapshot, points: NDArray[np.float64], windows: dict[str, Window], gain: float
+) -> dict[str, str]:
     """Draw own points, recovered points, and residuals from recovered to own points, in L and R."""
     own, known = points[:, snapshot.usable], snapshot.transfer is not None
     numbers = _with_residuals(snapshot, own, windows["L"].scale, gain) if known else own.reshape(2, -1)
@@ -157,7 +159,7 @@ def _own_marks(snapshot: Snapshot, points: NDArray, windows: dict[str, Window], 
     return drawn
 
 
-def _with_residuals(snapshot: Snapshot, own: NDArray, scale: float, gain: float) -> NDArray:
+def _with_residuals(snapshot: Snapshot, own: NDArray[np.float64], scale: float, gain: float) -> NDArray[np.float64]:
     """Return the numbers that fill `_marks_template`, (2, 14 k) px, in L and in R. own: (2, k, 2) px."""
     e = snapshot.e.reshape(-1, 2, 2).transpose(1, 0, 2)[:, snapshot.usable] * scale  # (L R, k, 2)
     recovered = own - e
@@ -179,7 +181,7 @@ def _marks_template(count: int, known: bool) -> str:
     return f"{form}|{form}"
 
 
-def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
+def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray[np.float64]]]:
     """List the views of a pair with points that are not visible in all views, and which points these are, (N,) bool."""
     if snapshot.views.complete:
         return []
@@ -187,7 +189,7 @@ def _partly_visible(snapshot: Snapshot, pair: str) -> list[tuple[int, NDArray]]:
     return [(k, idle[view]) for k, view in enumerate(map(VIEWS.index, pair)) if idle[view].any()]
 
 
-def _rings(snapshot: Snapshot, points: NDArray, chosen: int) -> list[str]:
+def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list[str]:
     """Draw the ring in l, r, L, R; "" where the chosen point is not visible. points: (4, N, 2) px."""
     return [
         f'<circle class="vi-ring" cx="{x:.1f}" cy="{y:.1f}" r="{RING:g}"/>' if seen else ""
@@ -277,7 +279,7 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
-def residual_lengths(snapshot: Snapshot) -> NDArray:
+def residual_lengths(snapshot: Snapshot) -> NDArray[np.float64]:
     """Return |e| of the used points in L and in R, (k, 2) px; k is 0 without a transfer."""
     if snapshot.transfer is None:
         return np.empty((0, 2))
@@ -286,7 +288,7 @@ def residual_lengths(snapshot: Snapshot) -> NDArray:
     return np.sqrt(squares[:, ::2] + squares[:, 1::2])
 
 
-def draw_metrics(snapshot: Snapshot, lengths: NDArray) -> str:
+def draw_metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> str:
     """Draw E, mean and largest |e|, the transfer's condition and the visible points, each with its "?".
 
     lengths: from `residual_lengths`.

@@ -39,7 +39,7 @@ class Window(NamedTuple):
 Windows = dict[bool, dict[str, Window]]
 
 
-def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windows:
+def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, int]) -> Windows:
     """Choose the windows of the four views, by whether whole frames are shown.
 
     Parameters
@@ -66,7 +66,7 @@ def image_windows(reach: Mapping[str, NDArray], frame: tuple[int, int]) -> Windo
     return windows
 
 
-def holds(windows: Windows, points: Mapping[str, NDArray]) -> bool:
+def holds(windows: Windows, points: Mapping[str, NDArray[np.float64]]) -> bool:
     """Say whether the windows show all these points, (k, 2) px by view."""
     for view, seen in points.items():
         x, y, w, h = windows[False][view][:4]
@@ -76,13 +76,15 @@ def holds(windows: Windows, points: Mapping[str, NDArray]) -> bool:
     return True
 
 
-def _span(points: NDArray, frame: tuple[int, int], whole: bool) -> tuple[NDArray, NDArray]:
+def _span(
+    points: NDArray[np.float64], frame: tuple[int, int], whole: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if whole or len(points) == 0:
         return np.zeros(2), np.array(frame, float)
     return points.min(0) - MARGIN, points.max(0) + MARGIN
 
 
-def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
+def _free_corners(places: dict[str, NDArray[np.float64]]) -> tuple[bool, bool]:
     """Say whether a pair's locator and readout are left. places: points, (k, 2), 0 … 1 over each window."""
     x, y = np.concatenate(list(places.values())).T
     share = lambda where: np.count_nonzero(where) / len(x)
@@ -93,12 +95,12 @@ def _free_corners(places: dict[str, NDArray]) -> tuple[bool, bool]:
     )
 
 
-def image_points(views: FourViews) -> NDArray:
+def image_points(views: FourViews) -> NDArray[np.float64]:
     """Return all points by view, in the order lrLR, (4, N, 2) px."""
     return np.concatenate([views.demo, views.own], 1).reshape(-1, 4, 2).swapaxes(0, 1)
 
 
-def placed(images: NDArray, windows: Mapping[str, Window], views: str) -> NDArray:
+def placed(images: NDArray[np.float64], windows: Mapping[str, Window], views: str) -> NDArray[np.float64]:
     """Convert points of images, (views, ..., 2) px, to px of each view's drawing."""
     corner, scale = _corners_and_scales(tuple([windows[view] for view in views]))
     shape = (len(views),) + (1,) * (images.ndim - 2)
@@ -106,7 +108,7 @@ def placed(images: NDArray, windows: Mapping[str, Window], views: str) -> NDArra
 
 
 @lru_cache(64)
-def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray, NDArray]:
+def _corners_and_scales(windows: tuple[Window, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.array([window[:2] for window in windows]), np.array([window.scale for window in windows])
 
 

@@ -46,12 +46,14 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
     return f'<div class="vi-panel">{drawing}{draw_metrics(snapshot, residual_lengths(snapshot))}</div>'
 
 
-def row_distance(images: NDArray) -> float:
+def row_distance(images: NDArray[np.float64]) -> float:
     """Return the rms difference between the rows of matches, (N, 4) px; NaN without any."""
     return float(np.sqrt(np.mean((images[:, 3] - images[:, 1]) ** 2))) if len(images) else np.nan
 
 
-def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, by: Rectification | None) -> str:
+def _pair(
+    left: float, top: float, names: str, images: NDArray[np.float64], arm: ArmImages, by: Rectification | None
+) -> str:
     """Draw both images of a pair, (N, 4) px, with one scale, at one height. by: rectification, None for none."""
     both = lambda found: found if by is None else by.apply(found)
     images = both(images)
@@ -79,7 +81,9 @@ def _pair(left: float, top: float, names: str, images: NDArray, arm: ArmImages, 
     return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
 
 
-def _image(x: float, y: float, name: str, points: NDArray, hulls: NDArray, bones: NDArray) -> str:
+def _image(
+    x: float, y: float, name: str, points: NDArray[np.float64], hulls: NDArray[np.float64], bones: NDArray[np.float64]
+) -> str:
     """Draw one image. points: (N, 2), hulls: (links, corners, 2), bones: (k, 2), px of its box."""
     demo = name in "lr"
     arm = f'<path class="vi-hull" d="{svg.polygons(hulls[None])[0]}"/><path class="vi-bone" d="{svg.path(bones)}"/>'

@@ -19,7 +19,7 @@ TITLES = {**DEMO, "own_left": "[L] learner", "own_right": "[R] learner"}  # by t
 LEGEND = 26  # px of the heading above four views, and of the legend below
 
 
-def draw_view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[str]) -> str:
+def draw_view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] | None, names: Sequence[str]) -> str:
     """Draw one view as SVG.
 
     Parameters
@@ -35,7 +35,10 @@ def draw_view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequen
 
 
 def draw_views(
-    seen: Mapping[str, NDArray], recovered: Mapping[str, NDArray], names: Sequence[str], heading: str
+    seen: Mapping[str, NDArray[np.float64]],
+    recovered: Mapping[str, NDArray[np.float64]],
+    names: Sequence[str],
+    heading: str,
 ) -> str:
     """Draw all four views as SVG, two by two, with a heading and a legend; parameters as for `draw_view`."""
     parts = [svg.text(LEFT, 12, heading, "vi-b")]
@@ -63,7 +66,7 @@ def legend() -> list[tuple[str, str]]:
     ]
 
 
-def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[str]) -> str:
+def _view(view: str, seen: NDArray[np.float64], recovered: NDArray[np.float64] | None, names: Sequence[str]) -> str:
     axes = _axes(seen if recovered is None else np.concatenate([seen, recovered]))
     (left, right), (lower, upper) = axes.x, axes.y
     parts = [axes.frame(TITLES[view], "px", linear_ticks(left, right), linear_ticks(upper, lower))]
@@ -82,7 +85,7 @@ def _view(view: str, seen: NDArray, recovered: NDArray | None, names: Sequence[s
     return "".join(parts)
 
 
-def _axes(points: NDArray) -> Axes:
+def _axes(points: NDArray[np.float64]) -> Axes:
     """Make axes around all points, with one scale for both directions, y downwards."""
     low, high = points.min(0), points.max(0)
     margin = MARGIN * max(*(high - low), 1.0)

@@ -92,7 +92,7 @@ class TrustRegion:
         return initial_state(in_units(observation, unit_px), unit_px, self.options)
 
     def retarget(self, state: TrustRegionState, observation: Observation) -> TrustRegionState:
-        """Return the state after the demonstrator moved: what is known of the own images stays."""
+        """Return the state after the demonstrator moved: visits and kinematics stay."""
         return TrustRegionState(
             state.visits,
             state.joints_to_probe,
@@ -160,7 +160,7 @@ def descend(state: TrustRegionState, look: Look) -> Outcome:
     """Move to the predicted minimum, if that is worth a motion."""
     if accepts_step(state, look):
         return Phase.DESCEND, *take_step(state, look)
-    if look.tracking:  # a motion aside would only leave the learner behind
+    if look.tracking:  # a verification would only leave the learner behind
         return Phase.DESCEND, replace(state, status=ServoStatus.MOVING), np.zeros_like(look.plan.minimum.theta)
     return Phase.VERIFY, state, None
 

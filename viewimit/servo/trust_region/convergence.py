@@ -10,7 +10,7 @@ exceed what noise makes or, without noise, a share of the motion of the own imag
 verification motion along v is requested. If E does not rise as predicted, v is unobservable, and so is each joint with
 a component in v. With too few points E is small and rises at wrong postures as well: they allow no claim.
 
-The covariance of the joint errors is σ² H⁻¹ / N, σ the image noise or what is left of E, if more. To it are added
+The covariance of the joint errors is σ² H⁻¹ / N, σ the image noise or the residual E, if more. To it are added
 H⁻¹ g of the gradients g that the noise of the own images and other hypotheses about the stereo head make.
 
 References
@@ -49,7 +49,7 @@ class Certificate:
     unexplored_direction: bool = False  # whether no visit went in some direction
 
     def per_pixel(self, unit_px: float) -> "Certificate":
-        """Convert one that was made in image units of so many pixels."""
+        """Convert one that was made in image units of `unit_px` pixels."""
         return replace(self, std_per_px=self.std_per_px / unit_px)
 
     @property
@@ -98,7 +98,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
     inverse = _inverse(model.hessian)
     std_per_px = _std_per_px(inverse, model.n_points)
     observable = std_per_px < options.max_std_per_px
-    wanted, useful = np.zeros(len(std_per_px)), np.zeros(len(std_per_px))  # verification steps
+    missing, useful = np.zeros(len(std_per_px)), np.zeros(len(std_per_px))  # verification steps
     verified = model.n_visible >= min_points_identifiable(len(std_per_px))
     for direction in _directions(model, options):
         increased, flat = _test_increase(model, direction, options)
@@ -106,7 +106,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
         if flat and not increased:
             observable = observable & (np.abs(direction) <= options.min_component)
         elif not increased or _unclear(model, direction, options):
-            wanted = wanted if wanted.any() else _step_length(model, direction, options) * direction
+            missing = missing if missing.any() else _step_length(model, direction, options) * direction
         elif _self_noise_dominates(model, direction, model.grad_samples_images, model.grad_samples_jacobian):
             useful = useful if useful.any() else options.max_evidence_noisy * direction  # far visits fix slopes best
     left = np.sqrt(2 * model.n_points * model.E / model.degrees_of_freedom)
@@ -121,7 +121,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
         std_error=np.where(observable, np.sqrt(variance), np.inf),
         observable=observable,
         verified=verified,
-        verification_step=wanted if wanted.any() else useful,
+        verification_step=missing if missing.any() else useful,
         at_floor=bool(model.E < floor),
         needs_more_data=not observable.all() and bool(identifiable().all()),
         unexplored_direction=bool(nearest < options.min_evidence),
@@ -156,7 +156,7 @@ def _inverse(hessian: Array) -> Array:
 
 
 def _rig_variance(model: LocalModel, inverse: Array) -> Array:
-    """Return the variance of the minimum by what is not known of the stereo head: (m,) rad²."""
+    """Return the variance of the minimum by the uncertainty of the stereo head: (m,) rad²."""
     return ((model.grad_bias_per_rig @ inverse) ** 2).sum(0)
 
 

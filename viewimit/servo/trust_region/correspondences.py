@@ -1,7 +1,7 @@
 """Find swapped correspondences: which of the demonstrator's points are taken for each other, one pair or two.
 
 The image model predicts the own images over the whole range. E is evaluated with the demonstrator's points as they are
-and with pairs of them swapped, each hypothesis at its best posture. A swap that leaves far less E than none is likely.
+and with pairs of them swapped, each hypothesis at its best posture. A swap that leaves far less E is likely.
 No motion is needed. The E that is left when the arm has gone there decides.
 """
 

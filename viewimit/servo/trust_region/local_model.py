@@ -1,4 +1,4 @@
-"""The quadratic model of E about a posture: E(θ) = E₀ + ½ dᵀ H d, d = θ - θ₀, with what is known of its errors.
+"""The quadratic model of E about a posture: E(θ) = E₀ + ½ dᵀ H d, d = θ - θ₀, and its errors.
 
 H = J_uᵀ J_e' J_e J_u / N is the Gauss-Newton Hessian: J_u are the slopes of the own images, J_e those of the residuals.
 J_u is learned from noisy images. So H is debiased, and Monte Carlo draws of that noise give the error of the gradient.
@@ -26,7 +26,7 @@ AFFINE_MINIMAL_SAMPLE = 4  # points that affine fundamental matrices fit exactly
 
 
 def absorbed_points(joints: int) -> float:
-    """Return how many points the free parameters fit exactly, whatever the posture.
+    """Return how many points the free parameters fit exactly, at any posture.
 
     The parameters are the joints and a 3-D projective map (15). Each stereo match gives three coordinates, because its
     row is the same in both images.
@@ -217,7 +217,7 @@ def _increases(data: EstimationData, hessian: Array, place: Array, learned: NDAr
 def _count_visible(data: EstimationData, points: int) -> int:
     """Count the points that determine E at the best visit without being predicted.
 
-    If all are seen at every visit it is `points`: none is then seen only because the posture is wrong.
+    If all are seen at every visit it is `points`. Otherwise points may be visible only because the posture is wrong.
     """
     if data.model.seen.all():
         return points

@@ -223,7 +223,7 @@ def restart(
 
 
 def move(state: TrustRegionState, look: Look, target: Displacement) -> tuple[TrustRegionState, Displacement]:
-    """Move to the target, or towards it as far as images are predicted: `max_step`."""
+    """Move to the target, or towards it by `max_step`, where images are predicted near visits only."""
     step = target - look.observation.displacement
     longest = np.abs(step).max()
     if longest > look.options.max_step and not state.has_global_model:

@@ -142,8 +142,8 @@ def _variance_ratio(images: ImageData, best: int, options: TrustRegionOptions) -
 def _repeats(images: ImageData, best: int) -> bool:
     """Whether some point has exactly the same image at another posture."""
     here, others = images.visits[best], [visit for k, visit in enumerate(images.visits) if k != best]
-    apart = (visit for visit in others if (visit.displacement != here.displacement).any())
-    return any(bool((visit.own == here.own).all(-1).any()) for visit in apart)
+    elsewhere = (visit for visit in others if (visit.displacement != here.displacement).any())
+    return any(bool((visit.own == here.own).all(-1).any()) for visit in elsewhere)
 
 
 def _impute(images: ImageData, max_std_px: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -119,7 +119,7 @@ RESULTS_OF = {
     robustness.run_once: (0.1, 2 / 3, 7, False),
     tracking.run_once: array(),
     scenes.run_scene: [scenes.Run(array()[0], array()[1], array()[0], 5, np.bool_(True), np.float64(0.7))],
-    compare.run_draw: [compare.Ending(9, ServoStatus.SETTLED, 0.1 + 0.2, math.nan, 5e-324)],
+    compare.run_draw: [compare.Row("a", 3, "kalman", 9, ServoStatus.SETTLED, 0.1 + 0.2, math.nan, 5e-324)],
 }
 
 

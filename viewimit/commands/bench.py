@@ -101,7 +101,7 @@ def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:
 
 
 def current_words(words: list[str]) -> list[str]:
-    """Return the words of the command in today's form: the benchmark first, by today's name, `all` if none is given.
+    """Return the words of the command in today's form: the benchmark first, by today's name, or `all`.
 
     Earlier forms give a warning.
     """
@@ -172,7 +172,7 @@ def _study(args: argparse.Namespace) -> Study:
         kind: type[Benchmark] = BENCHMARKS[args.benchmark]
         fields = [field.name for field in dataclasses.fields(kind) if field.name not in WITHOUT_EFFECT]
         study = {"benchmark": args.benchmark, **{name: given[name] for name in fields}}
-        if "scene" in study and args.scene not in scene_names():  # a file: its content, whatever its name
+        if "scene" in study and args.scene not in scene_names():  # a file: its content counts, not its path
             content = Path(args.scene).read_bytes()
             study["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
         folder = StudyFolder(out, {**study, "code": code_version()})

@@ -91,7 +91,7 @@ def test_files_that_are_none_are_named(ask, tmp_path):
     assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
     for joints, words in (2, ()), (7, ("--joints", "all", "--n-points", 16)):
         status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
-        assert status == 2 and f"{joints} joints take {joints + 3} or more to foretell from" in err
+        assert status == 2 and f"{joints} joints need {joints + 3} or more" in err
     assert ask("rehearse")[0] == 2
 
 

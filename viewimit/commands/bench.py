@@ -109,7 +109,8 @@ def current_words(words: list[str]) -> list[str]:
     named = (k for k, word in enumerate(words) if word in PARTS | OLD_NAMES and not (k and takes_value(words[k - 1])))
     at = next(named, None)
     if at is None:
-        return words if not words or words[0] in ("-h", "--help") or not words[0].startswith("-") else [ALL, *words]
+        is_default = not words or (words[0].startswith("-") and words[0] not in ("-h", "--help"))
+        return [ALL, *words] if is_default else words
     name = OLD_NAMES.get(words[at], words[at])
     if name != words[at]:
         _warn(f"{words[at]} is now called {name}; the old name will be gone")

@@ -178,7 +178,7 @@ def with_verification(state: TrustRegionState) -> TrustRegionState:
 def partial_points_help(certificate: Certificate, state: TrustRegionState, look: Look) -> bool:
     """Whether points that one camera alone sees may determine a joint that the others do not."""
     return bool(
-        state.certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
+        certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
     )
 
 

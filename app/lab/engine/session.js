@@ -44,6 +44,7 @@ import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
 import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
+const MAX_HISTORY = 3000; // moments that are kept
 const DEGREE = Math.PI / 180;
 
 export class Session {
@@ -85,6 +86,7 @@ export class Session {
     const look = now.look + 1 + (lag ?? MAX_LOOKS_WAITED), moved = theta.map((v, k) => v - now.theta[k]);
     this.history.push(this.#observed(theta, now.thetaDemo, look,
       {...now, motion: now.motion + 1, moved, probe: servoState.probe, status: servoState.status, servoState, lag}));
+    if (this.history.length > MAX_HISTORY) this.history.shift();
     return true;
   }
 

@@ -146,7 +146,15 @@ export class Session {
     return theta.map((v, k) => clamp(Math.round(v / DEGREE * 1e9) / 1e9 * DEGREE, lower[k], upper[k]));
   }
 
-  /** posture → four views → transfer → E. @param {number[]} theta @param {number[]} thetaDemo @param {number} look @param {Omit<Moment, "theta" | "thetaDemo" | "look" | "views" | "usable" | "fitted" | "E">} rest @returns {Moment} */
+  /**
+   * posture → four views → transfer → E.
+   *
+   * @param {number[]} theta
+   * @param {number[]} thetaDemo
+   * @param {number} look
+   * @param {Omit<Moment, "theta" | "thetaDemo" | "look" | "views" | "usable" | "fitted" | "E">} rest
+   * @returns {Moment}
+   */
   #observed(theta, thetaDemo, look, rest) {
     const views = this.observer.views(theta, thetaDemo, look), shown = seenTwice(views.demoSeen);
     const usable = seenTwice(views.ownSeen).filter(i => shown.includes(i));

@@ -11,7 +11,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from sphinx.cmd.build import build_main
-
 from viewimit.app.lab.page import lab_page
 
 HERE = Path(__file__).parent

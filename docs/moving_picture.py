@@ -11,7 +11,6 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
-
 from viewimit.app.lab.page import lab_page
 
 HERE = Path(__file__).parent

@@ -39,7 +39,7 @@ APP_ORDER = (
     {"benchmark", "camera_benchmark", "server"},
     {"serve"},
 )
-OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints"}  # names of Python's, IPython's and viser's
+OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints", "_is_protocol"}  # names of Python's, IPython's and viser's
 # image points, nothing of the world
 ESTIMATORS_SEE = {
     "estimation": {"geometry"},

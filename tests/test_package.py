@@ -1,5 +1,6 @@
 """What is installed: the wheel holds all that runs, the documentation, and metadata that hold on a package index."""
 
+import doctest
 import html
 import os
 import re
@@ -15,6 +16,7 @@ from pathlib import Path
 import pytest
 from viewimit.app.sessions.link import read
 
+import viewimit
 from viewimit.commands import BadInput
 from viewimit.commands.cli import COMMANDS, main
 from viewimit.commands.docs import first_page
@@ -58,6 +60,11 @@ def wheel(tmp_path_factory):
     with zipfile.ZipFile(path) as archive:
         archive.extractall(made / "unpacked")
     return made / "unpacked"
+
+
+def test_the_example_of_the_package_s_help_prints_what_it_says():
+    failed, tried = doctest.testmod(viewimit)
+    assert tried >= 8 and failed == 0
 
 
 def test_the_wheel_holds_every_file_of_the_package(wheel):

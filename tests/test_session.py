@@ -10,7 +10,7 @@ from viewimit.assets import ROOT
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import baselines
-from viewimit.loop.history import EARLY, MOST_OLD, RECENT, STRIDE, History
+from viewimit.loop.history import EARLY, MAX_OLD, RECENT, STRIDE, History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings, warn_of_radians
 from viewimit.loop.simulated_robot import complete
@@ -129,11 +129,11 @@ def test_however_long_a_history_is_it_keeps_no_more_moments(dense):
             assert kept[:EARLY] == list(range(EARLY))
             stride = kept[EARLY + 1] - kept[EARLY]
             long_past = [k for k in kept if EARLY <= k <= motion - dense - 2 * stride]
-            assert (np.diff(long_past) == stride).all() and len(long_past) <= 2 * MOST_OLD
+            assert (np.diff(long_past) == stride).all() and len(long_past) <= 2 * MAX_OLD
             assert all(0 <= k - moment.motion < stride for k, moment in enumerate(history))
             assert kept[-dense:] == list(range(motion + 1 - dense, motion + 1))[-dense:] or dense == 0
             most = max(most, len(kept))
-    assert stride == 16 * STRIDE and most < EARLY + 2 * MOST_OLD + dense + 2 * stride
+    assert stride == 16 * STRIDE and most < EARLY + 2 * MAX_OLD + dense + 2 * stride
     assert [m.motion for m in History(history, history.cursor, dense)] == [m.motion for m in history]
 
 

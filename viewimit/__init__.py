@@ -1,20 +1,43 @@
-"""View-based imitation: a learner imitates a demonstrator from image points alone.
+"""View-based imitation: a robot copies the posture of another robot that its two cameras see, from image points alone.
 
-After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry", IROS 2001.
+The learner sees the demonstrator in the images l and r, and, looking down at itself, its own arm in the images L and R.
+From N matched points in these four views it estimates where the demonstrator's points would appear in L and R if both
+postures were equal (transfer). The differences to its own points are the residuals e; their mean square is the conflict
+E. A servo moves the arm until E is least. No joint angles, link lengths or camera calibration of the demonstrator are
+used. After "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry", IROS 2001.
 
-    Session, Settings, Snapshot     the loop: posture → views → transfer → E → servo → next posture
-    Settings.best, Settings.paper   the best method, which Settings() is too, and the paper's
-    RunResult                       why Session.run ended, and what it took
-    FourViews                       image points in [l], [r], [L], [R], simulated or your own
-    TRANSFERS, SERVOS               estimators and servo laws by name
-    conflict                        E of the residuals that a fitted transfer gives, Eq. (6)
-    fit_affine_fundamental          Eqs. (1)-(3)
-    Arm, Eyes                       what to write for a robot and cameras of your own; Session.of(arm, eyes)
-    World, load_scene               the simulated world, from a scene file
-    landscape, Landscape            E over the range of the two moving joints: landscape(session)
-    replay                          a session as one page, in a notebook or a file, that needs no server
+>>> import numpy as np
+>>> from viewimit import TRANSFERS, Session, Settings, conflict
+>>> session = Session(Settings(demonstrator_deg=(45, -90), start_deg=(25, -45)))
+>>> result = session.run()  # each step: ask the servo, move, look, transfer, evaluate E
+>>> print(result.status, np.degrees(result.theta).round(1))
+converged [ 45. -90.]
+>>> views = result.last.views.used  # or FourViews.from_images(l, r, L, R) of your own points, (N, 2) px each
+>>> transfer = TRANSFERS["epipolar"](views)  # Eqs. (1)-(4); recover(l, r) transfers any other points
+>>> print(f"E = {conflict(transfer.residual(views)):.2f} px², cond(A) = {transfer.condition:.0f}")
+E = 1.59 px², cond(A) = 13
 
-The names are loaded when first used.
+**Conventions.** Angles are radians; they are degrees where a name ends in `_deg`, on the command line and on the page.
+Lengths are metres. Image coordinates are pixels, x to the right and y down; cameras look along +z (OpenCV). Shapes
+stand in every docstring: m joints, N points, n usable ones. Leading axes (...) are a batch: one function serves a
+posture and a grid. A point that is not visible is NaN. A wrong value raises ValueError with its field and bounds.
+
+**Names**
+
+The loop
+    `Session`, `Settings` (the best method; `Settings.paper()` is the paper's), `Snapshot` (one pass), `RunResult`
+The method
+    `FourViews`, `fit_affine_fundamental`, `TRANSFERS`, `conflict`, `SERVOS`, `ServoStatus`
+Methods of your own
+    `Servo` and `Observation`: ``Session(servo=…)``; a transfer is a function of `FourViews`: ``Session(transfer=…)``
+A robot of your own
+    `Arm` and `Eyes`: ``Session.of(arm, eyes)``
+The simulated world
+    `load_scene`, `World`
+Results
+    `landscape` (E over the range of two joints), `Landscape`, `replay` (a run as one HTML page)
+
+The names are loaded when they are first used. `python -m viewimit` serves the page; `viewimit --help` lists commands.
 """
 
 from importlib import import_module
@@ -33,7 +56,7 @@ if TYPE_CHECKING:
     from .loop.session import Session
     from .loop.settings import Settings
     from .loop.snapshot import RunResult, Snapshot
-    from .servo import SERVOS
+    from .servo import SERVOS, Observation, Servo, ServoStatus
     from .simulation.scene import load_scene
     from .simulation.world import World
 
@@ -42,8 +65,11 @@ _MODULES = {
     "Eyes": ".loop.embodiment",
     "FourViews": ".estimation.views",
     "Landscape": ".analysis.landscape",
+    "Observation": ".servo",
     "RunResult": ".loop.snapshot",
     "SERVOS": ".servo",
+    "Servo": ".servo",
+    "ServoStatus": ".servo",
     "Session": ".loop.session",
     "Settings": ".loop.settings",
     "Snapshot": ".loop.snapshot",
@@ -63,7 +89,10 @@ __all__ = [
     "Eyes",
     "FourViews",
     "Landscape",
+    "Observation",
     "RunResult",
+    "Servo",
+    "ServoStatus",
     "Session",
     "Settings",
     "Snapshot",

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation.disturbances import ActuatorSettings
 from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.markers import load_markers
 from viewimit.simulation.scene import Scene
@@ -43,7 +43,7 @@ class RemoteEyes:
     def settle(self, theta: NDArray) -> NDArray:
         return self._ask("settle", theta)[0]
 
-    def drive(self, settings: Settings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
+    def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
         return self._ask("drive", settings, theta, sent, commanded)[0]
 
     def pictures(self, moment: Snapshot) -> dict[str, bytes]:

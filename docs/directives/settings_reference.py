@@ -5,7 +5,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from viewimit.loop.settings import DISTURBANCES, Settings
+from viewimit.loop.settings import FIELDS, Settings
 
 
 class SettingsTable(SphinxDirective):
@@ -14,10 +14,9 @@ class SettingsTable(SphinxDirective):
         group = nodes.tgroup(cols=3)
         group += [nodes.colspec(colwidth=width) for width in (20, 15, 65)]
         head, body = nodes.thead(), nodes.tbody()
-        head += _row("field", "usual", "")
+        head += _row("field", "default", "")
         for field in msgspec.structs.fields(Settings):
-            said = DISTURBANCES[field.name].description if field.name in DISTURBANCES else ""
-            body += _row(field.name, repr(field.default), said)
+            body += _row(field.name, repr(field.default), FIELDS[field.name].description)
         group += [head, body]
         table += group
         return [table]

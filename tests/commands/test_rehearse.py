@@ -86,12 +86,12 @@ def test_files_that_are_none_are_named(ask, tmp_path):
     assert status == 2 and "--calibration" in err and str(missing) in err
     missing.write_text("theta,E")
     status, _, err = ask("imitate", "--calibration", missing)
-    assert status == 2 and "no body image" in err and "viewimit rehearse" in err
+    assert status == 2 and "no calibration" in err and "viewimit rehearse" in err
     assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
     assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
     for joints, words in (2, ()), (7, ("--joints", "all", "--n-points", 16)):
         status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
-        assert status == 2 and f"{joints} joints take {joints + 3} or more to foretell from" in err
+        assert status == 2 and f"{joints} joints need {joints + 3} or more" in err
     assert ask("rehearse")[0] == 2
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from viewimit.app.sessions import codec
 
-from viewimit import SERVOS, TRANSFERS, FourViews, Session, Settings, replay
+from viewimit import SERVOS, TRANSFERS, Session, Settings, replay
 from viewimit.drawing.export.citation import cite
-from viewimit.estimation.transfers import TransferMethod, linear, transfer_method
+from viewimit.estimation.transfers import TransferMethod, linear
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton, servo_method
 
@@ -52,10 +52,6 @@ class Still:
         return {"asked": state["asked"] + 1}, np.zeros_like(seen.displacement)
 
 
-def images(batch=(), count=9):
-    return FourViews.from_images(*np.random.default_rng(2).uniform(0, 600, (4, *batch, count, 2)))
-
-
 def test_the_E_of_a_plain_function_is_that_of_eq_6():
     now = Session(Settings.paper(**START), transfer=affine_map).snapshot
     demo = np.hstack([now.views.demo, np.ones((10, 1))])
@@ -63,22 +59,6 @@ def test_the_E_of_a_plain_function_is_that_of_eq_6():
     assert now.E == pytest.approx((e**2).sum() / 20, rel=1e-9)
     np.testing.assert_allclose(now.e, e, atol=1e-6)
     assert now.settings.transfer == OWN and now.method.title == "affine_map"
-
-
-def test_a_function_is_fitted_to_each_posture_of_a_batch_by_itself():
-    views, method = images((2, 3)), transfer_method(affine_map)
-    fitted = method(views)
-    for found in (fitted.conflict(views), fitted.condition):
-        assert found.shape == (2, 3)
-    for k in np.ndindex(2, 3):
-        alone = FourViews(views.demo[k], views.own[k], views.visible[k])
-        one = method(alone)
-        assert fitted.conflict(views)[k] == pytest.approx(float(one.conflict(alone)), rel=1e-12)
-        assert fitted.condition[k] == pytest.approx(float(one.condition), rel=1e-12)
-        np.testing.assert_array_equal(fitted.residual(views)[k], one.residual(alone))
-        np.testing.assert_array_equal(
-            fitted.recover(views.demo_left, views.demo_right)[k], one.recover(alone.demo_left, alone.demo_right)
-        )
 
 
 def test_a_function_that_does_what_a_named_transfer_does_leads_the_arm_the_same_way():

@@ -6,12 +6,13 @@ from scipy.stats import chi2, norm
 
 from viewimit.estimation.noise import (
     MIN_GRID_COORDINATES,
+    DemonstratorResiduals,
     HomographyResiduals,
     affine_whitening,
     conflict_quantile,
     rounding_std,
 )
-from viewimit.estimation.residuals import conflict
+from viewimit.estimation.residuals import NoiseReference, conflict
 from viewimit.estimation.transfers import linear
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.bound import bound
@@ -111,6 +112,28 @@ def test_partially_visible_points_make_a_joint_observable_that_the_others_leave_
     lines = FourViews(views.demo, views.own, visible)
     E = conflict(HomographyResiduals.unweighted(lines, rectification).residual(lines.with_own(turned)))
     assert E[0] < 1e-18 and E[1] > 0.1
+
+
+def test_unweighted_residuals_count_the_row_that_both_images_share_once(world, rectification):
+    views = partially_visible(world.look(THERE, THERE), np.random.default_rng(5))
+    weight = HomographyResiduals.unweighted(views, rectification).weight
+    in_both, left_only = views.visible[:, :2].all(1), views.visible[:, 0] & ~views.visible[:, 1]
+    np.testing.assert_allclose(
+        weight[in_both], np.broadcast_to(np.diag([1, 0.5, 1, 0.5]) ** 0.5, (in_both.sum(), 4, 4))
+    )
+    np.testing.assert_allclose(weight[left_only], np.broadcast_to(np.diag([1, 1, 0, 0]), (left_only.sum(), 4, 4)))
+
+
+def test_weights_are_those_of_each_reference_variance_ratio_and_set_of_points(world, rectification):
+    views = world.look(THERE, THERE)
+    residuals, every, first = DemonstratorResiduals(rectification, 0.1), np.ones(16, bool), np.arange(16) < 12
+    for own in (views.own, own_at(world, THERE + 0.005)):
+        for points in (every, first):
+            some = views.select(points)
+            for ratio in (0.1, 1.0, 0.1):
+                found = residuals.of(some, points, NoiseReference(own, ratio))
+                expected = HomographyResiduals.whitened_at(some.with_own(own[points]), rectification, ratio)
+                np.testing.assert_array_equal(found.weight, expected.weight)
 
 
 def test_a_batch_equals_the_loop(world, rectification):

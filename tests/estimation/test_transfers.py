@@ -1,5 +1,7 @@
 """What holds for every transfer in `TRANSFERS`, for a plain function, and between rectified images."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 
 from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import TRANSFERS, Transfer, transfer_method
+from viewimit.estimation.transfers import TRANSFERS, Transfer, TransferMethod, transfer_method
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification, fit_rectification
 from viewimit.simulation.scene import load_scene
@@ -331,6 +333,13 @@ def test_E_is_half_the_mean_over_points_of_the_squares_in_both_views():
     for k in range(3):
         expected = sum(x @ x for image in (e[k, :, :2], e[k, :, 2:]) for x in image) / (2 * 7)
         assert conflict(e)[k] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("old, new", [("fails", "limitations"), ("ill", "degenerate_message")])
+def test_earlier_names_of_an_entry_are_read_with_a_warning(old, new):
+    with pytest.warns(FutureWarning, match=f"{old} is now called {new}"):
+        method = TransferMethod(fit=Constant, **{old: "In one word."})
+    assert getattr(method, new) == "In one word." and replace(method, title="Other").title == "Other"
 
 
 @each_transfer

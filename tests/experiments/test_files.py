@@ -156,11 +156,7 @@ def test_fig8_is_drawn_from_its_surfaces(tmp_path):
     settings = Settings.paper(demonstrator_deg=(45, -90), sensor="rendered")
     found = fig8.Fig8(settings, (2, 4), np.array([45.0, -90]), usable, sag, surfaces)
     written = write("fig8", ON_PICTURES["fig8"], found, tmp_path)
-    assert {path.name for path in written} >= {
-        "fig8.svg",
-        "fig8.png",
-        "fig8-surface.csv",
-    }
+    assert {path.name for path in written} >= {"fig8.svg", "fig8.png", "fig8-surface.csv"}
     root = ElementTree.parse(tmp_path / "fig8.svg").getroot()
     crosses = only(root, f"{SVG}path", SMALLEST_E)
     assert len(crosses) == len(surfaces) + 1  # and one in the legend

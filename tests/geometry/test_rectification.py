@@ -7,7 +7,9 @@ from stereo_heads import EQUAL, UNLIKE, head, matches
 from viewimit.geometry.affine import image_unit
 from viewimit.geometry.fundamental import epipoles, fit_fundamental
 from viewimit.geometry.rectification import (
+    MIN_DENOMINATOR,
     MIN_RMS_PX,
+    Rectification,
     affine_squared_error,
     fit_rectification,
     has_equal_rows,
@@ -118,3 +120,11 @@ def test_nearly_equal_rows_are_near_an_affine_geometry(apart_px):
     near = affine_squared_error(left, right) < len(left) * least_px**2
     assert has_equal_rows(left, right) == (apart_px < np.sqrt(2) * least_px)
     assert near or not has_equal_rows(left, right)
+
+
+def test_points_beyond_the_line_at_infinity_stay_finite():
+    """With the denominator 1 - x/100, points from x = 90 on are divided by MIN_DENOMINATOR."""
+    H = np.array([[1.0, 0, 0], [0, 1, 0], [-0.01, 0, 1]])
+    points = np.array([[50.0, 8], [100, 8], [300, 8]])
+    mapped = Rectification(H, H).apply(np.concatenate([points, points], 1))
+    np.testing.assert_allclose(mapped[:, :2], points / [[0.5], [MIN_DENOMINATOR], [MIN_DENOMINATOR]])

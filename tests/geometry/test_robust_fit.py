@@ -7,6 +7,7 @@ from stereo_heads import UNLIKE, fundamental_of, head, matches
 from viewimit.geometry.fundamental import sampson_distance
 from viewimit.geometry.robust_fit import (
     MIN_THRESHOLD_PX,
+    N_UNCERTAIN_STD,
     OUTLIER_SIGMA,
     all_inliers,
     detect_outliers,
@@ -85,3 +86,11 @@ def test_a_match_far_from_few_others_is_judged_by_the_squares_that_it_adds():
         fit = fit_geometry(left[near], right[near])
         deviations.append(fit.distance(left[far], right[far]) / fit.std_px)
     assert 0.9 < np.sqrt(np.mean(np.square(deviations))) < 1.2
+
+
+@pytest.mark.parametrize("fit", [fit_row_geometry, fit_geometry])
+def test_the_threshold_is_higher_after_a_fit_to_few_matches(fit):
+    """The standard deviation of few matches is uncertain: a point of 17 may be twice as far as one of many."""
+    left, right, _ = matches(HEADS["parallel"], np.random.default_rng(2), 400, 0.1)
+    few, many = (fit(left[:count], right[:count]).threshold for count in (N_UNCERTAIN_STD, 400))
+    assert few == pytest.approx(2 * OUTLIER_SIGMA) and many == pytest.approx(OUTLIER_SIGMA, rel=0.01)

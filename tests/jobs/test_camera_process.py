@@ -175,7 +175,9 @@ def test_no_page_has_pictures_rendered_that_all_others_would_wait_for(width, hei
         with pytest.raises(ValueError, match=f"{width} × {height} px are too large"):
             eyes("rendered", scene, 10)
         assert not opened
-    assert eyes("points", extended(load_scene("panda"), {"head": {"image": [10_000, 10_000]}}), 10) and not opened[1:]
+    assert (
+        eyes("projected", extended(load_scene("panda"), {"head": {"image": [10_000, 10_000]}}), 10) and not opened[1:]
+    )
 
 
 LOOKING = """

@@ -64,7 +64,7 @@ def spoilt(tmp_path, **changes):
 )
 def test_a_file_that_is_none_says_what_is_wrong(tmp_path, changes, what):
     path = spoilt(tmp_path, **changes)
-    with pytest.raises(ValueError, match=f"{path}: no body image.*{what}.*viewimit rehearse"):
+    with pytest.raises(ValueError, match=f"{path}: no calibration.*{what}.*viewimit rehearse"):
         SelfCalibration.load(path)
 
 

@@ -1,4 +1,4 @@
-"""Square markers in pictures that OpenCV has drawn: found where they are, told apart, and left out where ambiguous."""
+"""Square markers that OpenCV has drawn: found at their places, identified, and left out if ambiguous."""
 
 import numpy as np
 import pytest

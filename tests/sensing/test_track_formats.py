@@ -395,7 +395,7 @@ def named_files(words):
 
 
 def write_as_named(path, images):
-    """A file of one view, at the end of its name, in the manner that its name tells of; two arms are in some."""
+    """Write a file of one view, in the format that its name implies; some hold two arms."""
     stem, *name = path.name.split(".")[0].rsplit("_", 2)
     view = view_of("_".join(name))
     image = np.stack([images[view], images[view] + 9])[:, None]

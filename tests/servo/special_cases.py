@@ -16,7 +16,7 @@ import numpy as np
 
 from viewimit import Session, Settings
 from viewimit.servo import SERVOS, TrustRegionOptions, trust_region_method
-from viewimit.servo.trust_region import algorithm, convergence, rules, state, subproblem
+from viewimit.servo.trust_region import algorithm, rules, state
 
 POINTS = {"points": 16, "frames": 1}
 LADDER = TrustRegionOptions().ladder
@@ -43,14 +43,6 @@ def short_step(now, look):
     return rules.move(replace(now, region=region), look, look.plan.minimum.theta)
 
 
-def without(**changed: Any) -> Mapping[str, Callable]:
-    """The convergence test, of a local model with other fields."""
-    of_model = lambda model: {name: made(model) for name, made in changed.items()}
-    return {"certify": lambda model, options: convergence.certify(replace(model, **of_model(model)), options)}
-
-
-no_gradients = lambda model: np.zeros((1, len(model.lower)))
-
 SPECIAL_CASES = {
     "match": SpecialCase({"points": 16, "swapped": 0.2}, {"match_at": ()}),
     "kinematics": SpecialCase({**POINTS, "missing": 0.3}, {"fit_kinematics_at": ()}),
@@ -58,21 +50,6 @@ SPECIAL_CASES = {
     "mismatch": SpecialCase({"quantum_deg": 1.0}, module=state, functions={"contradicts_command": never}),
     "noise-floor": SpecialCase({"noise_px": 0.5}, module=algorithm, functions={"noise_floor": lambda look: 0.0}),
     "overshoot": SpecialCase({}, module=algorithm, functions={"take_step": short_step}),
-    "verify-nearby": SpecialCase({"scene": "panda-toed", "rectify": "off"}, {"xtol_verify": 0.0}, runs=8),
-    "partial-points": SpecialCase(
-        {**POINTS, "missing": 0.4}, module=algorithm, functions={"partial_points_help": never}, runs=8
-    ),
-    "own-noise": SpecialCase(
-        {"noise_px": 0.5},
-        module=subproblem,
-        functions=without(grad_samples_images=no_gradients, grad_samples_jacobian=no_gradients),
-    ),
-    "rig": SpecialCase(
-        {"scene": "panda-verged", "noise_px": 0.25},
-        module=subproblem,
-        functions=without(grad_bias_per_rig=lambda model: np.zeros((0, len(model.lower)))),
-    ),
-    "enough-points": SpecialCase({"points": 5}, module=subproblem, functions=without(n_visible=lambda model: 1000)),
 }
 
 

@@ -1,5 +1,6 @@
 """A claim needs evidence: E as it was measured, in every direction, by more than noise and the predictions' errors."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -260,3 +261,14 @@ def test_what_other_heads_would_move_the_least_by_is_expected_as_well():
     told = certify(replace(here, grad_bias_per_rig=away * (FLAT, STEEP)))
     without = certify(here).std_error
     np.testing.assert_allclose(told.std_error, np.sqrt(without**2 + np.radians((0.5, 0.2)) ** 2))
+
+
+@pytest.mark.parametrize("joints", [1, 2, 7])
+def test_the_simultaneous_error_holds_the_largest_of_all_joints_as_often_as_two_sigma_holds_one(joints):
+    """Šidák: of independent errors, all are within 2 s with the probability that a single one is within 2 σ."""
+    here = model_of(BOTH)
+    found = replace(certify(here), std_error=np.full(joints, np.radians(0.5)))
+    bound = 2 * found.simultaneous_std_error / np.radians(0.5)
+    within = lambda sigmas: math.erf(sigmas / math.sqrt(2))
+    assert within(bound) ** joints == pytest.approx(within(2.0))
+    assert found.simultaneous_std_error == pytest.approx(np.radians(0.5)) or joints > 1

@@ -46,6 +46,35 @@ def test_a_joint_that_moves_no_point_contradicts_nothing():
     assert not contradicts_command(tuple(known), visit((15, 20), jacobian=still), 0.0)
 
 
+def test_an_offset_too_small_to_matter_contradicts_nothing():
+    assert not contradicts_command(PROBED, visit((15.05, 15), (15, 15)), 0.0)
+
+
+def test_a_change_less_certain_than_its_size_contradicts_nothing():
+    """The second joint moves no point. Noise, over a turn of 0.3°, makes it seem to."""
+    still, noise_px = J * (1.0, 0.0), 0.5
+    noise = np.random.default_rng(6).normal(0, noise_px, (4, POINTS, 4))
+    *known, here = (visit(at, None, still, one) for at, one in zip(((0, 0), (15, 0), (15, 0.3), (15, 5)), noise))
+    assert not contradicts_command(tuple(known), here, noise_px)
+
+
+@pytest.mark.parametrize("times, contradicted", [(1.5, False), (2.5, True)])
+def test_a_change_contradicts_from_twice_the_difference_of_equal_images_on(times, contradicted):
+    """All coordinates should have changed alike, by a multiple of what two images of one posture may differ by."""
+    even, noise_px = np.full_like(J, 200.0), 0.5
+    known = tuple(visit(at, jacobian=even) for at in ((0, 0), (15, 0), (15, 15)))
+    turn_deg = np.degrees(times * 2 * noise_px / 200.0)
+    assert contradicts_command(known, visit((15 + turn_deg, 15), (15, 15), even), noise_px) == contradicted
+
+
+def test_a_single_misplaced_point_contradicts_nothing():
+    """The second joint moves no point, but one of them was misplaced at the visit where that joint was turned."""
+    still, misplaced = J * (1.0, 0.0), np.zeros((POINTS, 4))
+    misplaced[0] = 80.0
+    known = (visit((0, 0), jacobian=still), visit((15, 0), jacobian=still), visit((15, 15), None, still, misplaced))
+    assert not contradicts_command(known, visit((15, 20), jacobian=still), 0.0)
+
+
 def test_a_repeated_image_is_the_same_posture_and_another_one_is_localised():
     here, been = localise(PROBED, visit((15.4, 14.2), (15, 15)), 0.0)
     assert been and np.array_equal(here.displacement, PROBED[2].displacement)

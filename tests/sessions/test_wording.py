@@ -13,7 +13,7 @@ from viewimit.app.control.presets import PRESETS
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
-from viewimit.loop.codegen import MOST_LINES, NO_WORDS, as_command, as_python, as_reproduction
+from viewimit.loop.codegen import MAX_LINES, NO_OPTION, as_command, as_python, as_reproduction
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
 from viewimit.simulation.scene import load_scene
@@ -33,7 +33,7 @@ def test_every_preset_after_some_motions_is_said_in_python(settings):
     session = Session(settings)
     session.run(5)
     lines = as_python(session.script)
-    assert len(lines.splitlines()) <= MOST_LINES and max(map(len, lines.splitlines())) < 320
+    assert len(lines.splitlines()) <= MAX_LINES and max(map(len, lines.splitlines())) < 320
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
@@ -60,7 +60,7 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
         session.pose((0.5 + 0.01 * k, -1.0))
         session.step()
     lines = as_python(session.script)
-    assert len(lines.splitlines()) <= MOST_LINES
+    assert len(lines.splitlines()) <= MAX_LINES
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
@@ -71,7 +71,7 @@ def test_a_rehearsal_is_said():
     session.reset()
     session.run(3)
     lines = as_python(session.script)
-    assert len(lines.splitlines()) <= MOST_LINES
+    assert len(lines.splitlines()) <= MAX_LINES
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
@@ -139,7 +139,7 @@ def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refuse
         "rectify",
         "sensor",
     }
-    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_WORDS}
+    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_OPTION}
     assert told == set(Settings.__struct_fields__)
 
 

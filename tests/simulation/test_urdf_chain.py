@@ -86,7 +86,7 @@ def test_a_tip_beyond_the_fingers_takes_them_in(tmp_path):
 
 
 def test_a_prismatic_joint_is_fixed_inside_its_limits(tmp_path):
-    """A torso that slides from 0.1 to 0.6 m along its axis, whatever its length: a fifth from its lower end."""
+    """A torso that slides from 0.1 to 0.6 m along an axis of any length rests a fifth above its lower end."""
     lift = joint(
         "torso", "rail", "base", "prismatic", axis="0 0 2", xyz="0 0 1", more='<limit lower="0.1" upper="0.6"/>'
     )

@@ -43,7 +43,7 @@ def write(folder: Path, *parts: str, name: str = "small.urdf") -> Path:
 
 
 def arm(*more: str) -> tuple[str, ...]:
-    """Three joints and their links, which are seen, and whatever hangs on them."""
+    """Three joints and their visible links, and any others below them."""
     return (
         link("base", "0.2 0.2 0.1"),
         joint("yaw", "base", "shoulder", axis="0 0 1", xyz="0 0 0.1"),

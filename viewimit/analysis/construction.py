@@ -57,9 +57,9 @@ def construct(snapshot: Snapshot, point: int) -> Construction | None:
 # Scalars instead of arrays: one numpy call takes as long as a whole ellipse computed number by number.
 def _ellipse(xx: float, xy: float, yy: float) -> tuple[tuple[float, float], float]:
     """Return the half axes, px, the longer one first, and its direction, rad, of a covariance, px²."""
-    middle, apart = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
-    longest = middle + apart
-    shortest = (xx * yy - xy * xy) / longest if longest > 0 else 0.0  # middle - apart would cancel
+    mean, radius = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    longest = mean + radius
+    shortest = (xx * yy - xy * xy) / longest if longest > 0 else 0.0  # mean - radius would cancel
     axes = math.sqrt(CHI2_95 * longest), math.sqrt(CHI2_95 * max(shortest, 0.0))
     return axes, math.atan2(2 * xy, xx - yy) / 2
 

@@ -58,7 +58,7 @@ def find_basin(
     tell: Callable[[float, Basin], None] = lambda share, found: None,
     counts: tuple[int, int] = STARTS,
 ) -> Basin:
-    """Run the settings' servo from starts all over the range, whatever start the settings have.
+    """Run the settings' servo from starts all over the range; the settings' own start is not used.
 
     tell(share done, result so far) is called after each run. Raises ValueError unless two joints move.
     """
@@ -89,10 +89,10 @@ def place_of(theta: NDArray[np.float64], theta_demo: NDArray[np.float64], lowest
 
 
 class ErrorTrace:
-    """The largest joint error at every moment of a history; only new moments are computed."""
+    """The largest joint error of every snapshot of a history; only new ones are computed."""
 
     def __init__(self) -> None:
-        self._postures: list[tuple[NDArray, NDArray]] = []  # identify the moments without keeping them alive
+        self._postures: list[tuple[NDArray, NDArray]] = []  # identify snapshots without keeping them alive
         self._degrees: list[float] = []
 
     def of(self, history: Sequence[Snapshot]) -> list[float]:
@@ -111,11 +111,11 @@ def recent_errors_deg(history: Sequence[Snapshot], cursor: int) -> list[float]:
     return largest_errors_deg(history[max(cursor - RECENT, 0) : cursor + 1])
 
 
-def largest_errors_deg(moments: Sequence[Snapshot]) -> list[float]:
-    """Return the error of the joint farthest from the demonstrator's at each moment, degrees."""
-    if not moments:
+def largest_errors_deg(snapshots: Sequence[Snapshot]) -> list[float]:
+    """Return the error of the joint farthest from the demonstrator's in each snapshot, degrees."""
+    if not snapshots:
         return []
-    theta, theta_demo = zip(*map(_postures, moments))
+    theta, theta_demo = zip(*map(_postures, snapshots))
     return np.degrees(np.abs(np.array(theta) - np.array(theta_demo)).max(1)).tolist()
 
 

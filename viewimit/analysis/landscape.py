@@ -43,7 +43,7 @@ class Landscape:
 
     @property
     def _padded(self) -> NDArray:
-        """E with a border of inf, and inf in place of NaN: (len(axes[0]) + 2, len(axes[1]) + 2) px²."""
+        """E with a border of inf, and with NaN replaced by inf: (len(axes[0]) + 2, len(axes[1]) + 2) px²."""
         E = np.full((self.E.shape[0] + 2, self.E.shape[1] + 2), np.inf)
         np.copyto(E[1:-1, 1:-1], self.E, where=~np.isnan(self.E))
         return E

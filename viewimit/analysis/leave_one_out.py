@@ -22,8 +22,8 @@ FRAMES, POINTS = 50, 50  # evenly spaced: frames, and points of each, that are l
 MATCH_FRAMES, MAX_MATCHES = 200, 2000  # frames whose matches determine a rectification, and matches of those
 BATCH_POINTS = 200_000  # points in fits made at a time, for memory's sake
 JUDGE = "projective"  # the transfer whose errors decide: rectification makes it exact
-MAX_RATIO, N_SIGMA = 0.95, 2.0  # rectify if the ratio of rectified to raw error is below, by so many standard errors
-MAX_NOISE_RATIO, MIN_FIT_PX = 10.0, 0.1  # errors up to so many times the noise of matches, and px, fit the cameras
+MAX_RATIO, N_SIGMA = 0.95, 2.0  # bound of the ratio of rectified to raw error; standard errors in it
+MAX_NOISE_RATIO, MIN_FIT_PX = 10.0, 0.1  # largest errors that fit the cameras: times the noise, and px
 MIN_ERROR_PX = 1e-3  # smaller errors count as this
 SPACE_DIMENSIONS = 3  # of points that determine a transfer
 

@@ -96,7 +96,7 @@ def descend(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Move downhill from each posture, by a compass search that also tries Newton's point.
 
-    A step goes to the lowest of eight neighbours and Newton's point; it is halved if none is lower. Newton's point
+    A step goes to the lowest of eight neighbours and Newton's point; it is halved if all are higher. Newton's point
     leads along narrow valleys, whose floor no compass hits; the compass leads where E has a crease.
 
     Parameters

@@ -184,7 +184,7 @@ def hand_points(session: Session) -> NDArray[np.bool_]:
 
 
 def learned_images(session: Session) -> BroydenModel:
-    """Fit the image model to all motions so far, whichever servo made them."""
+    """Fit the image model to all motions so far, of any servo."""
     first, *later = session.history[: session.cursor + 1]
     model = BroydenModel.start(session.observation(first))
     for moment in later:

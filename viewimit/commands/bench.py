@@ -101,7 +101,7 @@ def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:
 
 
 def current_words(words: list[str]) -> list[str]:
-    """Return the words of the command in today's form: the benchmark first, by today's name, `all` if none is given.
+    """Return the words of the command in today's form: the benchmark first, by today's name, or `all`.
 
     Earlier forms give a warning.
     """
@@ -109,7 +109,8 @@ def current_words(words: list[str]) -> list[str]:
     named = (k for k, word in enumerate(words) if word in PARTS | OLD_NAMES and not (k and takes_value(words[k - 1])))
     at = next(named, None)
     if at is None:
-        return words if not words or words[0] in ("-h", "--help") or not words[0].startswith("-") else [ALL, *words]
+        is_default = not words or (words[0].startswith("-") and words[0] not in ("-h", "--help"))
+        return [ALL, *words] if is_default else words
     name = OLD_NAMES.get(words[at], words[at])
     if name != words[at]:
         _warn(f"{words[at]} is now called {name}; the old name will be gone")
@@ -172,7 +173,7 @@ def _study(args: argparse.Namespace) -> Study:
         kind: type[Benchmark] = BENCHMARKS[args.benchmark]
         fields = [field.name for field in dataclasses.fields(kind) if field.name not in WITHOUT_EFFECT]
         study = {"benchmark": args.benchmark, **{name: given[name] for name in fields}}
-        if "scene" in study and args.scene not in scene_names():  # a file: its content, whatever its name
+        if "scene" in study and args.scene not in scene_names():  # a file: its content counts, not its path
             content = Path(args.scene).read_bytes()
             study["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
         folder = StudyFolder(out, {**study, "code": code_version()})

@@ -25,18 +25,18 @@ BAD_INPUT = 2
 NEWLINE = "\n"
 UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
-    "serve": "Serve the page. The options are what a new tab begins with.",
-    "imitate": "One run of the loop, without a page.",
+    "serve": "Serve the page; the options set the defaults of a new tab.",
+    "imitate": "Run the loop once, without a page.",
     "lab": "The method in the browser: one file that needs no server, to open, send or embed.",
-    "rehearse": "Watch the own body in some postures, with nobody to imitate; imitate --calibration goes on from that.",
-    "scene": "A scene file for a robot of which only the URDF is known, to be edited.",
-    "landscape": "E over the range of the two moving joints. What spoils images spoils the demonstrator's alone.",
-    "reproduce": "The paper's experiments: figures, data, and a table beside what the paper says.",
-    "detect": "Markers in your own pictures or videos, as a table of points.",
-    "evaluate": "The method on your own tracked points: which transfer fits, residuals, E. "
+    "rehearse": "Record the learner's own body in several postures, without a demonstrator, for imitate --calibration.",
+    "scene": "Write a scene file for a URDF, to be edited.",
+    "landscape": "E over the range of the two moving joints. Disturbances apply to the images of the demonstrator.",
+    "reproduce": "Reproduce the paper's experiments: figures, data, and a comparison with the paper's numbers.",
+    "detect": "Find markers in your own pictures or videos; write a table of points.",
+    "evaluate": "Evaluate the method on your own tracked points: which transfer fits, residuals, E. "
     "Compare E only between images of like size.",
-    "bench": "How fast E is, and how often and how soon each servo arrives.",
-    "docs": "The documentation, in a browser.",
+    "bench": "Measure speed, and how often and how soon each servo arrives.",
+    "docs": "Open the documentation in a browser.",
 }
 
 
@@ -78,12 +78,12 @@ def _run(argv: list[str]) -> int:
 
 
 def _print_no_more() -> None:
-    """What could not be printed would be tried once more when the process ends."""
+    """Redirect standard output to nothing: Python would write the rest again at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class Parser(argparse.ArgumentParser):
-    """That says what is wrong in one line, as all else does, without all options before it."""
+    """A parser whose errors are one line, without the usage."""
 
     def parse_args(self, args=None, namespace=None):
         """Parse as argparse does, but name the command whose option is unknown."""
@@ -101,7 +101,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parser_of(chosen: str) -> argparse.ArgumentParser:
-    """All commands are listed, but only the chosen one is loaded, with what it needs."""
+    """Make a parser that lists all commands, and loads only the chosen one."""
     top = Parser(prog="viewimit", description="View-based imitation. Alone: serve.", allow_abbrev=False)
     top.add_argument("--version", action="version", version=f"viewimit {__version__}")
     commands = top.add_subparsers(dest="command", metavar="command", required=True)

@@ -1,4 +1,4 @@
-"""What --json prints: one object on one line, numbers as far as they are known, and all that repeats the result."""
+"""What --json prints: one object on one line, with rounded numbers and everything that repeats the result."""
 
 import argparse
 import json
@@ -16,36 +16,37 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..loop.settings import Settings
 
-FORMAT = 2  # of the object: it grows whenever a key or a word of it is renamed or changes its meaning
-DIGITS = 6  # of a number below one, significant, so that nothing small becomes 0; behind the point of all others
-UNPRINTABLE = re.compile(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")  # which terminals may obey
-HOW_TOLD = {"command", "run", "json"}  # what is no option of the result
+FORMAT = 2  # of the object: it grows when a key or a value is renamed or changes its meaning
+DIGITS = 6  # significant digits of a number below one, decimals of all others
+UNPRINTABLE = re.compile(
+    r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]"
+)  # control characters, which may change a terminal
+NOT_OPTIONS = {"command", "run", "json"}  # of the arguments
 
 
 def print_json(args: argparse.Namespace, result: dict, settings: Settings | None = None) -> None:
-    """The result with the version, the number of the format, the command, all settings by name, exact, and the options
-    that are no settings.
+    """Print a result with the version, the format's number, the command, all settings and the other options.
 
-    What is not a number becomes null. Where the console's encoding lacks a character it is escaped.
+    NaN and infinity become null. A character that the console's encoding lacks is escaped.
     """
-    told = {"version": __version__, "format": FORMAT, "command": args.command}
+    head = {"version": __version__, "format": FORMAT, "command": args.command}
     among = set()
     if settings is not None:
-        told["settings"] = msgspec.to_builtins(settings)
+        head["settings"] = msgspec.to_builtins(settings)
         among = {*settings.__struct_fields__}
-    told["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in HOW_TOLD | among}
-    assert told.keys().isdisjoint(result), "a result that overwrites what it was made from"
+    head["options"] = {name: _exact(value) for name, value in vars(args).items() if name not in NOT_OPTIONS | among}
+    assert head.keys().isdisjoint(result), "a result that overwrites what it was made from"
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     escaped = not encoding.lower().startswith("utf")
     encoder = json.JSONEncoder(allow_nan=False, ensure_ascii=escaped)
     encode = lambda value: UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", encoder.encode(value))
-    sys.stdout.write(encode(told)[:-1])
+    sys.stdout.write(encode(head)[:-1])
     sys.stdout.writelines(_pieces(result, encode))
     print("}")
 
 
 def _pieces(result: dict, encode: Callable[[Any], str]) -> Iterator[str]:
-    """Of an object that has begun. Of a list or an iterator an item at a time, for there may be very many."""
+    """The rest of a JSON object, in pieces. Lists and iterators come item by item, because they may be very long."""
     for key, value in result.items():
         yield f", {encode(str(key))}: "
         if isinstance(value, (list, Iterator)):
@@ -58,14 +59,14 @@ def _pieces(result: dict, encode: Callable[[Any], str]) -> Iterator[str]:
 
 
 def rounded(value: float) -> float:
-    """To DIGITS: 44.99766 of 44.997659963130204, 3.30872e-24 of 3.308722450212111e-24."""
+    """Round to DIGITS: 44.997659963130204 to 44.99766, 3.308722450212111e-24 to 3.30872e-24."""
     if value == 0 or abs(value) >= 1:
         return round(value, DIGITS)
     return round(value, DIGITS - 1 - math.floor(math.log10(abs(value))))
 
 
 def plain(value: Any) -> Any:
-    """Of what JSON has, each number rounded; None for what is not a number."""
+    """Convert a value to JSON's types, with rounded numbers. NaN and infinity become None."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.size > 1:
@@ -80,7 +81,7 @@ def plain(value: Any) -> Any:
 
 
 def _array(values: NDArray) -> Any:
-    """As `plain`, of many numbers at once: those that are at least one, as pixels are, are rounded together."""
+    """As `plain`, for an array: numbers of at least one, such as pixels, are rounded together."""
     flat = values.astype(float).ravel()
     found = np.round(flat, DIGITS).astype(object)
     for k in np.flatnonzero(~(np.abs(flat) >= 1) | np.isinf(flat)):

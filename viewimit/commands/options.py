@@ -1,4 +1,4 @@
-"""What the commands share: options of the scene and of a run, and faults named by their option."""
+"""What the commands share: options made from the fields of `Settings`, and faults named by their option."""
 
 import argparse
 import contextlib
@@ -44,7 +44,7 @@ SHOWN_IN = {
     "L": "the learner itself, by the left camera",
     "R": "the learner itself, by the right camera",
 }
-SCENE = ("scene", "robot", "joints", "points")  # fields that say what is seen
+SCENE = ("scene", "robot", "joints", "points")  # fields that select the bodies
 SIGHT = (*disturbances(SightDisturbance), "frames", "seed")  # how well it is seen
 ARM = ("start_deg", *disturbances(ArmDisturbance))  # where the arm starts, and how well it moves
 DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
@@ -52,9 +52,9 @@ USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
 def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Settings = PAPER, **helps: str | None) -> None:
-    """Options for these fields of `Settings`, from what the fields say of themselves; --base and --tip with `robot`.
+    """Add options for these fields of `Settings`, from their descriptions; with `robot` also --base and --tip.
 
-    helps: other words for a field's help, by its name.
+    helps: another help text for a field, by its name.
     """
     for name in names:
         field, value = FIELDS[name], getattr(defaults, name)
@@ -68,7 +68,7 @@ def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Setting
 
 
 def _described(name: str, field: Setting | Disturbance) -> str:
-    """With the names that there are."""
+    """A field's description, with the names that it can have."""
     names = {"scene": scene_names, "robot": robot_names}.get(name)
     listed = list(names()) if names else list(field.choices) if isinstance(field, Setting) else []
     more = {"robot": " (also one of robot_descriptions)", "joints": ", or all"}.get(name, "")
@@ -81,7 +81,7 @@ def _default(field: Setting | Disturbance, value: object) -> str:
 
 
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
-    """Which part of a URDF is the arm."""
+    """Add the options that select the arm in a URDF."""
     parser.add_argument("--base", metavar="LINK", help="first link of a .urdf file's arm (its root)")
     parser.add_argument(
         "--tip", metavar="LINK", help="last link of a .urdf file's arm (of the longest chain, without fingers)"
@@ -118,7 +118,7 @@ def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
 
 
 def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) -> None:
-    """A file of each view. says: the help, with {} for what the view shows."""
+    """Add an option for a file of each view. says: the help, with {} for what the view shows."""
     for view, name in VIEW_NAMES.items():
         parser.add_argument(option(name), type=Path, metavar="FILE", help=says.format(SHOWN_IN[view]), **kind)
 
@@ -142,7 +142,7 @@ def add_json_option(parser: argparse.ArgumentParser) -> None:
 
 
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
-    """Settings of the options given, the rest by default, each checked under its own name. Raises BadInput."""
+    """Settings from the options that were given, and defaults for the rest. Raises BadInput that names the option."""
     with naming("--robot"):
         args.robot = robot_reference(args)
     asked = "--scene"
@@ -213,12 +213,12 @@ def robot_reference(args: argparse.Namespace) -> str | None:
 
 
 def all_joints(robot: str) -> tuple[int, ...]:
-    """Numbers of those that move by themselves."""
+    """Numbers of all joints that can move, from 1."""
     return load_robot(robot).movable_joints
 
 
 def tell_choices(chosen: "AutoScene", scene: Scene) -> None:
-    """What was chosen for a URDF, which joints of the scene then move, and what of it is not drawn."""
+    """Print what was chosen for a URDF, which joints move, and which of its parts are not drawn."""
     path, robot = parse_reference(scene.robot).path, load_robot(scene.robot)
     moving = [
         f"{joint} ({escape(robot.joints[joint - 1].name, MAX_NAME_CHARS)}) {low:g}° … {high:g}°"
@@ -239,7 +239,7 @@ def layout(args: argparse.Namespace, scene: Scene) -> int:
 
 @contextlib.contextmanager
 def naming(option: str) -> Iterator[None]:
-    """Faults found inside are the user's, in that option."""
+    """Turn OSError and ValueError into BadInput that names this option."""
     try:
         yield
     except OSError as error:
@@ -289,12 +289,12 @@ def ranges(text: str) -> tuple[tuple[float, float], ...]:
 
 
 def posture(theta_deg: Iterable[float]) -> str:
-    """To a thousandth of a degree: digits of less are the machine's."""
+    """A posture to a thousandth of a degree: smaller digits differ between machines."""
     return f"({', '.join(figure(round(angle, 3) + 0.0, '.4g', '°') for angle in theta_deg)})"
 
 
 def figure(value: float, form: str, unit: str = "") -> str:
-    """A dash for what is not known."""
+    """A number in words; a dash for NaN."""
     return "–" if np.isnan(value) else f"{value:{form}}{unit}"
 
 

@@ -1,4 +1,4 @@
-"""viewimit rehearse: the learner watches its own body, and a file keeps what it saw."""
+"""viewimit rehearse: the learner records images of its own body in a calibration file."""
 
 import argparse
 import sys
@@ -28,23 +28,27 @@ from .options import (
     settings_from,
 )
 
-MOST_POSTURES = 200
-ASIDE = 3  # more than joints, of which each is turned by itself once
+MAX_POSTURES = 200
+EXTRA_POSTURES = 3  # beside one for each joint, which turns it alone
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     sight = (*disturbances(ImageDisturbance), "frames", "seed", "undistort", "sensor")
     add_settings(parser, *SCENE, *sight, *ARM, *SAFETY, defaults=Settings())
-    number, reach = between(int, MIN_POSTURES, MOST_POSTURES), between(float, 1.0, 360.0)
+    number, reach = between(int, MIN_POSTURES, MAX_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(
         "--postures",
         type=number,
         default=DEFAULT_POSTURES,
         metavar="K",
-        help="far from each other, by --seed (%(default)s)",
+        help="number of postures, drawn with --seed (%(default)s)",
     )
-    parser.add_argument("--within", type=reach, metavar="DEG", help="of the start, a joint (the whole workspace)")
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="keep it there, as .npz")
+    parser.add_argument(
+        "--within", type=reach, metavar="DEG", help="largest distance of a joint from its start (the whole workspace)"
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help="write the calibration to this .npz file"
+    )
     add_json_option(parser)
 
 
@@ -54,10 +58,8 @@ def run(args: argparse.Namespace) -> int:
     settings = settings_from(args, Settings())
     session = Session(settings)
     joints = len(session.scene.moving_joints)
-    if args.postures < joints + ASIDE:
-        raise BadInput(
-            f"--postures: {joints} joints take {joints + ASIDE} or more to foretell from, got {args.postures}"
-        )
+    if args.postures < joints + EXTRA_POSTURES:
+        raise BadInput(f"--postures: {joints} joints need {joints + EXTRA_POSTURES} or more, got {args.postures}")
     body = session.calibrate(args.postures, settings.seed, args.within)
     with naming("--out"):
         body.save(args.out)
@@ -65,8 +67,8 @@ def run(args: argparse.Namespace) -> int:
     usable = [int(visit.seen.all(-1).sum()) for visit in body.visits]
     if args.json:
         postures_deg = [np.degrees(moment.commanded) for moment in session.history[1:]]
-        told = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
-        print_json(args, told | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
+        found = {"rehearsed": len(body), "postures_deg": postures_deg, "points_seen": usable}
+        print_json(args, found | {"noise_px": body.noise_px, "body": msgspec.to_builtins(body.body)}, settings)
     else:
         of = escape(body.body.robot)
         print(f"rehearsed     {len(body)} postures of {of}, {min(usable)} points or more seen in each")

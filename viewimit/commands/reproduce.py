@@ -15,17 +15,7 @@ from ..experiments.experiment import claims_json, write
 from ..experiments.paper import claims
 from ..simulation.scene import load_scene
 from .json_output import print_json
-from .options import (
-    ARM,
-    DONE,
-    MISSED,
-    SCENE,
-    SIGHT,
-    add_json_option,
-    add_settings,
-    naming,
-    settings_from,
-)
+from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_json_option, add_settings, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -59,24 +49,28 @@ def run(args: argparse.Namespace) -> int:
             args.out.mkdir(parents=True, exist_ok=True)
         if not figures.can_render():
             print(f"viewimit reproduce: no .png; that needs {figures.RENDERER}: {figures.INSTALL}", file=sys.stderr)
-    told, said = {}, []
+    figures_json, judged = {}, []
     for name in names:
         experiment = experiments[name]
         options = {option: offered[option] for option in experiment.options}
         with naming("--scene, --joints, --n-points, --missing"):
             result = _with_bar(name, lambda tell: experiment.run(settings, tell, **options))  # noqa: B023
-        said += result.claims
+        judged += result.claims
         written = []
         if args.out:
             with naming("--out"):
                 written = write(name, experiment, result, args.out)
-        told[name] = {**claims_json(result.claims), "files": [str(path) for path in written]}
+        figures_json[name] = {**claims_json(result.claims), "files": [str(path) for path in written]}
     if args.json:
-        print_json(args, {"figures": told, "missed": [claim.name for claim in said if claim.holds is False]}, settings)
+        print_json(
+            args,
+            {"figures": figures_json, "missed": [claim.name for claim in judged if claim.holds is False]},
+            settings,
+        )
     else:
-        print(claims.table(said))
-        print(f"\n{claims.verdict(said) or 'nothing is judged'}")
-    return MISSED if any(claim.holds is False for claim in said) else DONE
+        print(claims.table(judged))
+        print(f"\n{claims.verdict(judged) or 'nothing is judged'}")
+    return MISSED if any(claim.holds is False for claim in judged) else DONE
 
 
 def _asked(words: list[str], experiments: dict[str, Experiment]) -> list[str]:

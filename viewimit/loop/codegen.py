@@ -1,4 +1,4 @@
-"""A session in words that others can run: lines of Python, or a command. Both end at the same posture, bit for bit."""
+"""Write a script as Python code or as a command. Both reach the same posture, bit for bit."""
 
 import shlex
 from collections.abc import Sequence
@@ -9,17 +9,17 @@ from ..sensing.files import is_text
 from .script import Action, Begin, Calibrate, ChangeSettings, Looks, MoveDemonstrator, Script, Steps
 from .settings import DISTURBANCES, SAFETY, USUAL_POINTS, Settings, option
 
-MOST_LINES = 12
-OF_BODY = ("scene", "robot", "joints", "points", "undistort", "sensor")  # which body is seen, and by what
-NO_WORDS = {  # fields of settings without an option
+MAX_LINES = 12
+BODY_FIELDS = ("scene", "robot", "joints", "points", "undistort", "sensor")  # which body is seen, and by what
+NO_OPTION = {  # fields of Settings without an option, and why
     "delay": "pictures that come late have no option",
     "body_points": "its points were placed by hand; save the scene, and name its file",
 }
 
 
 def as_python(script: Script) -> str:
-    """At most MOST_LINES lines, which print the learner's posture, rad. What takes more is told as data."""
-    told = "\n".join(
+    """Python code of at most MAX_LINES lines that prints the learner's posture, rad. Longer scripts become data."""
+    code = "\n".join(
         (
             "from viewimit import Session, Settings",
             "",
@@ -28,11 +28,11 @@ def as_python(script: Script) -> str:
             "print(session.snapshot.theta)",
         )
     )
-    return told if len(told.splitlines()) <= MOST_LINES and not _is_data(script) else _as_data(script)
+    return code if len(code.splitlines()) <= MAX_LINES and not _is_data(script) else _as_data(script)
 
 
 def as_command(script: Script) -> str:
-    """Of `viewimit imitate`. Raises ValueError, with what it is, for what a command cannot say."""
+    """The command `viewimit imitate …`. Raises ValueError, with the reason, for a script that no command can repeat."""
     settings = script.settings
     options = _options(settings, Settings())
     if is_text(settings.scene):
@@ -43,41 +43,41 @@ def as_command(script: Script) -> str:
 
 
 def as_imitation(settings: Settings, calibration: str) -> str:
-    """Of `viewimit imitate`, of the body that was rehearsed with these settings.
+    """The command `viewimit imitate …` that uses a calibration recorded with these settings.
 
     calibration: the file that `viewimit rehearse` has written.
     """
-    words = _words(settings, Settings(), (*OF_BODY, *SAFETY))
+    words = _words(settings, Settings(), (*BODY_FIELDS, *SAFETY))
     return shlex.join(["viewimit", "imitate", "--calibration", calibration, *words])
 
 
 def as_reproduction(figure: str, settings: Settings, motion: str | None = None) -> str:
-    """Of `viewimit reproduce`. motion: the demonstrator's, where it has one. Raises ValueError as `as_command`."""
+    """The command `viewimit reproduce …`. motion: for Fig. 10. Raises ValueError as `as_command`."""
     if settings.undistort != Settings().undistort:
-        raise ValueError("no command: viewimit reproduce rids no images of a distortion")
+        raise ValueError("no command: viewimit reproduce does not undistort images")
     if any(getattr(settings, name) != getattr(Settings(), name) for name in SAFETY):
         raise ValueError("no command: viewimit reproduce has no option that limits how far the arm goes")
     moves = [] if motion is None else [f"--motion={motion}"]
     return shlex.join(["viewimit", "reproduce", figure, *moves, *_options(settings, Settings.paper())])
 
 
-def _options(settings: Settings, usual: Settings) -> list[str]:
-    """usual: what a command begins with. Raises ValueError for what has no option."""
-    for name, why in NO_WORDS.items():
+def _options(settings: Settings, defaults: Settings) -> list[str]:
+    """The options that differ from a command's defaults. Raises ValueError for settings without an option."""
+    for name, why in NO_OPTION.items():
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
     names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
              "rectify", "sensor", *SAFETY)  # fmt: skip
     postures = (f"{option(name)}={_value(getattr(settings, name))}" for name in ("demonstrator_deg", "start_deg"))
-    return [*_words(settings, usual, names), *postures]
+    return [*_words(settings, defaults, names), *postures]
 
 
-def _words(settings: Settings, usual: Settings, names: Sequence[str]) -> list[str]:
-    """Options for those of the named fields that are not as usual."""
+def _words(settings: Settings, defaults: Settings, names: Sequence[str]) -> list[str]:
+    """Options for those of the named fields that differ from the defaults."""
     words = []
     for name in names:
         value = getattr(settings, name)
-        if value != (USUAL_POINTS if name == "points" else getattr(usual, name)):
+        if value != (USUAL_POINTS if name == "points" else getattr(defaults, name)):
             words.append(f"{option(name)}={_value(value)}")
     return words
 
@@ -90,11 +90,11 @@ def _value(value: object) -> str:
 
 
 def _settings(settings: Settings) -> str:
-    """Those that are not as in the best method or, if that is fewer words, as in the paper's."""
+    """A call that gives the fields that differ from the best method, or from the paper's if these are fewer."""
     fields = {name: getattr(settings, name) for name in settings.__struct_fields__}
     ways = {
-        called: {name: value for name, value in fields.items() if value != getattr(usual, name)}
-        for called, usual in (("Settings", Settings()), ("Settings.paper", Settings.paper()))
+        called: {name: value for name, value in fields.items() if value != getattr(defaults, name)}
+        for called, defaults in (("Settings", Settings()), ("Settings.paper", Settings.paper()))
     }
     called = min(ways, key=lambda way: len(ways[way]))
     return f"{called}({_fields(ways[called])})"
@@ -118,7 +118,7 @@ def _lines(action: Action) -> list[str]:
 
 
 def _is_data(script: Script) -> bool:
-    """Whether it holds what nobody wants to read."""
+    """Whether the script holds postures of a calibration, which are too long to read."""
     return any(isinstance(action, Calibrate) for action in script.actions)
 
 

@@ -1,7 +1,7 @@
-"""How a session came to where it is: the settings that it began with, and what was done to it since, motion by motion.
+"""The actions that lead a session to its present state: `Script`, and `Log`, which records them.
 
-Played in a new session it leads to the same posture, to the last bit; so it is what a link holds, and what is said of
-a run in lines of Python.
+`Session.play` repeats a script and reaches the same posture, to the last bit. Links hold scripts, and `codegen` writes
+them as Python or as a command.
 """
 
 from __future__ import annotations
@@ -19,63 +19,63 @@ FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_
 
 
 class Steps(msgspec.Struct, tag="s", **FIELDS):
-    """`Session.step()` so many times: motions, or none where the servo rested."""
+    """Call `Session.step()` a number of times. A servo at rest makes no motion."""
 
     times: Times
 
 
 class MoveDemonstrator(msgspec.Struct, tag="p", **FIELDS):
-    """The demonstrator was moved there, rad."""
+    """Move the demonstrator to theta_demo, (m,) rad."""
 
     theta_demo: tuple[float, ...]
 
 
 class ChangeSettings(msgspec.Struct, tag="c", **FIELDS):
-    """Fields of `Settings`, and what they became."""
+    """Change fields of `Settings`."""
 
     fields: dict[str, Any]
 
 
 class Calibrate(msgspec.Struct, tag="r", **FIELDS):
-    """Postures, rad, that were to be gone through with nobody to imitate."""
+    """Visit postures, (K, m) rad, without a demonstrator, and record the own body."""
 
     postures: tuple[tuple[float, ...], ...]
 
 
 class Begin(msgspec.Struct, tag="b", **FIELDS):
-    """Anew with these settings, with what was rehearsed before."""
+    """Start anew with these settings. A calibration is kept."""
 
     settings: Settings
 
 
 class ClearCalibration(msgspec.Struct, tag="f", **FIELDS):
-    """What was rehearsed."""
+    """Drop the calibration."""
 
 
 class Looks(msgspec.Struct, tag="l", **FIELDS):
-    """`Session.look()` so many times."""
+    """Call `Session.look()` a number of times."""
 
     times: Times
 
 
 Action = Steps | MoveDemonstrator | ChangeSettings | Calibrate | Begin | ClearCalibration | Looks
-MAX_ACTIONS = 4_000  # of a session that are remembered
+MAX_ACTIONS = 4_000  # of a session that a log records
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """settings: complete; actions: in their order."""
+    """The complete settings that a session begins with, and its actions in order."""
 
     settings: Settings
     actions: tuple[Action, ...] = msgspec.field(default=(), name="deeds")  # its name in links
 
     @property
     def steps(self) -> int:
-        """How long it takes to play, in passes of the loop."""
+        """Number of passes of the loop that it takes to play."""
         return sum(action.times for action in self.actions if isinstance(action, Steps | Looks))
 
     @property
-    def runs_own(self) -> bool:
-        """Whether it needs a transfer or a servo that a session was given itself."""
+    def needs_custom_method(self) -> bool:
+        """Whether it needs a transfer or a servo that was given to the session itself."""
         named: list[object] = [self.settings.transfer, self.settings.servo]
         for action in self.actions:
             if isinstance(action, Begin):
@@ -84,25 +84,27 @@ class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 named += [action.fields.get("transfer"), action.fields.get("servo")]
         return OWN in named
 
-    def renamed(self, told: Callable[[str], str]) -> Script:
-        """With scenes and robots called as told has them: `file_name` for others, to whom folders are nothing."""
+    def renamed(self, rename: Callable[[str], str]) -> Script:
+        """A script with other names of scenes and robots, such as `file_name` gives them without their folders."""
         return Script(
-            _settings_renamed(self.settings, told), tuple(_action_renamed(action, told) for action in self.actions)
+            _settings_renamed(self.settings, rename), tuple(_action_renamed(action, rename) for action in self.actions)
         )
 
 
-def _action_renamed(action: Action, told: Callable[[str], str]) -> Action:
+def _action_renamed(action: Action, rename: Callable[[str], str]) -> Action:
     if isinstance(action, Begin):
-        return Begin(_settings_renamed(action.settings, told))
+        return Begin(_settings_renamed(action.settings, rename))
     if isinstance(action, ChangeSettings):
-        files = {name: told(action.fields[name]) for name in ("scene", "robot") if action.fields.get(name) is not None}
+        files = {
+            name: rename(action.fields[name]) for name in ("scene", "robot") if action.fields.get(name) is not None
+        }
         return ChangeSettings({**action.fields, **files})
     return action
 
 
-def _settings_renamed(settings: Settings, told: Callable[[str], str]) -> Settings:
-    robot = None if settings.robot is None else told(settings.robot)
-    return msgspec.structs.replace(settings, scene=told(settings.scene), robot=robot)
+def _settings_renamed(settings: Settings, rename: Callable[[str], str]) -> Settings:
+    robot = None if settings.robot is None else rename(settings.robot)
+    return msgspec.structs.replace(settings, scene=rename(settings.scene), robot=robot)
 
 
 class Log(msgspec.Struct, forbid_unknown_fields=True):
@@ -120,11 +122,11 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
 
     @classmethod
     def unknown(cls) -> Log:
-        """That knows of nothing."""
+        """A log of a session whose past is unknown."""
         return cls(Script(Settings()), unknown_from=0)
 
     def note(self, motion: int, action: Action) -> None:
-        """At a motion, past which nothing is true any more."""
+        """Record an action at a motion. Later actions are dropped."""
         self._drop_after(motion)
         here = self.actions.setdefault(motion, [])
         if here and isinstance(action, Steps | Looks) and type(here[-1]) is type(action):
@@ -135,7 +137,7 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             self.invalidate(motion)
 
     def note_on(self, motion: int, looked: bool) -> None:
-        """The step from a motion to the next, at the beginning of which was looked again, or not."""
+        """Record the step from a motion to the next. looked: it began with another look."""
         if looked:
             self.note(motion, Looks(1))
             self.looked_at.add(motion)
@@ -143,12 +145,12 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             self._drop_after(motion)
 
     def invalidate(self, motion: int) -> None:
-        """Something was done that no script can say."""
+        """Record at a motion that something happened that no script can hold."""
         self._drop_after(motion)
         self.unknown_from = motion if self.unknown_from is None else self.unknown_from
 
     def script(self, motion: int) -> Script:
-        """That leads to a motion. Raises ValueError where that is not known."""
+        """The script that leads to a motion. Raises ValueError where it is not known."""
         if self.unknown_from is not None and self.unknown_from <= motion:
             raise ValueError("it goes on from what cannot be said in a few words, as a rehearsal kept in a file")
         actions = list(self.before.actions)
@@ -159,7 +161,7 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
                 actions += [Steps(at - last)] * (at > last) + here
                 last = at
         found = Script(self.before.settings, tuple(actions + [Steps(motion - last)] * (motion > last)))
-        if found.runs_own:
+        if found.needs_custom_method:
             raise ValueError("it runs a transfer or a servo of your own, which no script, link or file can hold")
         return found
 
@@ -172,7 +174,7 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
         return Log(Script(script.settings, (*script.actions, Begin(settings))))
 
     def copy(self) -> Log:
-        """That does not follow any more."""
+        """A copy that does not follow this log."""
         return Log(
             self.before,
             {at: list(actions) for at, actions in self.actions.items()},
@@ -181,7 +183,7 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
         )
 
     def _left_for_next(self, motion: int) -> list[Action]:
-        """What was done at a motion before the step to the next."""
+        """The actions at a motion before the step to the next."""
         if motion not in self.looked_at:
             return self.actions[motion]
         *before, look = self.actions[motion]

@@ -1,7 +1,7 @@
-"""A body image: what a learner saw of its own body, once, with nobody to imitate; and the file that keeps it.
+"""Self-calibration: the images of its own body that a learner records once, before it imitates, and their file.
 
-Postures are told by how far each joint is from its lower limit, which the learner knows of itself, so that they mean
-the same whatever posture an imitation begins in.
+Postures are given by the distance of each joint from its lower limit. So they do not depend on the posture in which an
+imitation begins.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -15,27 +15,27 @@ from ..sensing.files import read_npz
 from ..sensing.renamed import CALIBRATION, SETTING_VALUES, current_keys
 from ..servo.observation import Visit
 
-CANDIDATES, ROUNDS = 4000, 30  # of the search for postures apart
-STRETCH = 1.15  # of these about the middle: the images of a range are least known at its edges
+N_CANDIDATES, N_ITERATIONS = 4000, 30  # of Lloyd's algorithm
+STRETCH = 1.15  # of its postures about the middle of the range, because images are least known at the edges
+SINGLE_TURN_RAD = np.radians(20.0)  # of each joint by itself
 MIN_POSTURES = 3
-TURN = np.radians(20.0)  # of each joint by itself
+DEFAULT_POSTURES = 12  # enough to imitate two joints in two motions
 
 
 @dataclass(frozen=True)
 class Body:
-    """Which body, by what cameras: robot, by name or path; joints: numbers from 1 of those that move, span_deg: how far
-    each can turn; points, sensor and undistort as in `Settings`; layout: which points, "" for one of the scene's."""
+    """The body that a calibration describes, and how it is seen."""
 
-    robot: str
-    joints: tuple[int, ...]
-    span_deg: tuple[float, ...]
-    points: int
-    sensor: str
-    undistort: tuple[float, float]
-    layout: str = ""
+    robot: str  # name or path
+    joints: tuple[int, ...]  # numbers of the moving joints, from 1
+    span_deg: tuple[float, ...]  # range of each of these joints
+    points: int  # as in `Settings`
+    sensor: str  # as in `Settings`
+    undistort: tuple[float, float]  # as in `Settings`
+    layout: str = ""  # digest of points that were placed by hand; "" for a layout of the scene
 
     def require(self, other: "Body") -> None:
-        """Raises ValueError for another body, with what differs."""
+        """Raise ValueError for another body; the message says what differs."""
         for field in fields(self):
             here, there = getattr(self, field.name), getattr(other, field.name)
             if here != there:
@@ -44,28 +44,28 @@ class Body:
 
 @dataclass(frozen=True)
 class SelfCalibration:
-    """visits: displacements are (m,) rad from the lower limits of all joints; noise_px: of an image coordinate then,
-    standard deviation; scene: where that was, for people."""
+    """Images of the own body at several postures."""
 
     body: Body
-    scene: str
-    noise_px: float
-    visits: tuple[Visit, ...] = ()
+    scene: str  # where it was recorded, for people
+    noise_px: float  # standard deviation of an image coordinate at that time
+    visits: tuple[Visit, ...] = ()  # displacements are (m,) rad from the lower limits of the joints
 
     def __len__(self) -> int:
         return len(self.visits)
 
     def with_visit(self, visit: Visit) -> "SelfCalibration":
+        """A calibration with one more posture."""
         return replace(self, visits=(*self.visits, visit))
 
-    def seen_from(self, lower: NDArray) -> tuple[Visit, ...]:
-        """The visits by their displacement from a posture of which the lower limits are `lower`, (m,) rad, away."""
+    def seen_from(self, lower: NDArray[np.float64]) -> tuple[Visit, ...]:
+        """The visits as seen from a start whose lower limits are at the displacement `lower`, (m,) rad."""
         return tuple(replace(visit, displacement=visit.displacement + lower) for visit in self.visits)
 
     def save(self, path: Path) -> None:
-        """As .npz: displacement_deg (K, m), own (K, N, 4) px, NaN where not seen, seen (K, N, 2), and what body it is.
+        """Write as .npz: displacement_deg (K, m), own_px (K, N, 4), NaN where invisible, seen (K, N, 2), and the body.
 
-        Raises OSError if that cannot be.
+        Raises OSError.
         """
         table: dict[str, Any] = {
             "displacement_deg": np.degrees([visit.displacement for visit in self.visits]),
@@ -80,17 +80,17 @@ class SelfCalibration:
 
     @classmethod
     def load(cls, path: Path) -> "SelfCalibration":
-        """Raises OSError, or ValueError that names the file and what is wrong with it."""
+        """Read a file. Raises OSError, or ValueError that names the file and the fault."""
         try:
             return _from_table(current_keys(read_npz(path), CALIBRATION))
         except KeyError as error:
-            raise ValueError(f"{path}: no body image, {error} is missing; `viewimit rehearse` makes one") from None
+            raise ValueError(f"{path}: no calibration, {error} is missing; `viewimit rehearse` makes one") from None
         except (ValueError, TypeError) as error:
-            raise ValueError(f"{path}: no body image: {error}; `viewimit rehearse` makes one") from None
+            raise ValueError(f"{path}: no calibration: {error}; `viewimit rehearse` makes one") from None
 
 
-def _from_table(table: dict[str, NDArray]) -> SelfCalibration:
-    """Raises KeyError for what is missing, ValueError for shapes and numbers that cannot be."""
+def _from_table(table: dict[str, NDArray[Any]]) -> SelfCalibration:
+    """Raise KeyError for a missing array, ValueError for impossible shapes and numbers."""
     displacement, own, seen = np.radians(table["displacement_deg"]), table["own_px"], table["seen"]
     body = Body(
         robot=str(table["robot"]),
@@ -104,9 +104,9 @@ def _from_table(table: dict[str, NDArray]) -> SelfCalibration:
     noise_px, (K, m) = float(table["noise_px"]), (len(displacement), len(body.joints))
     N = own.shape[1] if own.ndim == 3 else 0
     shapes = {"displacement_deg": (displacement, (K, m)), "own_px": (own, (K, N, 4)), "seen": (seen, (K, N, 2))}
-    for name, (values, wanted) in shapes.items():
-        if values.shape != wanted:
-            raise ValueError(f"{name} has shape {values.shape}, not {wanted}")
+    for name, (values, expected) in shapes.items():
+        if values.shape != expected:
+            raise ValueError(f"{name} has shape {values.shape}, not {expected}")
     if K < MIN_POSTURES or N == 0 or seen.dtype != bool or own.dtype != float:
         raise ValueError(f"needs {MIN_POSTURES} postures or more with points in px, and which of them were seen")
     if not (np.isfinite(displacement).all() and np.isfinite(own[np.repeat(seen, 2, -1)]).all() and noise_px >= 0):
@@ -115,47 +115,69 @@ def _from_table(table: dict[str, NDArray]) -> SelfCalibration:
     return SelfCalibration(body, str(table["scene"]), noise_px, visits)
 
 
-def _numbers(values: NDArray, kind: type) -> tuple[Any, ...]:
+def _numbers(values: NDArray[Any], kind: type) -> tuple[Any, ...]:
     return tuple(kind(value) for value in values.tolist())
 
 
-def calibration_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
-    """(count, m) rad: `spread_postures`, and on from the first of them by each joint in turn, as far as they are enough
-    for both: images between which one joint was turned tell which points it moves. Raises ValueError for fewer than
-    MIN_POSTURES."""
+def calibration_postures(
+    low: NDArray[np.float64], high: NDArray[np.float64], count: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Choose postures for a calibration: spread over the range, and some that turn one joint at a time.
+
+    Two images between which one joint turned show which points it moves.
+
+    Parameters
+    ----------
+    low, high : (m,) array
+        Range of each joint [rad].
+    count : int
+        Number of postures. With few of them, none turns a single joint.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    (count, m) array
+        Postures [rad].
+
+    Raises
+    ------
+    ValueError
+        For fewer than MIN_POSTURES.
+    """
     joints = len(low)
     if count < MIN_POSTURES + joints:
         return spread_postures(low, high, count, rng)
     first, *others = spread_postures(low, high, count - joints, rng)
-    way = np.where(first < (low + high) / 2, 1.0, -1.0)  # where the limits leave more room
-    turns = np.minimum(TURN, (high - low) / 2)
-    return np.vstack([first, first + np.cumsum(np.diag(way * turns), axis=0), *others])
+    direction = np.where(first < (low + high) / 2, 1.0, -1.0)  # where the limits leave more room
+    turns = np.minimum(SINGLE_TURN_RAD, (high - low) / 2)
+    return np.vstack([first, first + np.cumsum(np.diag(direction * turns), axis=0), *others])
 
 
-def spread_postures(low: NDArray, high: NDArray, count: int, rng: np.random.Generator) -> NDArray:
-    """(count, m) rad: each joint within [low, high], (m,) rad, all as far from each other as may be (Lloyd 1982), in an
-    order in which the way from one to the next is short. Raises ValueError for fewer than MIN_POSTURES."""
+def spread_postures(
+    low: NDArray[np.float64], high: NDArray[np.float64], count: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Postures that fill the range [low, high], (m,) rad each, evenly (Lloyd 1982): (count, m) rad.
+
+    They are ordered so that each is near the one before. Raises ValueError for fewer than MIN_POSTURES.
+    """
     if count < MIN_POSTURES:
         raise ValueError(f"needs {MIN_POSTURES} postures or more, got {count}")
-    drawn = rng.uniform(size=(max(CANDIDATES, 10 * count), len(low)))
+    drawn = rng.uniform(size=(max(N_CANDIDATES, 10 * count), len(low)))
     centres = drawn[:count].copy()
-    for _ in range(ROUNDS):
+    for _ in range(N_ITERATIONS):
         nearest = (np.square(drawn).sum(1)[:, None] - 2 * drawn @ centres.T + np.square(centres).sum(1)).argmin(1)
         for k in range(count):
             if (nearest == k).any():
                 centres[k] = drawn[nearest == k].mean(0)
-    apart = low + (high - low) * np.clip(0.5 + STRETCH * (centres - 0.5), 0, 1)
-    return apart[_short_way(apart)]
+    spread = low + (high - low) * np.clip(0.5 + STRETCH * (centres - 0.5), 0, 1)
+    return spread[_short_way(spread)]
 
 
-def _short_way(postures: NDArray) -> list[int]:
-    """An order: from each to the nearest that is left."""
+def _short_way(postures: NDArray[np.float64]) -> list[int]:
+    """An order that goes from each posture to the nearest remaining one."""
     way, left = [0], set(range(1, len(postures)))
     while left:
         here = postures[way[-1]]
         way.append(min(left, key=lambda k: float(np.abs(postures[k] - here).max())))
         left.remove(way[-1])
     return way
-
-
-DEFAULT_POSTURES = 12  # with which two joints are imitated in two motions

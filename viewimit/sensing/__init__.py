@@ -1,1 +1,1 @@
-"""From pictures and tracks to image points: frames merged, latency found, markers detected. No robot and no scene."""
+"""From pictures and tracks to image points: detection, averaging, latency and files of trackers. No robot, no scene."""

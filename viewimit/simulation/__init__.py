@@ -1,1 +1,1 @@
-"""The simulated world: robots, cameras, scenes, and what a session looks with. No transfer or servo may import it."""
+"""The simulated world: cameras, robots, scenes, disturbances and pictures. No estimator or servo may import it."""

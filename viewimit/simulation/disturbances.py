@@ -164,7 +164,18 @@ class ActuatorSettings(Protocol):
         ...
 
     def amounts(self, kind: type[ArmDisturbance]) -> ArmAmounts:
-        """Every actuation error, with its amount."""
+        """Return every actuation error, with its amount.
+
+        Parameters
+        ----------
+        kind : type
+            `ArmDisturbance`.
+
+        Returns
+        -------
+        tuple of (ArmDisturbance, float)
+            Errors of the arm's motion.
+        """
         ...
 
 

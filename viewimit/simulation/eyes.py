@@ -37,7 +37,7 @@ class SimulatedEyes(Protocol):
         ...
 
     def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Images of the demonstrator in [l] and [r].
+        """Take the images of the demonstrator, [l] and [r].
 
         Parameters
         ----------
@@ -52,15 +52,52 @@ class SimulatedEyes(Protocol):
         ...
 
     def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Images of the learner in [L] and [R], in the same form."""
+        """Take the images of the learner, [L] and [R].
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        (..., N, 4) and (..., N, 2) arrays
+            Points [px], and whether they are visible.
+        """
         ...
 
     def settle(self, theta: Floats) -> Floats:
-        """Posture at which an arm comes to rest if it is placed at theta, (m,) rad each."""
+        """Return the posture at which an arm comes to rest.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Posture at which it is placed [rad].
+
+        Returns
+        -------
+        (m,) array
+            Posture [rad].
+        """
         ...
 
     def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
-        """Posture that an arm at theta, whose last command was `sent`, reaches for a new command; (m,) rad each."""
+        """Return the posture that an arm reaches for a new command.
+
+        Parameters
+        ----------
+        settings : ActuatorSettings
+            Actuation errors.
+        theta, sent : (m,) arrays
+            Present posture, and the last command [rad].
+        commanded : (m,) array
+            New command [rad].
+
+        Returns
+        -------
+        (m,) array
+            Posture [rad].
+        """
         ...
 
 

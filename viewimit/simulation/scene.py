@@ -231,6 +231,11 @@ def load_scene(
     body_points : sequence of (link, x, y, z), optional
         The only layout, instead of the scene's.
 
+    Returns
+    -------
+    Scene
+        Robots, bases, cameras and joint limits.
+
     Raises
     ------
     ValueError

@@ -28,6 +28,7 @@ class World:
     Parameters
     ----------
     scene : Scene
+        Robots, bases, cameras and joint limits.
     points : int
         Layout of body points.
     robot : Robot, optional
@@ -54,32 +55,102 @@ class World:
         self.T_world_own = _placed(scene.learner)
 
     def joint_angles(self, theta: Angles) -> list[ArrayLike]:
-        """Return the angles of all n joints [rad]: the moving ones from theta, the others at rest."""
+        """Return the angles of all joints: the moving ones from theta, the others at rest.
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        list of n arrays
+            Angles of the robot's joints [rad].
+        """
         angles = list(self._rest)
         for joint, angle in zip(self.scene.moving, theta, strict=True):
             angles[joint] = angle
         return list(self.robot.with_mimics(angles))
 
     def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Return the demonstrator in [l], [r]: points (..., N, 4) px, visible (..., N, 2)."""
+        """Project the demonstrator's points into [l] and [r].
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        (..., N, 4) and (..., N, 2) arrays
+            Points [px], and whether they are visible.
+        """
         return self._images(theta, self.T_world_demo, self.demo_pair)
 
     def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
-        """Return the learner in [L], [R]: points (..., N, 4) px, visible (..., N, 2)."""
+        """Project the learner's points into [L] and [R].
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        (..., N, 4) and (..., N, 2) arrays
+            Points [px], and whether they are visible.
+        """
         return self._images(theta, self.T_world_own, self.own_pair)
 
     def look(self, theta_demo: Floats, theta_own: Floats) -> FourViews:
-        """Return all four views, undisturbed, for one posture of each arm, (m,) rad."""
+        """Return all four views, undisturbed, for one posture of each arm.
+
+        Parameters
+        ----------
+        theta_demo, theta_own : (m,) arrays
+            Angles of the moving joints [rad].
+
+        Returns
+        -------
+        FourViews
+            Image points of both arms [px].
+        """
         demo, demo_visible = self.demo_images(theta_demo)
         own, own_visible = self.own_images(theta_own)
         return FourViews(demo, own, np.concatenate([demo_visible, own_visible], -1))
 
     def link_frames(self, theta: Angles, T_world_base: Floats) -> Floats:
-        """Return T_world_link of every link of an arm in one posture: (m,) rad -> (n + 1, 4, 4)."""
+        """Return the frames of every link of an arm in one posture.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Angles of the moving joints [rad].
+        T_world_base : (4, 4) array
+            Where the arm stands [m].
+
+        Returns
+        -------
+        (n + 1, 4, 4) array
+            T_world_link of the base and of the n links [m].
+        """
         return self._links.link_frames(self._chain_frames(theta, T_world_base))
 
     def points_world(self, theta: Angles, T_world_base: Floats) -> Floats:
-        """Return the body points of an arm in one posture: (m,) rad -> (N, 3) m, read-only."""
+        """Return the body points of an arm in one posture.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Angles of the moving joints [rad].
+        T_world_base : (4, 4) array
+            Where the arm stands [m].
+
+        Returns
+        -------
+        (N, 3) array
+            Points in the world [m], read-only.
+        """
         frames, last = self._chain_frames(theta, T_world_base), self._last_points
         if last is None or last[0] is not frames:
             last = self._last_points = frames, (frames[self._chain_body.link] @ self._local)[:, :3, 0]

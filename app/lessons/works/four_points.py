@@ -66,8 +66,14 @@ def best_order(stereo: NDArray) -> NDArray:
 def landscape_of(world: World, theta_demo: NDArray, points: NDArray) -> Landscape:
     """E of the paper's transfer with some of the points only: (k,) indices, k ≥ 4."""
     axes = grid_axes(world, STEP_DEG)
-    demo, demo_visible = (images[points] for images in world.demo_images(theta_demo))
-    own, own_visible = (images[..., points, :] for images in world.own_images((axes[0][:, None], axes[1])))
+    demo, demo_visible = world.demo_images(theta_demo)
+    own, own_visible = world.own_images((axes[0][:, None], axes[1]))
+    demo, demo_visible, own, own_visible = (
+        demo[points],
+        demo_visible[points],
+        own[..., points, :],
+        own_visible[..., points, :],
+    )
     if len(points) >= MIN_POINTS:
         return Landscape(axes, *conflict_of_images(epipolar.fit, demo, demo_visible, own, own_visible, True))
     shape = own.shape[:-2]

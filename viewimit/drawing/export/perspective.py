@@ -109,7 +109,7 @@ def _links(
 
 def _standing(world: World) -> Iterator[tuple[NDArray[np.float64], NDArray[np.integer], tuple[int, int, int]]]:
     for solid in scene_geometry.solids(world):
-        yield solid.vertices @ solid.turn.T + solid.position, solid.faces, getattr(LOOK, solid.colour)
+        yield solid.vertices @ solid.turn.T + solid.position, solid.faces, LOOK._asdict()[solid.colour]
 
 
 def _faces(

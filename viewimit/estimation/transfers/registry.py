@@ -3,9 +3,10 @@
 The mathematics of a transfer is in its own module. Only `fit` is required of an entry; all other fields have defaults.
 """
 
+import warnings
 from collections import UserDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from typing import Any
 
 import numpy as np
@@ -45,8 +46,15 @@ class TransferMethod:
     conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
     homography_of_space: bool = False  #: whether rectified views are related by one, so `HomographyResiduals` apply
 
-    def __post_init__(self) -> None:
+    fails: InitVar[str] = ""  # earlier names, for one version
+    ill: InitVar[str] = ""
+
+    def __post_init__(self, fails: str, ill: str) -> None:
         self.title = self.title or name_of(self.fit)
+        for old, new, value in (("fails", "limitations", fails), ("ill", "degenerate_message", ill)):
+            if value:
+                warnings.warn(f"TransferMethod: {old} is now called {new}", FutureWarning, stacklevel=3)
+                setattr(self, new, value)
 
     def __call__(self, views: FourViews) -> FittedTransfer:
         """Fit the transfer. Raises ValueError for coordinates that are not finite."""

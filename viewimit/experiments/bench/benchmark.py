@@ -70,7 +70,7 @@ class Context:
 
     @classmethod
     def in_processes(cls, count: int) -> "Context":
-        """Make the runs in so many processes here; 1 is this one."""
+        """Make the runs in `count` processes here; 1 is this one."""
         return cls(Study(LocalPool(count)))
 
 

@@ -47,7 +47,7 @@ N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # standard errors: beyond them a claim can 
 NEAR_DEG = 0.5
 GRID_PER_JOINT = 9  # postures in which a learner may see a point of its own, evenly over the range
 MAX_MOTIONS, PATIENCE = 300, 5
-RIGID = ((4, 5, 6, 7), (2, 3, 4, 5, 6, 7), (0, 1, 2, 3))  # links: forearm and hand, all that moves, all but those
+RIGID = ((4, 5, 6, 7), (2, 3, 4, 5, 6, 7), (0, 1, 2, 3))  # links: forearm and hand, all moving links, the others
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Ending:
         return self.status.is_claim
 
     def within(self, n_sigma: float) -> bool:
-        """Return whether the error is at most so many times the expected one."""
+        """Return whether the error is at most `n_sigma` times the expected one."""
         return self.error <= n_sigma * self.expected
 
     @property
@@ -156,11 +156,7 @@ class CalibrationBenchmark(RunOptions, CaseOptions):
 
 
 def run(
-    cases: Sequence[Case] = CASES,
-    runs: int = 200,
-    seed: int = 0,
-    context: Context | None = None,
-    rehearsed: int = 0,
+    cases: Sequence[Case] = CASES, runs: int = 200, seed: int = 0, context: Context | None = None, rehearsed: int = 0
 ) -> list[Outcome]:
     """Run every case from the same starts to the same demonstrators.
 

@@ -76,17 +76,6 @@ CASES = (
 
 
 @dataclass(frozen=True)
-class Ending:
-    """The end of one law's run."""
-
-    motions: int
-    status: ServoStatus
-    error_deg: float  # largest joint error
-    expected_deg: float  # what the law says of it, NaN if nothing
-    E: float  # px², NaN with too few points in sight
-
-
-@dataclass(frozen=True)
 class Row:
     """One run of one law, as the CSV has it."""
 
@@ -95,9 +84,9 @@ class Row:
     servo: str
     motions: int
     status: ServoStatus
-    error_deg: float
-    expected_deg: float
-    E_px2: float
+    error_deg: float  # largest joint error at the end
+    expected_deg: float  # what the law says of it, NaN if nothing
+    E_px2: float  # NaN with too few points in sight
 
 
 @dataclass(frozen=True)
@@ -166,24 +155,21 @@ def run(
 ) -> list[Row]:
     """Run every case and law from the same draws. settings: the transfer. See also `run_cases`."""
     tasks = [[(settings, case, servos, [seed, k], max_motions) for k in range(runs)] for case in cases]
-    return [
-        Row(case.name, k, servo, end.motions, end.status, end.error_deg, end.expected_deg, end.E)
-        for case, draws in zip(cases, run_cases(run_draw, tasks, context, "compare"))
-        for k, endings in enumerate(draws)
-        for servo, end in zip(servos, endings)
-    ]
+    found = run_cases(run_draw, tasks, context, "compare")
+    return [row for of_case in found for of_draw in of_case for row in of_draw]
 
 
-def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[int], max_motions: int) -> list[Ending]:
-    """Run each law from one draw."""
+def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[int], max_motions: int) -> list[Row]:
+    """Run each law from one draw; the last number of its seed is that of the run."""
     rng = np.random.default_rng(seed)
     with _drawn(msgspec.structs.replace(settings, **case.changes), case, rng) as (session, begun):
-        endings = []
+        rows = []
         for servo in servos:
             session.begin(msgspec.structs.replace(begun, servo=servo))
             last = session.run(max_motions, PATIENCE).last
-            endings.append(Ending(last.motion, last.status, error_deg(last), expected_deg(last), float(last.E)))
-        return endings
+            errors = error_deg(last), expected_deg(last), float(last.E)
+            rows.append(Row(case.name, seed[-1], servo, last.motion, last.status, *errors))
+        return rows
 
 
 @contextmanager

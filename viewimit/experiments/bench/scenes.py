@@ -37,7 +37,7 @@ from .benchmark import (
 from .bound import bound
 from .draws import DrawnScene, draw_scene, resize, write_scene
 
-N_SIGMA = 3.0  # a claim is false if it is FALSE_DEG off and more than so many standard errors
+N_SIGMA = 3.0  # a claim is false if it is FALSE_DEG off and this many standard errors
 PAIRS_PER_SCENE = 5  # of start and demonstrator
 
 
@@ -121,7 +121,7 @@ def run(
     cases: Sequence[Case] = CASES,
     context: Context | None = None,
 ) -> list[Outcome]:
-    """Run the settings' method in so many scenes for each case, from so many pairs in each. See also `run_cases`."""
+    """Run the settings' method in `scenes` scenes for each case, from `pairs` starts in each. See also `run_cases`."""
     tasks = []
     for case in cases:
         changed = msgspec.structs.replace(settings, **case.changes)
@@ -131,7 +131,7 @@ def run(
 
 
 def run_scene(settings: Settings, any_head: bool, seed: list[int], pairs: int, max_motions: int) -> list[Run]:
-    """Draw a scene, and run from so many starts to demonstrators in it."""
+    """Draw a scene, and run from `pairs` starts to demonstrators in it."""
     rng, runs = np.random.default_rng(seed), []
     drawn = draw_scene(rng, any_head)
     low, high = np.transpose(drawn.scene.range_deg)

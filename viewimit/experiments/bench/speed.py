@@ -25,7 +25,7 @@ from . import baselines
 from .benchmark import Context, Progress, SceneOptions, no_progress
 from .draws import surface_points
 
-LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, unless all are wanted
+LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, or on all with --full-loop
 SINGLE_CALLS = 200  # timed together, well above the clock's resolution
 BATCH = 8  # postures that a servo evaluates together
 ROUNDS, SLOW_ROUNDS = 15, 5

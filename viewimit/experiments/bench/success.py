@@ -75,7 +75,7 @@ class SuccessBenchmark(SceneOptions, RunOptions, MethodOptions):
     grid: Annotated[
         tuple[int, int] | None,
         Setting(
-            description="in place of --runs: starts for each joint, with the scene's own demonstrator",
+            description="instead of --runs: starts for each joint, with the scene's own demonstrator",
             unit="N,N",
             bounds=(1, 1000),
         ),

@@ -39,7 +39,7 @@ class Case:
 
     points: int
     toe_in_deg: float = 0.0  # angle between the optical axes
-    board: bool = False  # a chessboard, moved between BOARD_FRAMES frames, in place of a scene with one frame
+    board: bool = False  # a chessboard, moved between BOARD_FRAMES frames, instead of a scene with one frame
 
     @property
     def name(self) -> str:
@@ -92,12 +92,7 @@ class TracksBenchmark(RunOptions, CaseOptions):
         return as_json(found), f"{heading}\n{tracks_table(found)}"
 
 
-def run(
-    runs: int,
-    seed: int = 0,
-    cases: Sequence[Case] = CASES,
-    context: Context | None = None,
-) -> list[Outcome]:
+def run(runs: int, seed: int = 0, cases: Sequence[Case] = CASES, context: Context | None = None) -> list[Outcome]:
     """Evaluate draws of every case. See also `run_cases`."""
     tasks = [[(case.points, case.toe_in_deg, case.board, [seed, k]) for k in range(runs)] for case in cases]
     return [_outcome(case, found) for case, found in zip(cases, run_cases(run_once, tasks, context, "tracks"))]

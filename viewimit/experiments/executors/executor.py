@@ -35,7 +35,7 @@ class Executor(Protocol):
     def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
         """Call work(*task) for every task, and yield each batch with its number when it is done, in any order.
 
-        An exception of `work` ends it all. Raises StudyError if the batches cannot be carried out.
+        An exception of `work` ends the study. Raises StudyError if the batches cannot be carried out.
         """
         ...
 

@@ -103,7 +103,7 @@ class Claims(list[Claim]):
 
 
 def verdict(claims: Sequence[Claim]) -> str:
-    """Say how many of the judged claims hold, and which do not; "" if none is judged."""
+    """Say how many of the judged claims hold, and which do not; "" without judged claims."""
     judged = [claim for claim in claims if claim.holds is not None]
     missed = list(dict.fromkeys(claim.subject for claim in judged if not claim.holds))
     if not judged:

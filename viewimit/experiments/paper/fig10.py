@@ -140,12 +140,12 @@ def run(
     scene = session.scene
     made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
     found = Fig10(*made, fitted, last.transfer, {})
-    for k, (name, (moment, wanted)) in enumerate(asked.items()):
+    for k, (name, (moment, followed)) in enumerate(asked.items()):
         low, high = CONVERGENCE_SHARE + (1 - CONVERGENCE_SHARE) * np.array([k, k + 1]) / len(asked)
         assert moment.transfer is not None  # checked above
         part = lambda done, low=low, high=high: progress(low + done * (high - low), None)
-        followed = follow(session, moment.transfer, played, wanted, part)
-        found = replace(found, runs={**found.runs, name: followed})
+        run = follow(session, moment.transfer, played, followed, part)
+        found = replace(found, runs={**found.runs, name: run})
         progress(float(high), found)
     return found
 

@@ -142,10 +142,7 @@ class Fig7:
 
 
 def run(
-    settings: Settings,
-    progress: Progress = no_progress,
-    step_deg: float | None = None,
-    study: tuple[int, int] = STUDY,
+    settings: Settings, progress: Progress = no_progress, step_deg: float | None = None, study: tuple[int, int] = STUDY
 ) -> Fig7:
     """Compute E, its minima and the study for every transfer. Raises ValueError unless two joints move.
 

@@ -99,9 +99,7 @@ class Fig8:
 
 
 def run(
-    settings: Settings,
-    progress: Progress = no_progress,
-    grid_deg: tuple[NDArray, NDArray] = PAPER_GRID_DEG,
+    settings: Settings, progress: Progress = no_progress, grid_deg: tuple[NDArray, NDArray] = PAPER_GRID_DEG
 ) -> Fig8:
     """Compute E for every transfer, from the same pictures.
 
@@ -226,5 +224,5 @@ def _points(plane: PosturePlane, found: Fig8, half: list[float]) -> tuple[str, s
 
 
 def _legend(y: float) -> str:
-    left, apart, y = MARGINS[0], (WIDTH - 60) / 3, round(float(y), 1)
-    return "".join(legend_entry(left + k * apart, y, *entry, gap=20) for k, entry in enumerate(legend_marks(CROSS)))
+    left, spacing, y = MARGINS[0], (WIDTH - 60) / 3, round(float(y), 1)
+    return "".join(legend_entry(left + k * spacing, y, *entry, gap=20) for k, entry in enumerate(legend_marks(CROSS)))

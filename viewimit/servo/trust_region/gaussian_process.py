@@ -100,7 +100,7 @@ class GaussianProcessImages:
     def image_weights(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (n,) with which the visited images sum to the images predicted at (m,) rad."""
         K = gram_matrix(self.offsets, self.noise_px)
-        weights = np.linalg.solve(K, kernel(displacement - self.centre, self.offsets))
+        weights: NDArray[np.float64] = np.linalg.solve(K, kernel(displacement - self.centre, self.offsets))
         weights[self._index_of_centre] += 1 - weights.sum()  # predictions are changes from the image at the centre
         return weights
 

@@ -45,9 +45,8 @@ class TrustRegionOptions:
     )
     restart_candidates: int = 200  # random postures, of which the one farthest from all visits is taken
 
-    # Kinematics and an arm that is not where it was sent
+    # Kinematics
     fit_kinematics_at: tuple[int, ...] = (1, 2, 3, 5, 8, 13, 21, 34, 55)  # visits beyond the joints; fits are costly
-    full_step_barred: float = 0.9  # share of the radius, from which an arm that did not move needs a longer step
 
     # Correspondences
     match_at: tuple[int, ...] = (1, 5, 10, 16, 24)  # visits beyond the joints; the first needs kinematics

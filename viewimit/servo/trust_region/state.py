@@ -203,8 +203,7 @@ def _localise_from_images(
 ) -> tuple[TrustRegionState, Observation]:
     """Record a visit where the arm is by its images.
 
-    A step that led to a posture visited before gains nothing more. If the arm did not move at all and the region
-    limited the step, the step may have been too short for an arm that moves in steps: then the region grows.
+    A step that led to a posture visited before gains nothing more: it is as if rejected.
     """
     last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch.offset))
     if np.abs(sent.displacement - last).max() < options.same_posture:
@@ -214,11 +213,7 @@ def _localise_from_images(
     stuck = been and np.array_equal(here.displacement, last)
     region = state.region
     if been and region.predicted_reduction is not None:
-        region = replace(region, predicted_reduction=None)
-        if stuck and np.abs(sent.displacement - last).max() > options.full_step_barred * region.radius:
-            region = replace(region, radius=2 * region.radius)
-        else:
-            region = replace(region, n_rejected=options.max_rejections)
+        region = replace(region, predicted_reduction=None, n_rejected=options.max_rejections)
     before = state.visits[:-1] if np.array_equal(here.displacement, last) else state.visits
     offset = observation.displacement - here.displacement
     state = replace(

@@ -48,7 +48,7 @@ class AutoScene:
     """A scene made for a URDF."""
 
     fields: dict[str, Any]  # of `Scene`
-    choices: tuple[str, ...]  # messages about what was chosen
+    choices: tuple[str, ...]  # messages about the choices
     faults: tuple[str, ...]  # messages about shapes that are not drawn
 
 

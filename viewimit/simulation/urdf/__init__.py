@@ -1,2 +1,1 @@
-"""What a URDF says: its tree of joints, the chain of them that is the arm, the shapes of its links, and their files. No
-scene and no camera."""
+"""Read URDFs: the tree of joints, the chain that is the arm, and the meshes of its links. No scene, no camera."""

@@ -1,18 +1,18 @@
 """The trust-region servo.
 
-Algorithm 1 (one call of `step` per look)
+Algorithm 1 (one call of `step` per motion)
 -----------------------------------------
 RECORD    Add the posture and its images to the visits; fit the image model again.
 PROBE     Move each joint once, to learn how the images depend on the posture.
 MATCH     Measure E at all visits and solve the trust-region subproblem. If E is too large everywhere, search for
           swapped correspondences.
-DESCEND   Move to the minimum of the predicted E. At the next look, compare the actual with the predicted reduction
+DESCEND   Move to the minimum of the predicted E. At the next step, compare the actual with the predicted reduction
           and update the radius.
 VERIFY    Near a minimum, test whether E rises along every direction. Make verification motions where no visit shows it.
 SEARCH    If E is larger than noise explains, try the next transfer; then restart far from all visits.
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
 
-At each look the phases are tried in this order, until one makes a motion. `PHASES` lists all transitions.
+At each step the phases are tried in this order, until one makes a motion. `PHASES` lists all transitions.
 
 The image model predicts the learner's own image points at postures that it has not visited: kinematics, if they explain
 all visits, or else a Gaussian process over the displacements. So E can be minimised without moving the arm.
@@ -36,23 +36,22 @@ import numpy as np
 from ...estimation.residuals import ResidualFunction
 from ..observation import Observation, ScaledResiduals, in_units, probe_motion, unit_of
 from ..status import ServoStatus
-from .correspondences import find_swapped_matches, with_swapped
+from .correspondences import find_swaps, with_swaps
 from .image_models import ImageData
 from .localisation import is_consistent
 from .motions import maximin, sample_box
 from .options import TrustRegionOptions
 from .rules import (
     Displacement,
-    Look,
+    StepContext,
     accepts_step,
     at_joint_limit,
     current_certificate,
     goal_with_other_points,
     is_cycling,
     may_verify,
-    mismatch_suspected,
     more_points_elsewhere,
-    next_attempt,
+    next_swap_search,
     noise_floor,
     objective_floor,
     on_rung,
@@ -60,6 +59,7 @@ from .rules import (
     rest_candidate,
     restart,
     stopped,
+    swap_suspected,
     take_step,
     travel,
     verification_motion,
@@ -67,9 +67,9 @@ from .rules import (
 )
 from .state import (
     Destination,
-    Matching,
     Mismatch,
     Phase,
+    Swaps,
     TrustRegionState,
     first_region,
     initial_state,
@@ -98,7 +98,7 @@ class TrustRegion:
             state.joints_to_probe,
             first_region(state.calibration, self.options),
             state.unit_px,
-            matching=state.matching,
+            swaps=state.swaps,
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
@@ -118,11 +118,11 @@ class TrustRegion:
         if outdated and not is_consistent(state.calibration, state.visits, observation.noise_px):
             state = without_calibration(state, options)
         images = ImageData(state.known, observation.noise_px, state.kinematics)
-        look = Look(observation, residuals, images, tracking, options)
+        context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state), None
         while displacement is None:
             run, _ = PHASES[phase]
-            phase, state, displacement = run(state, look)
+            phase, state, displacement = run(state, context)
         return replace(state, phase=phase), displacement
 
 
@@ -130,103 +130,103 @@ def first_phase(state: TrustRegionState) -> Phase:
     """Return the phase that a look begins with: on the way to a destination, the one that sent the arm there."""
     if state.joints_to_probe:
         return Phase.PROBE
-    return Phase.MATCH if state.destination.displacement is None else state.phase
+    return Phase.PLAN if state.destination.displacement is None else state.phase
 
 
-def probe(state: TrustRegionState, look: Look) -> Outcome:
+def probe(state: TrustRegionState, context: StepContext) -> Outcome:
     """Move the next joint alone."""
     joint, *rest = state.joints_to_probe
     state = replace(state, joints_to_probe=tuple(rest), status=ServoStatus.MOVING)
-    return Phase.PROBE, state, probe_motion(joint, look.observation)
+    return Phase.PROBE, state, probe_motion(joint, context.observation)
 
 
-def match(state: TrustRegionState, look: Look) -> Outcome:
+def plan(state: TrustRegionState, context: StepContext) -> Outcome:
     """Plan a step. If no step makes E small, search for swapped correspondences, and plan again."""
-    options, observation = look.options, look.observation
-    state = with_plan(state, look)
-    if not mismatch_suspected(state, look):
+    options, observation = context.options, context.observation
+    state = with_plan(state, context)
+    if not swap_suspected(state, context):
         return Phase.DESCEND, state, None
-    predict, floor = look.images.fit().predict, objective_floor(look)
-    pairs = find_swapped_matches(predict, look.residuals, observation.lower, observation.upper, floor, options)
-    state = replace(state, matching=Matching(pairs, next_attempt(state) + 1))
+    predict, floor = context.images.fit().predict, objective_floor(context)
+    pairs = find_swaps(predict, context.residuals, observation.lower, observation.upper, floor, options)
+    state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
         return Phase.DESCEND, state, None
-    look.residuals = with_swapped(look.residuals, pairs)
+    context.residuals = with_swaps(context.residuals, pairs)
     search, region = replace(state.search, rung=0), first_region(state.calibration, options)
-    return Phase.MATCH, replace(state, search=search, region=region), None
+    return Phase.PLAN, replace(state, search=search, region=region), None
 
 
-def descend(state: TrustRegionState, look: Look) -> Outcome:
+def descend(state: TrustRegionState, context: StepContext) -> Outcome:
     """Move to the predicted minimum, if that is worth a motion."""
-    if accepts_step(state, look):
-        return Phase.DESCEND, *take_step(state, look)
-    if look.tracking:  # a verification would only leave the learner behind
-        return Phase.DESCEND, replace(state, status=ServoStatus.MOVING), np.zeros_like(look.plan.minimum.theta)
+    if accepts_step(state, context):
+        return Phase.DESCEND, *take_step(state, context)
+    if context.tracking:  # a verification would only leave the learner behind
+        return Phase.DESCEND, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.plan.minimum.theta)
     return Phase.VERIFY, state, None
 
 
-def verify(state: TrustRegionState, look: Look) -> Outcome:
+def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     """Test the posture to rest at, and make a motion where evidence is missing."""
-    plan, options = look.plan, look.options
-    state, look.place = rest_candidate(state, look)
-    certificate = current_certificate(state, look)
+    plan, options = context.plan, context.options
+    state, context.place = rest_candidate(state, context)
+    certificate = current_certificate(state, context)
     if certificate is None:
         return Phase.SEARCH, state, None
-    if partial_points_help(certificate, state, look):
-        look.residuals = look.residuals.with_partially_visible()
+    if partial_points_help(certificate, state, context):
+        context.residuals = context.residuals.with_partially_visible()
         search, region = replace(state.search, partial_points=True), first_region(state.calibration, options)
-        return Phase.MATCH, replace(state, search=search, region=region), None
-    if more_points_elsewhere(state, look):
+        return Phase.PLAN, replace(state, search=search, region=region), None
+    if more_points_elsewhere(state, context):
         return Phase.SEARCH, state, None
     barred = state.mismatch is not None and plan.max_displacement_at_minimum < options.xtol_converged
-    small = plan.max_displacement < options.xtol_converged or plan.E < noise_floor(look)
+    small = plan.max_displacement < options.xtol_converged or plan.E < noise_floor(context)
     if small or barred or certificate.unobservable_at_minimum:
-        if may_verify(certificate, state, look):
-            return Phase.VERIFY, *verification_motion(state, look, certificate.verification_step)
-        look.status = certificate.status
+        if may_verify(certificate, state, context):
+            return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        context.status = certificate.status
         return Phase.REST, state, None
     if plan.max_displacement < options.xtol_verify and state.search.n_verifications < options.max_verifications:
-        return Phase.VERIFY, *verification_motion(state, look, options.verification_step * plan.flattest_direction)
+        return Phase.VERIFY, *verification_motion(state, context, options.verification_step * plan.flattest_direction)
     return Phase.SEARCH, state, None
 
 
-def search(state: TrustRegionState, look: Look) -> Outcome:
+def search(state: TrustRegionState, context: StepContext) -> Outcome:
     """Look for a smaller E: by the next transfer, or from a posture far from all visits."""
-    options, observation, certificate = look.options, look.observation, state.certificate
+    options, observation, certificate = context.options, context.observation, state.certificate
     if state.destination.displacement is not None:
-        return Phase.SEARCH, *travel(state, look)
-    if more_points_elsewhere(state, look):
-        return Phase.SEARCH, *restart(state, look, goal_with_other_points(state, look), look.plan.n_points + 1)
+        return Phase.SEARCH, *travel(state, context)
+    if more_points_elsewhere(state, context):
+        return Phase.SEARCH, *restart(state, context, goal_with_other_points(state, context), context.plan.n_points + 1)
     if state.search.rung + 1 < len(options.ladder):
-        return Phase.MATCH, on_rung(state, look, 0 if state.exchanged else state.search.rung + 1), None
+        return Phase.PLAN, on_rung(state, context, 0 if state.swaps.pairs else state.search.rung + 1), None
     if state.search.n_restarts < observation.max_restarts:
         goal = maximin(state.known, sample_box(observation, options.restart_candidates))
-        return Phase.SEARCH, *restart(state, look, goal, 0)
-    if 0 < state.search.min_points <= look.plan.n_points:  # rest where fewer points determine E
-        return Phase.MATCH, on_rung(replace(state, search=replace(state.search, min_points=0)), look, 0), None
+        return Phase.SEARCH, *restart(state, context, goal, 0)
+    if 0 < state.search.min_points <= context.plan.n_points:  # rest where fewer points determine E
+        return Phase.PLAN, on_rung(replace(state, search=replace(state.search, min_points=0)), context, 0), None
     observable = certificate is None or bool(certificate.observable.all())
-    look.status = ServoStatus.NO_PROGRESS if observable else ServoStatus.UNOBSERVABLE
+    context.status = ServoStatus.NO_PROGRESS if observable else ServoStatus.UNOBSERVABLE
     return Phase.REST, state, None
 
 
-def rest(state: TrustRegionState, look: Look) -> Outcome:
+def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     """Return to the best posture, and stop there."""
     if state.destination.displacement is None:
-        destination = Destination(look.place, look.status, at_joint_limit(look))
-        if state.destination.status is not None and is_cycling(state, look):
+        destination = Destination(context.place, context.status, at_joint_limit(context))
+        if state.destination.status is not None and is_cycling(state, context):
             state = replace(state, destination=destination)
-            return Phase.REST, stopped(state, look.status), np.zeros_like(look.place)
-        region = replace(state.region, n_rejected=look.options.max_rejections)
+            return Phase.REST, stopped(state, context.status), np.zeros_like(context.place)
+        region = replace(state.region, n_rejected=context.options.max_rejections)
         state = replace(state, destination=destination, region=region)
-    return Phase.REST, *travel(state, look)
+    return Phase.REST, *travel(state, context)
 
 
-PHASES: dict[Phase, tuple[Callable[[TrustRegionState, Look], Outcome], set[Phase]]] = {
-    # phase: (function, phases that may follow at the same look, if it makes no motion)
+PHASES: dict[Phase, tuple[Callable[[TrustRegionState, StepContext], Outcome], set[Phase]]] = {
+    # phase: (function, phases that may follow in the same step, if it makes no motion)
     Phase.PROBE: (probe, set()),
-    Phase.MATCH: (match, {Phase.MATCH, Phase.DESCEND}),
+    Phase.PLAN: (plan, {Phase.PLAN, Phase.DESCEND}),
     Phase.DESCEND: (descend, {Phase.VERIFY}),
-    Phase.VERIFY: (verify, {Phase.MATCH, Phase.SEARCH, Phase.REST}),
-    Phase.SEARCH: (search, {Phase.MATCH, Phase.REST}),
+    Phase.VERIFY: (verify, {Phase.PLAN, Phase.SEARCH, Phase.REST}),
+    Phase.SEARCH: (search, {Phase.PLAN, Phase.REST}),
     Phase.REST: (rest, set()),
 }

@@ -49,14 +49,14 @@ class TrustRegionOptions:
     fit_kinematics_at: tuple[int, ...] = (1, 2, 3, 5, 8, 13, 21, 34, 55)  # visits beyond the joints; fits are costly
 
     # Correspondences
-    match_at: tuple[int, ...] = (1, 5, 10, 16, 24)  # visits beyond the joints; the first needs kinematics
+    swap_search_at: tuple[int, ...] = (1, 5, 10, 16, 24)  # visits beyond the joints; the first needs kinematics
     floor_image_share: float = 1e-3  # of the mean square extent of the own image: E that is small
     floor_noise_ratio: float = 25.0  # times the noise variance: E that is small
-    match_grid: int = 12  # postures per joint, for one swapped pair
-    match_grid_two: int = 8  # postures per joint, for two swapped pairs: there are many more hypotheses
-    match_first_pairs: int = 6  # best single pairs that are extended by a second one
-    match_refined: int = 3  # best postures that are refined by least squares
-    match_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
+    swap_grid: int = 12  # postures per joint, for one swapped pair
+    swap_grid_two: int = 8  # postures per joint, for two swapped pairs: there are many more hypotheses
+    swap_first_pairs: int = 6  # best single pairs that are extended by a second one
+    swap_refined: int = 3  # best postures that are refined by least squares
+    swap_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
 
     # Subproblem
     grid: int = 7  # candidates per joint, for one or two joints

@@ -21,7 +21,7 @@ class Phase(str, Enum):
     """What the trust region does at a look."""
 
     PROBE = "probe"
-    MATCH = "match"
+    PLAN = "plan"
     DESCEND = "descend"
     VERIFY = "verify"
     SEARCH = "search"
@@ -58,11 +58,11 @@ class Destination:
 
 
 @dataclass(frozen=True)
-class Matching:
+class Swaps:
     """Correspondences of the demonstrator's points that seem to be swapped."""
 
     pairs: Pairs = ()  # indices of the points
-    n_attempts: int = 0  # searches made
+    n_searches: int = 0  # searches made
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,10 @@ class TrustRegionState:
     joints_to_probe: tuple[int, ...]  # indices
     region: Region
     unit_px: float  # pixels per image unit
-    phase: Phase = Phase.MATCH  # in which the last motion was made
+    phase: Phase = Phase.PLAN  # in which the last motion was made
     search: Search = Search()
     destination: Destination = Destination()
-    matching: Matching = Matching()
+    swaps: Swaps = Swaps()
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     target_moved: tuple[bool, bool] = (False, False)  # the demonstrator, since the last motion, and before that one
@@ -100,7 +100,7 @@ class TrustRegionState:
     @property
     def exchanged(self) -> Pairs:
         """Pairs of the demonstrator's points that are to be swapped back."""
-        return self.matching.pairs
+        return self.swaps.pairs
 
     @property
     def known(self) -> tuple[Visit, ...]:
@@ -192,7 +192,7 @@ def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptio
         first_region((), options),
         state.unit_px,
         search=Search(n_restarts=state.search.n_restarts),
-        matching=state.matching,
+        swaps=state.swaps,
         target_moved=(False, state.target_moved[1]),
         mismatch=Mismatch(np.zeros(joints)),
     )

@@ -13,7 +13,7 @@ from viewimit.servo.trust_region import algorithm, subproblem
 from viewimit.servo.trust_region.algorithm import PHASES
 from viewimit.servo.trust_region.convergence import certify
 from viewimit.servo.trust_region.rules import updated_region
-from viewimit.servo.trust_region.state import Destination, Phase, Region, TrustRegionState
+from viewimit.servo.trust_region.state import Destination, Phase, Region, Swaps, TrustRegionState
 
 OPTIONS = TrustRegionOptions()
 DEG = np.radians(1.0)
@@ -175,7 +175,7 @@ def test_a_swap_that_did_not_make_E_small_is_undone():
     context = RestContext((0, 0), (0, 0))
     images = np.arange(20.0).reshape(5, 4)
     context.residuals = lambda own, transfer=None, noise_reference=None, rig=0: own
-    state = state_with(visit(0, 0), swaps=algorithm.Swaps(((0, 1),), 1))
+    state = state_with(visit(0, 0), swaps=Swaps(((0, 1),), 1))
     after = algorithm.on_rung(state, context, 0)
     assert after.exchanged == () and after.swaps.n_searches == 1
     np.testing.assert_array_equal(context.residuals(images), images[[1, 0, 2, 3, 4]])

@@ -1,5 +1,7 @@
 """Builds the documentation: python docs/build.py [FOLDER]. Every example in it is executed; one that fails ends it.
 
+The lab is written beside it, lab.html.
+
 It needs `pip install -e '.[docs]'`. Without a folder it goes to build/site, where `viewimit docs` finds it.
 """
 
@@ -9,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from sphinx.cmd.build import build_main
+from viewimit.app.lab.page import lab_page
 
 HERE = Path(__file__).parent
 NEEDLESS = ".buildinfo", "objects.inv"
@@ -22,6 +25,8 @@ def build(folder: Path) -> int:
     for name in NEEDLESS:
         (folder / name).unlink(missing_ok=True)
     shutil.rmtree(folder / "_sources", ignore_errors=True)
+    if not status:
+        folder.joinpath("lab.html").write_text(lab_page(), "utf-8")
     return status
 
 

@@ -130,7 +130,7 @@ def _stiffened(normal: Array) -> Array:
     return (directions * curvatures[:, None]) @ directions.swapaxes(1, 2)
 
 
-def _damped_steps(gradient: Array, normal: Array, barred: Array) -> Array:
+def _damped_steps(gradient: Array, normal: Array, barred: NDArray[np.bool_]) -> Array:
     """Return (H + λ diag H)⁻¹ g over the joints that are not at a limit, for every damping λ: (l, len(DAMPINGS), m)."""
     unit = _unit(normal.shape[1])
     own = np.einsum("lii->li", normal)

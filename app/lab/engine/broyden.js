@@ -75,14 +75,26 @@ function probeOf(joint, {displacement, lower, upper}) {
   return displacement.map((_, k) => k === joint ? step : 0);
 }
 
-/** Images after a displacement, by the model: own + J · by. @param {Float64Array} own @param {Float64Array[]} J @param {number[]} by */
+/**
+ * Images after a displacement, by the model: own + J · by.
+ *
+ * @param {Float64Array} own
+ * @param {Float64Array[]} J
+ * @param {number[]} by
+ */
 const moved = (own, J, by) => own.map((v, i) => {
   let sum = 0;
   for (let k = 0; k < by.length; k++) sum += J[k][i] * by[k];
   return v + sum;
 });
 
-/** Broyden's update of J from the last motion. @param {BroydenState} state @param {Observation} seen @returns {BroydenState} */
+/**
+ * Broyden's update of J from the last motion.
+ *
+ * @param {BroydenState} state
+ * @param {Observation} seen
+ * @returns {BroydenState}
+ */
 function learned(state, seen) {
   const {J, last, taught} = state.model, by = seen.displacement.map((v, k) => v - last.displacement[k]), length = dot(by, by);
   const expected = moved(last.own, J, by), soft = state.probe ? 0 : SOFT_RAD;
@@ -101,7 +113,14 @@ function learned(state, seen) {
   return {...state, model, best: {...state.best, own}};
 }
 
-/** The better of the best and the last visit, and a radius by how true the prediction was. @param {BroydenState} state @param {number} E @param {Conflict} conflict @returns {BroydenState} */
+/**
+ * The better of the best and the last visit, and a radius by how true the prediction was.
+ *
+ * @param {BroydenState} state
+ * @param {number} E
+ * @param {Conflict} conflict
+ * @returns {BroydenState}
+ */
 function sized(state, E, conflict) {
   const here = state.model.last, every = (/** @type {Visit} */ visit) => visit.seen.every(Boolean);
   let {best, bestE, radius} = state;
@@ -119,7 +138,12 @@ function sized(state, E, conflict) {
   return {...state, best, bestE, radius};
 }
 
-/** Images with NaN for points that fewer motions taught than there are joints, if others were taught by that many. @param {ImageModel} model @param {Float64Array} own */
+/**
+ * Images with NaN for points that fewer motions taught than there are joints, if others were taught by that many.
+ *
+ * @param {ImageModel} model
+ * @param {Float64Array} own
+ */
 function onlyTaught({taught, J}, own) {
   const often = [...taught].sort((a, b) => b - a)[Math.min(MANY_POINTS, taught.length) - 1], needed = Math.min(J.length, often);
   return own.map((v, i) => taught[i >> 2] < needed ? NaN : v);

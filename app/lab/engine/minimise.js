@@ -43,7 +43,13 @@ export function minimise(residualsAt, energy, start, low, high) {
   return {theta, E, startE};
 }
 
-/** (H + λ diag H)⁻¹ g over the joints that are not barred, for each damping λ. @param {number[]} gradient @param {number[][]} H @param {boolean[]} barred */
+/**
+ * (H + λ diag H)⁻¹ g over the joints that are not barred, for each damping λ.
+ *
+ * @param {number[]} gradient
+ * @param {number[][]} H
+ * @param {boolean[]} barred
+ */
 function dampedSteps(gradient, H, barred) {
   const floor = 1e-12 * Math.max(H.reduce((sum, row, i) => sum + row[i], 0), 1e-300);
   return DAMPINGS.map(damping => solve(H.map((row, i) => row.map((v, j) => barred[i] || barred[j] ? +(i === j)

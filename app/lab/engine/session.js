@@ -44,6 +44,7 @@ import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
 import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
+const MAX_HISTORY = 3000; // moments that are kept
 const DEGREE = Math.PI / 180;
 
 export class Session {
@@ -85,6 +86,7 @@ export class Session {
     const look = now.look + 1 + (lag ?? MAX_LOOKS_WAITED), moved = theta.map((v, k) => v - now.theta[k]);
     this.history.push(this.#observed(theta, now.thetaDemo, look,
       {...now, motion: now.motion + 1, moved, probe: servoState.probe, status: servoState.status, servoState, lag}));
+    if (this.history.length > MAX_HISTORY) this.history.shift();
     return true;
   }
 
@@ -144,7 +146,15 @@ export class Session {
     return theta.map((v, k) => clamp(Math.round(v / DEGREE * 1e9) / 1e9 * DEGREE, lower[k], upper[k]));
   }
 
-  /** posture → four views → transfer → E. @param {number[]} theta @param {number[]} thetaDemo @param {number} look @param {Omit<Moment, "theta" | "thetaDemo" | "look" | "views" | "usable" | "fitted" | "E">} rest @returns {Moment} */
+  /**
+   * posture → four views → transfer → E.
+   *
+   * @param {number[]} theta
+   * @param {number[]} thetaDemo
+   * @param {number} look
+   * @param {Omit<Moment, "theta" | "thetaDemo" | "look" | "views" | "usable" | "fitted" | "E">} rest
+   * @returns {Moment}
+   */
   #observed(theta, thetaDemo, look, rest) {
     const views = this.observer.views(theta, thetaDemo, look), shown = seenTwice(views.demoSeen);
     const usable = seenTwice(views.ownSeen).filter(i => shown.includes(i));

@@ -1,7 +1,7 @@
 /** The lab: what it shows, what hands and keys do, and when it computes. The method itself is in ../engine. */
 import {backProject, geometry, Landscape, MIN_POINTS, projectPoint, reachFor, recovered, select, Session, transform, triangulate, World} from "../engine/engine.js";
 import {beginning, fromAddress, toAddress} from "./address.js";
-import {drawCurve} from "./curve.js";
+import {Curve} from "./curve.js";
 import {draggable} from "./drag.js";
 import {Images} from "./images.js";
 import {pageLink} from "./link.js";
@@ -24,7 +24,7 @@ const DEGREE = Math.PI / 180, PLATE_M = 0.17; // m from a camera to its image pl
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps of the map: at rest, while something moves, for slow transfers
 const SLICE_MS = 7, REST_MS = 120;
 const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, GLIDE = 0.75; // share of a period in which the arm moves
-const MAX_STEPS = 3000, GRIP_PX = 30;
+const GRIP_PX = 30, MAX_PATH = 400; // postures drawn on the map
 const HAND_OFFSET = [0, 0, 0.1]; // m, from the last link's frame to between its fingers
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
@@ -36,11 +36,12 @@ function begin(data, meshes) {
   let landscapes = new Map();
   /** @type {Landscape | null} */
   let shownLandscape = null;
+  let posedAt = 0; // the motion at which the demonstrator moved last
   let chosen = 0, playing = false, isHeld = false, shownScene = "";
   /** @type {{from: number[], began: number, lasts: number} | null} */
   let glide = null;
 
-  const images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, data.hulls), map = new EnergyMap($("map"));
+  const images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, data.hulls), map = new EnergyMap($("map")), curve = new Curve($("curve"));
   const hold = (/** @type {boolean} */ held) => { isHeld = held; if (!held) settle(); };
   const sliders = {
     demo: new Sliders($("demo"), "demonstrator", (joint, angle) => pose(session.now.thetaDemo.map((v, k) => k === joint ? angle : v)), hold),
@@ -64,6 +65,7 @@ function begin(data, meshes) {
     }
     for (const each of Object.values(sliders)) each.build(scene.names, scene.lower, scene.upper);
     const {transfer, servo, demonstrator, start, noisePx, missing, seed} = state;
+    posedAt = 0;
     session = new Session(world, {transfer, servo, demonstrator, start, noisePx, missing, seed});
     while (session.now.motion < state.steps && session.step());
     chosen = farthestOff(session.now);
@@ -84,11 +86,15 @@ function begin(data, meshes) {
   };
 
   /** @returns {import("./address.js").State} */
-  const current = () => ({...state, demonstrator: session.now.thetaDemo, start: session.settings.start, steps: session.now.motion});
+  const current = () => {
+    const {theta, thetaDemo: demonstrator, motion} = session.now, begun = {start: session.settings.start, steps: motion};
+    return {...state, demonstrator, ...posedAt ? {start: theta, steps: 0} : begun}; // no address tells how it moved
+  };
 
   /** @param {number[]} theta */
   function pose(theta) {
     session.pose(theta);
+    posedAt = session.now.motion;
     updateMap();
     if (playing) wake();
     redraw();
@@ -97,6 +103,7 @@ function begin(data, meshes) {
 
   /** The learner begins anew from there. @param {number[]} theta */
   function place(theta) {
+    posedAt = 0;
     session.begin({...session.settings, demonstrator: session.now.thetaDemo, start: theta});
     glide = null;
     if (playing) wake();
@@ -158,7 +165,7 @@ function begin(data, meshes) {
   let isTicking = false, isAsleep = false, due = 0;
   const advance = () => {
     const from = session.now.theta;
-    if (session.now.motion >= MAX_STEPS || !session.step()) return false;
+    if (!session.step()) return false;
     const period = PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)] * (isHeld ? .25 : 1);
     glide = still.matches || period < 100 ? null : {from, began: performance.now(), lasts: GLIDE * period};
     due = performance.now() + period;
@@ -201,6 +208,7 @@ function begin(data, meshes) {
   const reset = () => {
     play(false);
     glide = null;
+    posedAt = 0;
     session.begin({...session.settings, demonstrator: session.now.thetaDemo});
     redraw();
     remember();
@@ -234,10 +242,11 @@ function begin(data, meshes) {
     const at = (/** @type {Float64Array} */ of) => of.subarray(4 * chosen, 4 * chosen + 4);
     const lines = moment.usable.includes(chosen) ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const moves = images.draw(world, {moment, recovered: found, lines, chosen, goal, ease: still.matches ? 1 : isHeld ? .12 : .2});
-    const path = session.history.slice(0, glide ? -1 : undefined).map(({theta: visited}, k) => ({theta: visited, probe: Boolean(session.history[k + 1]?.probe)}));
+    const visited = session.history.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
+      ({theta: one.theta, probe: Boolean(session.history[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
     map.marks({demonstrator: thetaDemo, learner: theta, minimum: world.body.length < MIN_POINTS ? null : shownLandscape?.minimum?.theta ?? null, path});
-    drawCurve($("curve"), session.history);
-    $("E").innerHTML = `${energyText(moment.E)}<span>px²</span>`;
+    curve.draw(session.history);
+    say($("E"), energyText(moment.E));
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
     const said = outcome(now, playing, world.body.length);
@@ -350,6 +359,7 @@ function begin(data, meshes) {
   radios($("servo"), "servo", SERVO_WORDS, servo => {
     state.servo = servo;
     glide = null;
+    posedAt = 0;
     session.begin({...session.settings, demonstrator: session.now.thetaDemo, servo});
     fillForm();
     if (playing) wake();
@@ -432,19 +442,25 @@ function begin(data, meshes) {
   });
   addEventListener("hashchange", () => enter(fromAddress(location.hash, data.presets, data.scenes)));
   new ResizeObserver(() => {
-    images.measure();
     if (shownLandscape) showMap(shownLandscape);
     redraw();
   }).observe($("map"));
-  new ResizeObserver(() => { images.measure(); redraw(); }).observe($("images"));
+  for (const drawing of /** @type {const} */ ([[images, $("images")], [curve, $("curve")]]))
+    new ResizeObserver(() => { drawing[0].measure(); redraw(); }).observe(drawing[1]);
 
   images.measure();
+  curve.measure();
   enter(state);
   draw();
   $("open").hidden = !isServed;
   if (isServed) remember();
+  const fineMap = () => {
+    const fine = landscapeOf(FINE_DEG);
+    fine.evaluate(state.transfer, demoLook());
+    showMap(fine);
+  };
   const linkOfPage = () => pageLink(current(), scene.page.scene, scene.page.layouts);
-  Object.assign(globalThis, {lab: {pageLink: linkOfPage, session: () => session, world: () => world, landscape: () => shownLandscape, pose, place, step, draw, space, images, map, drawnAt: performance.now()}});
+  Object.assign(globalThis, {lab: {pageLink: linkOfPage, fineMap, session: () => session, world: () => world, landscape: () => shownLandscape, pose, place, step, draw, space, images, map, drawnAt: performance.now()}});
 }
 
 /** The 3-D view, or null with a word on it. @param {Data} data @param {ArrayBuffer} meshes */

@@ -1,6 +1,6 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
 import {clamp} from "../engine/engine.js";
-import {drawingUnit, px, set} from "./svg.js";
+import {add, drawingUnit, px, set} from "./svg.js";
 
 /** @typedef {import("../engine/landscape.js").Landscape} Landscape */
 
@@ -45,7 +45,9 @@ export class EnergyMap {
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
-    this.labels = "";
+    this.standing = add(this.over, "g");
+    this.moving = add(this.over, "g");
+    this.still = "";
     this.last = "";
     this.z = new Float64Array(0);
     /** px of a drawing's unit */
@@ -117,7 +119,7 @@ export class EnergyMap {
     const far = corners.reduce((a, b) => away(b) > away(a) ? b : a), ray = Math.atan2(far[1] - middle[1], far[0] - middle[0]);
     /** @type {number[][]} */
     const taken = [];
-    this.labels = "";
+    let labels = "";
     for (const level of LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS)) {
       const best = [{off: Infinity, x: 0, y: 0}, {off: Infinity, x: 0, y: 0}]; // on the ray from the minimum, and behind it
       contour(z, rows, columns, Math.log(level), (x0, y0, x1, y1) => {
@@ -132,12 +134,26 @@ export class EnergyMap {
         const inside = x > left + 14 && x < right - 16 && y > top + 9 && y < bottom - 9;
         if (!(off < .2 && inside && away([x, y]) > 24 && taken.every(p => Math.hypot(p[0] - x, p[1] - y) > 28))) continue;
         taken.push([x, y]);
-        this.labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
+        labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
       }
     }
     brush.stroke();
     brush.restore();
-    this.last = "";
+    this.#axes(labels);
+  }
+
+  /** @param {string} labels of contours */
+  #axes(labels) {
+    const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
+    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
+      const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
+      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
+        : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
+    }).join("");
+    const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
+<text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${joints[1]}</text>
+<text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>${labels}`;
+    if (html !== this.still) this.standing.innerHTML = this.still = html;
   }
 
   /** @param {number} rows @param {number} columns @param {number} least @param {number} most @param {string} hills */
@@ -160,33 +176,26 @@ export class EnergyMap {
    * @param {number[]} what.demonstrator
    * @param {number[]} what.learner
    * @param {number[] | null} what.minimum
-   * @param {{theta: number[], probe: boolean}[]} what.path postures visited
+   * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
    */
   marks({demonstrator, learner, minimum, path}) {
-    const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
-    const at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [dx, dy] = this.place(demonstrator), [x, y] = this.place(learner);
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
-      const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
-      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
-        : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
-    }).join("");
+    const {width} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [dx, dy] = this.place(demonstrator), [x, y] = this.place(learner);
     const name = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ kind, /** @type {string} */ text, /** @type {boolean} */ up) => {
       const isRight = a > width - 120;
       return `<text class="${kind} vi-halo vi-b${isRight ? " vi-end" : ""}" x="${px(a + (isRight ? -12 : 12))}" y="${px(b + (up ? -9 : 18))}">${text}</text>`;
     };
-    const way = `M${[...path.map(({theta}) => theta), learner].map(at).join("L")}`;
-    const visited = path.map(({theta, probe}) => {
+    const past = path.filter(({isPast}) => isPast), since = path.slice(past.length);
+    const way = `M${[...since.map(({theta}) => theta), learner].map(at).join("L")}`;
+    const before = past.length ? `<path class="vi-line-own vi-later" d="M${[...past.map(({theta}) => theta), since[0]?.theta ?? learner].map(at).join("L")}"/>` : "";
+    const visited = since.map(({theta, probe}) => {
       const [a, b] = this.place(theta);
       return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
     }).join("");
     const cross = minimum && this.place(minimum);
-    const [jx, jy] = [(left + width - PAD.right) / 2, (PAD.top + bottom) / 2];
-    const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
-<text class="vi-2nd vi-mid vi-halo" x="${px(jx)}" y="${bottom + 29}">${joints[1]}</text><text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px(jy)}) rotate(-90)">${joints[0]}</text>${this.labels}
-<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
+    const html = `${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
 <path class="vi-seen" d="M${px(dx - 6.5)} ${px(dy)}l6.5-6.5 6.5 6.5-6.5 6.5z"/>${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
-${name(dx, dy, "vi-of-demo", "demonstrator", true)}${Math.hypot(x - dx, y - dy) > 30 ? name(x, y, "vi-of-own", "learner", false) : ""}`;
-    if (html !== this.last) this.over.innerHTML = this.last = html;
+${name(dx, dy, "vi-of-demo", "demonstrator", dy <= y)}${Math.hypot(x - dx, y - dy) > 30 ? name(x, y, "vi-of-own", "learner", dy > y) : ""}`;
+    if (html !== this.last) this.moving.innerHTML = this.last = html;
   }
 }
 

@@ -172,7 +172,7 @@ def verify(state: TrustRegionState, look: Look) -> Outcome:
     certificate = current_certificate(state, look)
     if certificate is None:
         return Phase.SEARCH, state, None
-    if partial_points_help(state, look):
+    if partial_points_help(certificate, state, look):
         look.residuals = look.residuals.with_partially_visible()
         search, region = replace(state.search, partial_points=True), first_region(state.calibration, options)
         return Phase.MATCH, replace(state, search=search, region=region), None
@@ -181,7 +181,7 @@ def verify(state: TrustRegionState, look: Look) -> Outcome:
     barred = state.mismatch is not None and plan.max_displacement_at_minimum < options.xtol_converged
     small = plan.max_displacement < options.xtol_converged or plan.E < noise_floor(look)
     if small or barred or certificate.unobservable_at_minimum:
-        if may_verify(state, look):
+        if may_verify(certificate, state, look):
             return Phase.VERIFY, *verification_motion(state, look, certificate.verification_step)
         look.status = certificate.status
         return Phase.REST, state, None
@@ -214,7 +214,8 @@ def rest(state: TrustRegionState, look: Look) -> Outcome:
     if state.destination.displacement is None:
         destination = Destination(look.place, look.status, at_joint_limit(look))
         if state.destination.status is not None and is_cycling(state, look):
-            return Phase.REST, stopped(state, destination), np.zeros_like(look.place)
+            state = replace(state, destination=destination)
+            return Phase.REST, stopped(state, look.status), np.zeros_like(look.place)
         region = replace(state.region, n_rejected=look.options.max_rejections)
         state = replace(state, destination=destination, region=region)
     return Phase.REST, *travel(state, look)

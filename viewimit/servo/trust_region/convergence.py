@@ -173,7 +173,7 @@ def _unclear(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
 
 def _curvature_insignificant(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
     """Whether a displacement along v is unobservable under noise."""
-    flat = model.n_points * max(v @ model.hessian @ v, LEAST_CURVATURE) * options.max_std_per_px**2 < 1
+    flat = model.n_points * max(float(v @ model.hessian @ v), LEAST_CURVATURE) * options.max_std_per_px**2 < 1
     return bool(model.noise_px > 0 and flat)
 
 
@@ -184,7 +184,7 @@ def _self_noise_dominates(model: LocalModel, v: Array, *samples: Array) -> bool:
     """
     if model.noise_px == 0:
         return False
-    curvature = max(v @ model.hessian @ v, LEAST_CURVATURE)
+    curvature = max(float(v @ model.hessian @ v), LEAST_CURVATURE)
     own = sum(((gradients @ v) ** 2).mean() for gradients in samples) / curvature**2
     return bool(own > model.noise_px**2 / (model.n_points * curvature))
 
@@ -211,7 +211,7 @@ def _test_increase(model: LocalModel, v: Array, options: TrustRegionOptions) -> 
     all_points = own >= 0.5 * (0.5 * along**2 * (v @ model.hessian_single @ v))
     aligned = np.abs(along) >= options.min_alignment * np.linalg.norm(model.offsets, axis=-1)
     nearest, farthest = options.min_evidence, options.max_evidence
-    significant = 0.5 * options.min_conflict_share * along**2 * (v @ model.image_gram @ v)
+    significant: Array | float = 0.5 * options.min_conflict_share * along**2 * (v @ model.image_gram @ v)
     if model.noise_px > 0:
         nearest, farthest = options.min_evidence_noisy, options.max_evidence_noisy
         significant = _noise_of_increase(model, options)
@@ -228,7 +228,7 @@ def _step_length(model: LocalModel, v: Array, options: TrustRegionOptions) -> fl
     if model.noise_px == 0:
         return options.verification_step
     longest, along = options.max_evidence_noisy, model.offsets @ v
-    curvature = options.min_rise * max(v @ model.hessian_single @ v, 1e-12)
+    curvature = options.min_rise * max(float(v @ model.hessian_single @ v), 1e-12)
     needed = 1.1 * np.sqrt(2 * _noise_of_increase(model, options) / curvature)
     made = (np.abs(along) >= longest / 2) & (np.abs(model.offsets).max(-1) <= 2 * longest)
     if needed > longest and made.any() and not _unclear(model, v, options):

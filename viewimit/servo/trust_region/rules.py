@@ -1,6 +1,6 @@
 """The rules by which the phases of the trust region decide, and the motions that they make."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,8 @@ class Look:
     images: ImageData  # predicts the own images from all visits
     tracking: bool  # whether the demonstrator keeps moving
     options: TrustRegionOptions
-    plan: StepPlan | None = None  # made by MATCH
-    place: Displacement | None = None  # (m,) rad, where to rest; chosen by VERIFY
+    plan: StepPlan = field(init=False)  # made by MATCH
+    place: Displacement = field(init=False)  # (m,) rad, where to rest; chosen by VERIFY
     status: ServoStatus = ServoStatus.MOVING  # to report there
 
 
@@ -151,10 +151,10 @@ def rest_candidate(state: TrustRegionState, look: Look) -> tuple[TrustRegionStat
     return replace(state, certificate=certificate), place
 
 
-def may_verify(state: TrustRegionState, look: Look) -> bool:
+def may_verify(certificate: Certificate, state: TrustRegionState, look: Look) -> bool:
     """Whether the certificate asks for a verification motion, and some are left."""
     most = look.options.max_verifications * len(look.observation.displacement)
-    return bool(state.certificate.verification_step.any() and state.search.n_verifications < most)
+    return bool(certificate.verification_step.any() and state.search.n_verifications < most)
 
 
 def verification_motion(
@@ -175,10 +175,10 @@ def with_verification(state: TrustRegionState) -> TrustRegionState:
     return replace(state, search=replace(state.search, n_verifications=state.search.n_verifications + 1))
 
 
-def partial_points_help(state: TrustRegionState, look: Look) -> bool:
+def partial_points_help(certificate: Certificate, state: TrustRegionState, look: Look) -> bool:
     """Whether points that one camera alone sees may determine a joint that the others do not."""
     return bool(
-        state.certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
+        certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
     )
 
 
@@ -188,7 +188,7 @@ def more_points_elsewhere(state: TrustRegionState, look: Look) -> bool:
     if certificate is None or not certificate.unobservable_at_minimum:
         return False
     visible = observation.n_visible + (observation.n_partial if state.search.partial_points else 0)
-    learns = certificate.needs_more_data and may_verify(state, look)
+    learns = certificate.needs_more_data and may_verify(certificate, state, look)
     return not learns and look.plan.n_points < visible and state.search.n_restarts < observation.max_restarts
 
 
@@ -235,7 +235,7 @@ def move(state: TrustRegionState, look: Look, target: Displacement) -> tuple[Tru
 def travel(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:
     """Move on to the destination. If the arm is there already, and was to rest there, stop."""
     destination, observation, options = state.destination, look.observation, look.options
-    goal = destination.displacement
+    goal = observation.displacement if destination.displacement is None else destination.displacement
     if state.mismatch is not None:  # the limits, relative to where the arm is, have changed on the way
         goal = np.clip(goal, observation.lower, observation.upper)
     arrives = state.has_global_model or np.abs(goal - observation.displacement).max() <= options.max_step
@@ -244,13 +244,13 @@ def travel(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displ
     error = 0.0 if state.certificate is None else float(state.certificate.std_error.max())
     tolerance = np.clip(options.arrival_tolerance * error, options.xtol / 10, options.xtol)
     if destination.status is not None and np.abs(step).max() < tolerance:
-        return stopped(state, destination), np.zeros_like(step)
+        return stopped(state, destination.status), np.zeros_like(step)
     return state, step
 
 
-def stopped(state: TrustRegionState, destination: Destination) -> TrustRegionState:
-    """Rest with the status of the destination."""
-    return replace(state, status=destination.status, destination=replace(destination, displacement=None, status=None))
+def stopped(state: TrustRegionState, status: ServoStatus) -> TrustRegionState:
+    """Rest with a status."""
+    return replace(state, status=status, destination=replace(state.destination, displacement=None, status=None))
 
 
 def is_cycling(state: TrustRegionState, look: Look) -> bool:

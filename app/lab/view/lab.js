@@ -24,7 +24,7 @@ const DEGREE = Math.PI / 180, PLATE_M = 0.17; // m from a camera to its image pl
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps of the map: at rest, while something moves, for slow transfers
 const SLICE_MS = 7, REST_MS = 120;
 const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, GLIDE = 0.75; // share of a period in which the arm moves
-const GRIP_PX = 30, MAX_PATH = 400; // postures drawn on the map
+const GRIP_PX = 30, FINGER_PX = 34, MAX_PATH = 400; // postures drawn on the map
 const HAND_OFFSET = [0, 0, 0.1]; // m, from the last link's frame to between its fingers
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
@@ -310,11 +310,17 @@ function begin(data, meshes) {
     const box = $("map").getBoundingClientRect(), at = (/** @type {PointerEvent} */ {clientX, clientY}) => [(clientX - box.left) / map.unit, (clientY - box.top) / map.unit];
     const from = at(event), away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - from[k]));
     const posture = (/** @type {PointerEvent} */ moved) => { const [x, y] = at(moved); return map.posture(x, y); };
-    const isDemo = away(session.now.thetaDemo) < 16 && away(session.now.theta) > 12;
+    const near = event.pointerType === "touch" ? FINGER_PX : 16, isOwn = away(session.now.theta) < near;
+    const isDemo = away(session.now.thetaDemo) < near && away(session.now.theta) > 12;
     $("map").focus({preventScroll: true});
+    if (event.pointerType === "touch" && !isDemo && !isOwn) return null; // a tap places the learner, a swipe scrolls
     if (!isDemo) place(posture(event));
     return moved => isDemo ? pose(posture(moved)) : place(posture(moved));
   }, hold);
+  $("map").addEventListener("click", (/** @type {PointerEvent} */ event) => {
+    const box = $("map").getBoundingClientRect();
+    if (event.pointerType === "touch") place(map.posture((event.clientX - box.left) / map.unit, (event.clientY - box.top) / map.unit));
+  });
   $("map").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     const turns = {ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1]}[event.key];
     if (!turns) return;

@@ -256,7 +256,7 @@ function begin(data, meshes) {
     say($("truth"), truth(theta, thetaDemo, scene.names));
     say($("count"), `${now.motion} ${now.motion === 1 ? "step" : "steps"}`);
     const radius = /** @type {any} */ (now.servoState)?.radius;
-    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `trusts itself within ${(radius / DEGREE).toFixed(0)}°` : "");
+    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `trusts itself within ${fixed(radius / DEGREE, radius < 2 * DEGREE ? 1 : 0)}°` : "");
     $("undo").disabled = $("reset").disabled = !now.motion;
     document.querySelector(".of-goal")?.toggleAttribute("hidden", !goal);
     drawSpace(moment, found, goal);

@@ -50,10 +50,10 @@ function begin(data, meshes) {
 
   // Beginning, and changing what it is about
 
-  /** @param {import("./address.js").State} wanted */
-  function enter(wanted) {
-    const preset = data.presets.find(({name}) => name === wanted.preset) ?? data.presets[0];
-    state = wanted;
+  /** @param {import("./address.js").State} target */
+  function enter(target) {
+    const preset = data.presets.find(({name}) => name === target.preset) ?? data.presets[0];
+    state = target;
     scene = data.scenes[preset.scene];
     world = new World(scene, state.points);
     landscapes = new Map();
@@ -101,7 +101,7 @@ function begin(data, meshes) {
     remember();
   }
 
-  /** The learner begins anew from there. @param {number[]} theta */
+  /** The learner begins again from a posture. @param {number[]} theta */
   function place(theta) {
     posedAt = 0;
     session.begin({...session.settings, demonstrator: session.now.thetaDemo, start: theta});
@@ -214,7 +214,7 @@ function begin(data, meshes) {
     remember();
   };
 
-  // A screen reader is told how it stands once that stays so for a while
+  // A screen reader hears the sentence once it stays the same for a while
 
   let announced = "", announcing = 0;
   const announce = (/** @type {string} */ text) => {
@@ -231,7 +231,7 @@ function begin(data, meshes) {
     isDue = true;
     requestAnimationFrame(() => { if (isDue && !isTicking) draw(); isDue = false; });
   };
-  /** What is shown: the present, or on the way there. */
+  /** The moment on display: the present one, or one on the way there. */
   const shown = () => {
     if (!glide) return session.now;
     const share = Math.min(1, (performance.now() - glide.began) / glide.lasts), eased = share * share * (3 - 2 * share), {from} = glide;
@@ -285,9 +285,9 @@ function begin(data, meshes) {
 
   // Hands
 
-  /** @param {"demonstrator" | "learner"} who @param {(theta: number[]) => number[]} seen @param {number[]} wanted */
-  const reach = (who, seen, wanted) => {
-    const from = who === "learner" ? session.now.theta : session.now.thetaDemo, theta = reachFor(seen, wanted, from, scene.lower, scene.upper);
+  /** @param {"demonstrator" | "learner"} who @param {(theta: number[]) => number[]} seen @param {number[]} target */
+  const reach = (who, seen, target) => {
+    const from = who === "learner" ? session.now.theta : session.now.thetaDemo, theta = reachFor(seen, target, from, scene.lower, scene.upper);
     if (who === "learner") place(theta);
     else pose(theta);
   };

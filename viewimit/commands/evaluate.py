@@ -139,9 +139,9 @@ def evaluate_frames(
             some = _frames(views, at).select(usable)
             why = why_degenerate(some) if len(names) >= MIN_POINTS else [TOO_FEW] * len(at)
             good = np.array([not words for words in why])
-            told = iter(_evaluated(_frames(some, good), transfer, rectification) if good.any() else ())
+            results = iter(_evaluated(_frames(some, good), transfer, rectification) if good.any() else ())
             for index, words in zip(at.tolist(), why):
-                found = dict.fromkeys(FIGURES) | {"refused": words} if words else next(told)
+                found = dict.fromkeys(FIGURES) | {"refused": words} if words else next(results)
                 frames[index] = {"frame": numbers[index], "usable": names} | found
     return frames
 

@@ -262,12 +262,12 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if value is None and name in _OPTIONAL:
                 continue
             if not isinstance(value, numbers) or isinstance(value, bool):
-                wanted = "a whole number" if numbers is Integral else "a number"
-                raise ValueError(f"{name} must be {wanted}, got {value!r}")
-        for name, wanted in _SEQUENCES.items():
+                expected = "a whole number" if numbers is Integral else "a number"
+                raise ValueError(f"{name} must be {expected}, got {value!r}")
+        for name, expected in _SEQUENCES.items():
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):
-                raise ValueError(f"{name} must be {wanted}, got {reprlib.repr(value)}")
+                raise ValueError(f"{name} must be {expected}, got {reprlib.repr(value)}")
         if self.undistort is not None:
             try:
                 RadialDistortion(*self.undistort)

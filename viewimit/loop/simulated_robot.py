@@ -162,9 +162,9 @@ class SimulatedRobotOpener:
     def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
-        wanted = settings.sensor, scene, settings.points
-        if self._opened is None or self._opened[0] != wanted:
-            self._opened = wanted, SimulatedRobot(self._open_eyes(*wanted), scene)
+        key = settings.sensor, scene, settings.points
+        if self._opened is None or self._opened[0] != key:
+            self._opened = key, SimulatedRobot(self._open_eyes(*key), scene)
         learner = self._opened[1]
         demo, standing = learner.eyes.settle(demo), learner.eyes.settle(start)
         return SessionStart(settings, learner, start, standing, demo, workspace(settings, scene.lower, scene.upper))

@@ -7,7 +7,7 @@ from viewimit.analysis.observability import best_next, joint_uncertainty, point_
 from viewimit.geometry.affine import flatness
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.candidates import find_candidates
+from viewimit.simulation.autoscene.surface import find_candidates
 from viewimit.simulation.robot import BodyPoints
 
 # on the links that joint 4 moves, all rigid to each other

@@ -16,7 +16,7 @@ from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.autoscene.candidates import find_candidates
+from viewimit.simulation.autoscene.surface import find_candidates
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World

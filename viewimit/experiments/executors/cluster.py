@@ -48,7 +48,7 @@ class Cluster:
 
     address: str  # of its scheduler, such as tcp://10.0.0.1:8786
 
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
         """See `Executor.run`."""
         if not batches:
             return
@@ -69,7 +69,7 @@ class Cluster:
             yield from _run(client, work, batches)
 
 
-def _run(client: Any, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
     import distributed
 
     left, running, lost = iter(batches), dict[Any, tuple[int, bytes]](), dict[int, int]()

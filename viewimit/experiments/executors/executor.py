@@ -12,9 +12,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-Batch = Sequence[tuple]  # of tasks, each the arguments of one call
+Batch = Sequence[tuple[Any, ...]]  # of tasks, each the arguments of one call
 
 QUEUED_BATCHES = 2  # for each process, so that it never waits for the next
 
@@ -27,20 +27,37 @@ class StudyError(Exception):
 class Done:
     """A finished batch."""
 
-    results: list  # one for each task, in order
+    results: list[Any]  # one for each task, in order
     cpu_s: float  # CPU time of the whole batch on one core
 
 
 class Executor(Protocol):
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
-        """Call work(*task) for every task, and yield each batch with its number when it is done, in any order.
+    """Carries out the tasks of a study."""
 
-        An exception of `work` ends the study. Raises StudyError if the batches cannot be carried out.
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+        """Call work(*task) for every task.
+
+        Parameters
+        ----------
+        work : callable
+            Carries out one task. Its exception ends the study.
+        batches : sequence of (int, sequence of tuple)
+            Tasks, in numbered batches.
+
+        Yields
+        ------
+        (int, Done)
+            Each batch with its number when it is done, in any order.
+
+        Raises
+        ------
+        StudyError
+            If the batches cannot be carried out.
         """
         ...
 
 
-def carry_out(work: Callable, batch: Batch) -> Done:
+def carry_out(work: Callable[..., Any], batch: Batch) -> Done:
     """Call work(*task) for every task, in this process."""
     began = time.thread_time()
     results = [work(*task) for task in batch]
@@ -53,7 +70,7 @@ class LocalPool:
 
     processes: int | None = None  # None: as many as processors; 1: this process
 
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
         """See `Executor.run`."""
         workers = min(self.processes or os.cpu_count() or 1, len(batches))
         if workers <= 1:

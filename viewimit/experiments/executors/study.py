@@ -49,7 +49,7 @@ class StudyFolder:
         except OSError as error:
             raise StudyError(f"{folder}: {error.strerror or error}") from None
 
-    def read(self, stage: int, number: int, work: Callable) -> Done | None:
+    def read(self, stage: int, number: int, work: Callable[..., Any]) -> Done | None:
         """Read a batch of `work`; None if it is missing or damaged, as after an interrupted write."""
         try:
             content = zstandard.ZstdDecompressor().decompress(self._path(stage, number).read_bytes())
@@ -133,7 +133,7 @@ class Study:
     cpu_s: float = 0.0  # CPU time of all runs on one core, wherever and whenever they were made
     _stages: int = 0
 
-    def each(self, work: Callable, tasks: Sequence[tuple]) -> Iterator:
+    def each(self, work: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[Any]:
         """Yield work(*task) for every task, in their order.
 
         With a folder, the results must be described by the return type that `work` declares.
@@ -157,11 +157,11 @@ class Study:
             yield from done.results
         assert next(found, None) is None  # all batches are done; the executor ends its workers
 
-    def _read(self, stage: int, number: int, work: Callable) -> Done | None:
+    def _read(self, stage: int, number: int, work: Callable[..., Any]) -> Done | None:
         return None if self.folder is None else self.folder.read(stage, number, work)
 
 
-def in_batches(tasks: Sequence[tuple]) -> list[tuple[int, Batch]]:
+def in_batches(tasks: Sequence[tuple[Any, ...]]) -> list[tuple[int, Batch]]:
     """Divide tasks into numbered batches.
 
     Batches depend on the number of tasks alone, so that any executor goes on with those that another one has kept.

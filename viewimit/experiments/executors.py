@@ -45,20 +45,37 @@ class StudyError(Exception):
 class Done:
     """A finished batch."""
 
-    results: list  # one for each task, in order
+    results: list[Any]  # one for each task, in order
     cpu_s: float  # CPU time of the whole batch on one core
 
 
 class Executor(Protocol):
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
-        """Call work(*task) for every task, and yield each batch with its number when it is done, in any order.
+    """Carries out the tasks of a study."""
 
-        An exception of `work` ends the study. Raises StudyError if the batches cannot be carried out.
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+        """Call work(*task) for every task.
+
+        Parameters
+        ----------
+        work : callable
+            Carries out one task. Its exception ends the study.
+        batches : sequence of (int, sequence of tuple)
+            Tasks, in numbered batches.
+
+        Yields
+        ------
+        (int, Done)
+            Each batch with its number when it is done, in any order.
+
+        Raises
+        ------
+        StudyError
+            If the batches cannot be carried out.
         """
         ...
 
 
-def carry_out(work: Callable, batch: Batch) -> Done:
+def carry_out(work: Callable[..., Any], batch: Batch) -> Done:
     """Call work(*task) for every task, in this process."""
     began = time.thread_time()
     results = [work(*task) for task in batch]
@@ -71,7 +88,7 @@ class LocalPool:
 
     processes: int | None = None  # None: as many as processors; 1: this process
 
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
         """See `Executor.run`."""
         workers = min(self.processes or os.cpu_count() or 1, len(batches))
         if workers <= 1:
@@ -156,7 +173,7 @@ class Cluster:
 
     address: str  # of its scheduler, such as tcp://10.0.0.1:8786
 
-    def run(self, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+    def run(self, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
         """See `Executor.run`."""
         if not batches:
             return
@@ -177,7 +194,7 @@ class Cluster:
             yield from _run(client, work, batches)
 
 
-def _run(client: Any, work: Callable, batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
+def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Batch]]) -> Iterator[tuple[int, Done]]:
     import distributed
 
     left, running, lost = iter(batches), dict[Any, tuple[int, bytes]](), dict[int, int]()
@@ -266,7 +283,7 @@ class StudyFolder:
         except OSError as error:
             raise StudyError(f"{folder}: {error.strerror or error}") from None
 
-    def read(self, stage: int, number: int, work: Callable) -> Done | None:
+    def read(self, stage: int, number: int, work: Callable[..., Any]) -> Done | None:
         """Read a batch of `work`; None if it is missing or damaged, as after an interrupted write."""
         try:
             content = zstandard.ZstdDecompressor().decompress(self._path(stage, number).read_bytes())
@@ -350,7 +367,7 @@ class Study:
     cpu_s: float = 0.0  # CPU time of all runs on one core, wherever and whenever they were made
     _stages: int = 0
 
-    def each(self, work: Callable, tasks: Sequence[tuple]) -> Iterator:
+    def each(self, work: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Iterator[Any]:
         """Yield work(*task) for every task, in their order.
 
         With a folder, the results must be described by the return type that `work` declares.
@@ -374,11 +391,11 @@ class Study:
             yield from done.results
         assert next(found, None) is None  # all batches are done; the executor ends its workers
 
-    def _read(self, stage: int, number: int, work: Callable) -> Done | None:
+    def _read(self, stage: int, number: int, work: Callable[..., Any]) -> Done | None:
         return None if self.folder is None else self.folder.read(stage, number, work)
 
 
-def in_batches(tasks: Sequence[tuple]) -> list[tuple[int, Batch]]:
+def in_batches(tasks: Sequence[tuple[Any, ...]]) -> list[tuple[int, Batch]]:
     """Divide tasks into numbered batches.
 
     Batches depend on the number of tasks alone, so that any executor goes on with those that another one has kept.

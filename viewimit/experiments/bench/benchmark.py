@@ -139,8 +139,8 @@ class CaseOptions(Benchmark):
 
 
 def run_cases(
-    work: Callable[..., Any], tasks: Sequence[Sequence[tuple]], context: Context | None, title: str
-) -> list[list]:
+    work: Callable[..., Any], tasks: Sequence[Sequence[tuple[Any, ...]]], context: Context | None, title: str
+) -> list[list[Any]]:
     """Call work(*task) for the tasks of every case, and return the results of each case.
 
     `work` declares the type of its result, so that a study can keep it. title: of the progress bar.

@@ -47,9 +47,19 @@ class StepPlan:
     model: ImageModel  # predicts images, about the best visit
     minimum: Minimum  # of the predicted E inside the region
     noise_reference: NoiseReference | None  # of whitened residuals; None without noise
-    certify: Callable[[NDArray[np.float64]], Certificate] | None  # convergence test at a posture; None if E is
-    # another transfer's, or of too few predicted points
+    data: EstimationData | None  # for the convergence test; None if E is another transfer's, or of too few points
     options: TrustRegionOptions
+
+    @property
+    def can_certify(self) -> bool:
+        """Whether the convergence test can be made: E is the chosen transfer's, and enough points determine it."""
+        return self.data is not None
+
+    def certify(self, place: NDArray[np.float64]) -> Certificate:
+        """Make the convergence test at a posture, (m,) rad. Raises ValueError where it cannot be made."""
+        if self.data is None:
+            raise ValueError("E is another transfer's, or of too few points")
+        return certify(local_model(self.data, self.minimum, place, self.options), self.options)
 
     @property
     def step_length(self) -> float:
@@ -252,7 +262,7 @@ def solve_subproblem(
         if reference is None
         else partial(residuals, transfer=None, noise_reference=replace(reference, own_variance_ratio=1.0)),
     )
-    return replace(plan, certify=lambda place: certify(local_model(data, minimum, place, options), options))
+    return replace(plan, data=data)
 
 
 def max_displacement(E: float, minimum: Minimum, options: TrustRegionOptions) -> float:

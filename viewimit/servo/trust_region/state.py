@@ -92,7 +92,7 @@ class TrustRegionState:
         False,
         False,
     )  # whether the demonstrator moved since the last motion, and before it
-    calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, while they agree with the images
+    calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     mismatch: Mismatch | None = None  # None: the arm is where it was sent
 
@@ -135,7 +135,7 @@ def initial_state(observation: Observation, unit_px: float, options: TrustRegion
 
 
 def first_region(calibration: tuple[Visit, ...], options: TrustRegionOptions) -> Region:
-    """Return the region of a new search; after a rehearsal it is the whole range."""
+    """Return the region of a new search: the whole range after a calibration."""
     return Region(np.inf if calibration else options.first_radius)
 
 
@@ -230,7 +230,7 @@ def _localise_from_images(
 
 
 def without_calibration(state: TrustRegionState, options: TrustRegionOptions) -> TrustRegionState:
-    """Forget a rehearsal that the images contradict: points, base or cameras have moved since."""
+    """Drop a calibration that the images contradict: points, base or cameras have moved since."""
     visits, joints = state.visits, len(state.visits[0].displacement)
     probes = tuple(range(joints)) if len(visits) <= joints else ()
     return TrustRegionState(

@@ -68,7 +68,6 @@ from .rules import (
 from .state import (
     Destination,
     Matching,
-    Mismatch,
     Phase,
     TrustRegionState,
     first_region,
@@ -102,7 +101,7 @@ class TrustRegion:
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
-            mismatch=None if state.mismatch is None else Mismatch(state.mismatch.offset),
+            mismatch=state.mismatch,
         )
 
     def step(

@@ -72,9 +72,8 @@ def accepts_step(state: TrustRegionState, look: Look) -> bool:
     plan, options = look.plan, look.options
     certainty = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
     long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and certainty)
-    is_there = np.abs(plan.minimum.theta - look.observation.displacement).max() < options.min_step
     reducible = plan.E > PREDICTION_TOL_PX**2 and state.region.n_rejected < options.max_rejections
-    return bool(long_enough and not is_there and reducible)
+    return bool(long_enough and reducible)
 
 
 def take_step(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:
@@ -105,13 +104,12 @@ def objective_floor(look: Look) -> float:
 
 
 def mismatch_suspected(state: TrustRegionState, look: Look) -> bool:
-    """Whether to search for swapped matches: at some visits, while E is large and not predicted to become small."""
+    """Whether to search for swapped matches: at some visits, while E is large."""
     attempt, plan, at = next_attempt(state), look.plan, look.options.match_at
     if state.exchanged or attempt >= len(at) or len(state.known) < at[attempt] + len(plan.minimum.theta):
         return False
-    predicted = plan.minimum.E if state.kinematics is not None and plan.certify is not None else np.inf
     E = look.observation.E if plan.noise_reference is None else plan.E
-    return bool(np.isfinite(E) and min(E, predicted) > objective_floor(look))
+    return bool(objective_floor(look) < E < np.inf)
 
 
 def current_transfer(state: TrustRegionState, look: Look) -> str | None:
@@ -139,9 +137,8 @@ def rest_candidate(state: TrustRegionState, look: Look) -> tuple[TrustRegionStat
     """
     plan, best = look.plan, look.plan.model.centre
     place = best if plan.noise_reference is None or state.mismatch is not None else plan.minimum.theta
-    if state.mismatch is not None and state.destination.status is not None:
-        if state.mismatch.stuck or is_cycling(state, look):
-            place = look.observation.displacement
+    if state.mismatch is not None and state.destination.status is not None and is_cycling(state, look):
+        place = look.observation.displacement
     state = replace(state, region=replace(state.region, n_rejected=0))
     if plan.certify is None:
         return (replace(state, certificate=None) if current_transfer(state, look) is None else state), place

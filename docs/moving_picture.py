@@ -1,7 +1,7 @@
 """Makes README's moving picture from the lab: python docs/moving_picture.py. It needs the browser of the tests.
 
-The learner copies the demonstrator, which then moves, and follows it. Time is the picture's own, so that every frame is
-the same on every machine, but for how its browser draws.
+The learner copies the demonstrator, which then moves, and follows it. Time is the picture's own, so that all machines
+make the same frames, apart from how their browsers draw.
 """
 
 import io

@@ -15,7 +15,7 @@ DIGITS = 2  # of an angle in degrees
 
 
 def lab_address(now: Snapshot) -> str | None:
-    """Return the lab's path and fragment for a moment; None for what is no scene of the lab.
+    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
 
     A servo or a transfer that the lab does not have is left to its default there.
     """

@@ -13,7 +13,7 @@ import numpy as np
 from viewimit.assets import ROOT
 
 from viewimit import __version__
-from viewimit.drawing.export.bundle import bundle, packed
+from viewimit.drawing.export.replay import bundle, packed
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 from viewimit.sensing.files import parse_toml
@@ -60,7 +60,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     Parameters
     ----------
     scene
-        With which it begins, in place of the shipped one. Presets of other scenes are then left out.
+        The scene of the lab, the shipped one by default. Presets of other scenes are then left out.
     name
         As settings name that scene.
 
@@ -98,7 +98,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
 
 
 def _named_on_the_page(preset: Preset, given: str) -> str:
-    """A preset's scene as `Settings.scene` takes it: its name, or all that a scene file says."""
+    """A preset's scene as `Settings.scene` takes it: its name, or the text of a scene file."""
     if not preset.head:
         return preset.scene or given
     head = "".join(f"{field} = {value}\n" for field, value in preset.head.items())

@@ -27,6 +27,12 @@ NOW = """() => {
 }"""
 
 
+HAND = """() => {
+    const T = lab.world().arms.demonstrator.linkFrames(lab.session().now.thetaDemo).at(-1);
+    return lab.space.project([T[3] + .1 * T[2], T[7] + .1 * T[6], T[11] + .1 * T[10]]);
+}"""
+
+
 @pytest.fixture(scope="module")
 def lab():
     return lab_page()
@@ -80,6 +86,18 @@ def drag(page, start, by, steps=6):
         page.mouse.move(start[0] + by[0] * k / steps, start[1] + by[1] * k / steps)
         page.wait_for_timeout(25)
     page.mouse.up()
+
+
+def swipe(page, start, by, steps=8):
+    """With a finger."""
+    devtools = page.context.new_cdp_session(page)
+    touch = lambda kind, points: devtools.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch("touchStart", [{"x": start[0], "y": start[1]}])
+    for k in range(1, steps + 1):
+        touch("touchMove", [{"x": start[0] + by[0] * k / steps, "y": start[1] + by[1] * k / steps}])
+        page.wait_for_timeout(25)
+    touch("touchEnd", [])
+    page.wait_for_timeout(100)
 
 
 def test_the_file_is_small_and_its_policy_is_strict(lab):
@@ -145,10 +163,7 @@ def test_it_plays_to_where_the_library_comes_to_rest(opened):
 def test_everything_can_be_dragged(opened):
     page = opened(width=1300, height=800)
     scene = page.locator("#space").bounding_box()
-    hand = page.evaluate(
-        "() => { const T = lab.world().arms.demonstrator.linkFrames(lab.session().now.thetaDemo).at(-1);"
-        "return lab.space.project([T[3] + .1 * T[2], T[7] + .1 * T[6], T[11] + .1 * T[10]]); }"
-    )
+    hand = page.evaluate(HAND)
     before = now(page)
     drag(page, (scene["x"] + hand[0], scene["y"] + hand[1]), (-15, -40))
     after = now(page)
@@ -207,8 +222,18 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
     box = page.locator("#map").bounding_box()
     page.evaluate("scrollTo(0, document.querySelector('#map').getBoundingClientRect().top - 100)")
     box = page.locator("#map").bounding_box()
-    page.touchscreen.tap(box["x"] + 200, box["y"] + 150)
+    page.touchscreen.tap(box["x"] + 120, box["y"] + 60)
     wait_until(lambda: degrees(now(page)["theta"]) != [25, -25])
+
+    page.evaluate("scrollTo(0, 0)")
+    scene, hand = page.locator("#space").bounding_box(), page.evaluate(HAND)
+    before = now(page)
+    swipe(page, (scene["x"] + hand[0], scene["y"] + hand[1]), (-8, -40))  # takes hold of it: the page stands still
+    assert degrees(now(page)["thetaDemo"]) != degrees(before["thetaDemo"]) and page.evaluate("scrollY") == 0
+    before = now(page)
+    swipe(page, (scene["x"] + 60, scene["y"] + scene["height"] - 20), (0, -150))  # takes hold of nothing, and scrolls
+    wait_until(lambda: page.evaluate("scrollY") > 50)
+    assert now(page) == before
 
 
 @pytest.mark.browser

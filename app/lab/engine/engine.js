@@ -1,7 +1,7 @@
 /**
  * The method of "View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry" (IROS 2001) in the browser.
  *
- * The Python library is its oracle: tests hold every number here against it. All that a view needs:
+ * The Python library is its oracle: tests hold every number here against it. A view needs:
  *
  *     const world = new World(scene, 10);                       // a scene as Python writes it, a layout of body points
  *     const session = new Session(world, {transfer: "epipolar", servo: "broyden", demonstrator: [...], start: [...]});
@@ -12,7 +12,7 @@
  *     geometry(session.now).lines(demo, own);                   // the epipolar lines of a point
  *     const landscape = new Landscape(world, 2);                // E over both joints, in steps of 2°
  *     landscape.evaluate("epipolar", session.observer.demo(theta));
- *     reachFor(place, wanted, theta, lower, upper);             // the posture that brings something somewhere
+ *     reachFor(place, target, theta, lower, upper);             // the posture that brings something somewhere
  *
  * Angles are in radians, lengths in metres. Images are flat arrays: x, y of each point in the left view, x, y in the
  * right one. Nothing in this folder touches a document, so it runs in a worker and in Node as well.

@@ -29,8 +29,8 @@ export function minimise(residualsAt, energy, start, low, high) {
     if (!(energies[best] < E * (1 - MIN_GAIN))) break;
     theta = candidates[best];
     E = energies[best];
-    const [e, ...aside] = all.slice(best * each, (best + 1) * each);
-    const J = aside.map((column, k) => column.map((v, i) => (v - e[i]) / inward[best][k]));
+    const [e, ...beside] = all.slice(best * each, (best + 1) * each);
+    const J = beside.map((column, k) => column.map((v, i) => (v - e[i]) / inward[best][k]));
     const gradient = J.map(column => dot(column, e)), normal = J.map(a => J.map(b => dot(a, b)));
     const barred = theta.map((v, k) => v <= low[k] && gradient[k] > 0 || v >= high[k] && gradient[k] < 0);
     barred.forEach((is, k) => { if (is) gradient[k] = 0; });

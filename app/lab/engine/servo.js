@@ -10,7 +10,7 @@
  * @property {Uint8Array} seen (2 N), 1 for a point seen in L, in R
  * @property {number} E px²
  * @property {number[]} displacement rad, since the start
- * @property {number[]} lower rad, as far as the joint limits let it be
+ * @property {number[]} lower rad, what the joint limits allow
  * @property {number[]} upper
  * @property {number} motion how many were made
  *

@@ -44,7 +44,7 @@ import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
 import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
-const MAX_HISTORY = 3000; // moments that are kept
+const MAX_HISTORY = 3000; // number of moments in the history
 const DEGREE = Math.PI / 180;
 
 export class Session {
@@ -58,7 +58,7 @@ export class Session {
     this.history = [this.#first()];
   }
 
-  /** Begin anew. @param {Settings} settings */
+  /** Begin again, at motion 0. @param {Settings} settings */
   begin(settings) {
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
@@ -208,13 +208,13 @@ export class Session {
 
   /** How far the demonstrator's points go in the next motion, if they have gone on during the last two. @returns {Float64Array | null} */
   #drift() {
-    const moments = this.history.slice(-3);
-    if (moments.length < 3 || moments[1].views.demo === moments[2].views.demo) return null;
-    const steady = seenTwice(moments[0].views.demoSeen.map((v, i) => v & moments[1].views.demoSeen[i] & moments[2].views.demoSeen[i]));
-    const last = new Float64Array(moments[0].views.demo.length);
+    const recent = this.history.slice(-3);
+    if (recent.length < 3 || recent[1].views.demo === recent[2].views.demo) return null;
+    const steady = seenTwice(recent[0].views.demoSeen.map((v, i) => v & recent[1].views.demoSeen[i] & recent[2].views.demoSeen[i]));
+    const last = new Float64Array(recent[0].views.demo.length);
     let along = 0;
     for (const i of steady) for (let k = 4 * i; k < 4 * i + 4; k++) {
-      const [a, b, c] = moments.map(({views}) => views.demo[k]);
+      const [a, b, c] = recent.map(({views}) => views.demo[k]);
       last[k] = c - b;
       along += (b - a) * (c - b);
     }

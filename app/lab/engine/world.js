@@ -73,7 +73,7 @@ export class Observer {
     return {demo: demo.images, demoSeen: demo.seen, own: own.images, ownSeen: own.seen};
   }
 
-  /** The demonstrator, looked at anew only where it has moved. @param {number[]} theta */
+  /** The demonstrator, looked at again only when it has moved. @param {number[]} theta */
   demo(theta) {
     const key = theta.join();
     if (this.last?.key !== key) this.last = {key, look: this.#disturbed(this.world.look("demonstrator", theta), [DEMO_STREAM])};

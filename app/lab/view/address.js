@@ -13,7 +13,7 @@
  * @property {number} missing
  * @property {number} seed
  *
- * @typedef {Object} State all that the page shows follows from it
+ * @typedef {Object} State the page follows from it
  * @property {string} preset
  * @property {number[]} demonstrator rad
  * @property {number[]} start rad
@@ -75,7 +75,7 @@ export function fromAddress(hash, presets, scenes) {
   };
 }
 
-/** As short as it can be: what is as in the preset is left out, but for the postures. @param {State} state @param {Preset} preset @param {import("../engine/world.js").Scene} scene */
+/** The address of a state, without the values that are those of the preset. @param {State} state @param {Preset} preset @param {import("../engine/world.js").Scene} scene */
 export function toAddress(state, preset, scene) {
   const usual = beginning(preset, scene), degrees = (/** @type {number[]} */ angles) => angles.map(v => String(Number((v / DEGREE).toFixed(2)))).join();
   const parts = [`preset=${state.preset}`, `demo=${degrees(state.demonstrator)}`, `start=${degrees(state.start)}`];

@@ -1,4 +1,6 @@
-/** Dragging with a finger or a pointer, at most once a frame. */
+/**
+ * Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page.
+ */
 
 /**
  * @param {HTMLElement | SVGElement} element
@@ -7,8 +9,11 @@
  * @param {(held: boolean) => void} held
  */
 export function draggable(element, begin, held) {
+  let isHeld = false;
+  element.addEventListener("touchstart", event => { if (isHeld) event.preventDefault(); }, {passive: false}); // it comes after
   element.addEventListener("pointerdown", given => {
     const event = /** @type {PointerEvent} */ (given), follow = event.isPrimary && event.button === 0 ? begin(event) : null;
+    isHeld = Boolean(follow);
     if (!follow) return;
     event.stopImmediatePropagation();
     event.preventDefault();
@@ -26,6 +31,7 @@ export function draggable(element, begin, held) {
     const end = () => {
       element.removeEventListener("pointermove", move);
       for (const name of ["pointerup", "pointercancel"]) element.removeEventListener(name, end);
+      isHeld = false;
       held(false);
     };
     element.addEventListener("pointermove", move);

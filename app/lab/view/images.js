@@ -4,13 +4,13 @@
  * @typedef {import("../engine/world.js").World} World
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {import("../engine/affine.js").Line} Line
- * @typedef {Object} Picture what is drawn
+ * @typedef {Object} Picture the contents of one frame
  * @property {Moment} moment
  * @property {Float64Array} recovered (4 N) px, NaN where not usable
  * @property {Line[]} lines of the chosen point
  * @property {number} chosen
  * @property {boolean} goal whether the learner is drawn as well as it would be in the demonstrator's pose
- * @property {number} ease share of their way that the windows go to fit what is drawn: 1 for all at once
+ * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
  */
 import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingUnit, fixed, px, say, set} from "./svg.js";
@@ -139,10 +139,10 @@ export class Images {
     let off = 0;
     pair.forEach((view, k) => {
       const [x0, y0, x1, y1] = spans[k], {window} = view;
-      const wanted = {x: (x0 + x1) / 2 - view.width / scale / 2, y: (y0 + y1) / 2 - view.height / scale / 2, scale};
+      const target = {x: (x0 + x1) / 2 - view.width / scale / 2, y: (y0 + y1) / 2 - view.height / scale / 2, scale};
       const share = window.scale ? ease : 1;
-      for (const name of /** @type {const} */ (["x", "y", "scale"])) window[name] += share * (wanted[name] - window[name]);
-      off = Math.max(off, Math.abs(wanted.x - window.x) + Math.abs(wanted.y - window.y), 60 * Math.abs(wanted.scale - window.scale));
+      for (const name of /** @type {const} */ (["x", "y", "scale"])) window[name] += share * (target[name] - window[name]);
+      off = Math.max(off, Math.abs(target.x - window.x) + Math.abs(target.y - window.y), 60 * Math.abs(target.scale - window.scale));
     });
     return off > .3;
   }

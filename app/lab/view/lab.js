@@ -24,7 +24,7 @@ const DEGREE = Math.PI / 180, PLATE_M = 0.17; // m from a camera to its image pl
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps of the map: at rest, while something moves, for slow transfers
 const SLICE_MS = 7, REST_MS = 120;
 const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, GLIDE = 0.75; // share of a period in which the arm moves
-const GRIP_PX = 30, MAX_PATH = 400; // postures drawn on the map
+const GRIP_PX = 30, FINGER_PX = 34, MAX_PATH = 400; // postures drawn on the map
 const HAND_OFFSET = [0, 0, 0.1]; // m, from the last link's frame to between its fingers
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
@@ -50,10 +50,10 @@ function begin(data, meshes) {
 
   // Beginning, and changing what it is about
 
-  /** @param {import("./address.js").State} wanted */
-  function enter(wanted) {
-    const preset = data.presets.find(({name}) => name === wanted.preset) ?? data.presets[0];
-    state = wanted;
+  /** @param {import("./address.js").State} target */
+  function enter(target) {
+    const preset = data.presets.find(({name}) => name === target.preset) ?? data.presets[0];
+    state = target;
     scene = data.scenes[preset.scene];
     world = new World(scene, state.points);
     landscapes = new Map();
@@ -101,7 +101,7 @@ function begin(data, meshes) {
     remember();
   }
 
-  /** The learner begins anew from there. @param {number[]} theta */
+  /** The learner begins again from a posture. @param {number[]} theta */
   function place(theta) {
     posedAt = 0;
     session.begin({...session.settings, demonstrator: session.now.thetaDemo, start: theta});
@@ -214,7 +214,7 @@ function begin(data, meshes) {
     remember();
   };
 
-  // A screen reader is told how it stands once that stays so for a while
+  // A screen reader hears the sentence once it stays the same for a while
 
   let announced = "", announcing = 0;
   const announce = (/** @type {string} */ text) => {
@@ -231,7 +231,7 @@ function begin(data, meshes) {
     isDue = true;
     requestAnimationFrame(() => { if (isDue && !isTicking) draw(); isDue = false; });
   };
-  /** What is shown: the present, or on the way there. */
+  /** The moment on display: the present one, or one on the way there. */
   const shown = () => {
     if (!glide) return session.now;
     const share = Math.min(1, (performance.now() - glide.began) / glide.lasts), eased = share * share * (3 - 2 * share), {from} = glide;
@@ -256,7 +256,7 @@ function begin(data, meshes) {
     say($("truth"), truth(theta, thetaDemo, scene.names));
     say($("count"), `${now.motion} ${now.motion === 1 ? "step" : "steps"}`);
     const radius = /** @type {any} */ (now.servoState)?.radius;
-    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `trusts itself within ${(radius / DEGREE).toFixed(0)}°` : "");
+    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `trusts itself within ${fixed(radius / DEGREE, radius < 2 * DEGREE ? 1 : 0)}°` : "");
     $("undo").disabled = $("reset").disabled = !now.motion;
     document.querySelector(".of-goal")?.toggleAttribute("hidden", !goal);
     drawSpace(moment, found, goal);
@@ -285,9 +285,9 @@ function begin(data, meshes) {
 
   // Hands
 
-  /** @param {"demonstrator" | "learner"} who @param {(theta: number[]) => number[]} seen @param {number[]} wanted */
-  const reach = (who, seen, wanted) => {
-    const from = who === "learner" ? session.now.theta : session.now.thetaDemo, theta = reachFor(seen, wanted, from, scene.lower, scene.upper);
+  /** @param {"demonstrator" | "learner"} who @param {(theta: number[]) => number[]} seen @param {number[]} target */
+  const reach = (who, seen, target) => {
+    const from = who === "learner" ? session.now.theta : session.now.thetaDemo, theta = reachFor(seen, target, from, scene.lower, scene.upper);
     if (who === "learner") place(theta);
     else pose(theta);
   };
@@ -310,11 +310,17 @@ function begin(data, meshes) {
     const box = $("map").getBoundingClientRect(), at = (/** @type {PointerEvent} */ {clientX, clientY}) => [(clientX - box.left) / map.unit, (clientY - box.top) / map.unit];
     const from = at(event), away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - from[k]));
     const posture = (/** @type {PointerEvent} */ moved) => { const [x, y] = at(moved); return map.posture(x, y); };
-    const isDemo = away(session.now.thetaDemo) < 16 && away(session.now.theta) > 12;
+    const near = event.pointerType === "touch" ? FINGER_PX : 16, isOwn = away(session.now.theta) < near;
+    const isDemo = away(session.now.thetaDemo) < near && away(session.now.theta) > 12;
     $("map").focus({preventScroll: true});
+    if (event.pointerType === "touch" && !isDemo && !isOwn) return null; // a tap places the learner, a swipe scrolls
     if (!isDemo) place(posture(event));
     return moved => isDemo ? pose(posture(moved)) : place(posture(moved));
   }, hold);
+  $("map").addEventListener("click", (/** @type {PointerEvent} */ event) => {
+    const box = $("map").getBoundingClientRect();
+    if (event.pointerType === "touch") place(map.posture((event.clientX - box.left) / map.unit, (event.clientY - box.top) / map.unit));
+  });
   $("map").addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     const turns = {ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowRight: [0, 1], ArrowLeft: [0, -1]}[event.key];
     if (!turns) return;

@@ -7,7 +7,7 @@ const DEGREE = Math.PI / 180, FORM = "1"; // the first character of the page's l
 
 /**
  * @param {import("./address.js").State} state
- * @param {string} scene as the page's settings name it: a shipped one, or all that a scene file says
+ * @param {string} scene as the page's settings name it: a shipped one, or the text of a scene file
  * @param {string[]} layouts of body points that the scene has there
  */
 export function pageLink(state, scene, layouts) {

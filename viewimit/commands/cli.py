@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
-from ..geometry.blas_threads import limit_blas_threads
+from ..geometry import limit_blas_threads
 from ..sensing.renamed import current_option
 from . import BadInput
 

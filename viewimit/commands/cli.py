@@ -1,8 +1,8 @@
 """The command line: degrees at this surface, radians behind it.
 
-Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or no space for the output; 130:
-interrupted; 141: the reader of the output has gone. With --json one JSON object goes to standard output, and messages
-go to standard error.
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or the output cannot be written; 130:
+interrupted; 141: nobody reads the output. With --json exactly one JSON object goes to standard output, and all
+messages to standard error.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
-from ..geometry.blas_threads import limit_blas_threads
+from ..geometry import limit_blas_threads
 from ..sensing.renamed import current_option
 from . import BadInput
 

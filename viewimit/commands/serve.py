@@ -8,15 +8,15 @@ from pathlib import Path
 from ..sensing.files import escape
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
 
-STORE = "VIEWIMIT_STORE"  # environment variable, used without --store
-SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, random by default
+STORE = "VIEWIMIT_STORE"  # environment variable, instead of --store
+SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, instead of a random one
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 lets everybody on its network in",
+        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
     )
     parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")

@@ -70,7 +70,7 @@ class Executor(Protocol):
         Raises
         ------
         StudyError
-            If the batches cannot be carried out.
+            If the batches cannot be run.
         """
         ...
 

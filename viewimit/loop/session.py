@@ -8,6 +8,7 @@ Every pass leaves one immutable `Snapshot`. Panels, plots, exports and tests all
 """
 
 import copy
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -22,9 +23,9 @@ from ..estimation.residuals import ResidualFunction
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
 from ..geometry.rectification import Rectification
-from ..sensing.renamed import current_settings
+from ..sensing.renamed import current_settings, level_outside
 from ..servo import Observation, Servo, ServoMethod, servo_method
-from ..servo.observation import Visit
+from ..servo.observation import Visit, repeat_xy
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
 from ..simulation.scene import Scene
@@ -112,6 +113,7 @@ class Session:
     def __init__(
         self,
         settings: Settings | None = None,
+        *,
         open_eyes: OpenEyes = open_eyes,
         dense: int | None = None,
         transfer: CustomTransfer | None = None,
@@ -291,21 +293,29 @@ class Session:
 
     def _seen(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
         """Look with the arm at theta, (m,) rad, and evaluate E. Other fields are those of `like`, or `changes`."""
-        views = self._four_views(theta, like, **changes)  # posture → body points in 3-D → four views l, r, L, R
+        # posture → body points in 3-D → four views l, r, L, R
+        views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
-        seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
+        seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer: fundamental matrices
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
-        return seen.with_fields(E=float(seen.transfer.conflict(views.used)))  # → recovered points → residual e → E
+        E = float(seen.transfer.conflict(views.used))  # → recovered points → residual e → E
+        if np.isnan(E):
+            raise ValueError(f"the transfer {seen.method.title!r} maps visible points to NaN")
+        return seen.with_fields(E=E)
 
-    def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> FourViews:
-        """The image points of both bodies, without outliers. The servo's correction of swapped points is applied."""
+    def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> tuple[FourViews, int]:
+        """The image points of both bodies without outliers, and how many points became unusable by that.
+
+        The servo's correction of swapped points is applied.
+        """
         settings, look = changes.get("settings", like.settings), changes.get("look", like.look)
         views = self.observer.four_views(settings, theta, changes.get("theta_demo", like.theta_demo), look)
         views = views.permuted(exchanged(changes.get("servo_state", like.servo_state)))
         past, last = self.history.recent(MAX_LOOKS), self.history.present
         noise_px = self.observer.image_noise_std(settings)
-        return reject_outliers(views, [one.views for one in past], last.rectification, noise_px, look)
+        inliers = reject_outliers(views, [one.views for one in past], last.rectification, noise_px, look)
+        return inliers, int(np.count_nonzero(views.usable & ~inliers.usable))
 
     def _rectification(self, views: FourViews, settings: Settings) -> Rectification | None:
         """Rectify the images where their matches show that the cameras are not parallel; None where they are."""
@@ -321,13 +331,19 @@ class Session:
         """The servo's next state, and the displacement that it asks for, (m,) rad."""
         servo, seen = now.servo, self.observation(now)
         state = servo.start(seen) if now.servo_state is None else now.servo_state
-        answer = servo.step(state, seen, self.predicted_residuals(now))
+        answer = servo.step(state, seen, self.predicted_residuals(now, servo.mirror_columns))
         if not (isinstance(answer, tuple) and len(answer) == 2):
             raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
+        if answer[0] is None and state is not None:
+            raise TypeError(f"the servo {servo.title!r} returned None as its next state; only stateless servos may")
         state, displacement = answer[0], np.asarray(answer[1], float)
         if displacement.shape != now.theta.shape or not np.isfinite(displacement).all():
             expected = f"{len(now.theta)} finite angles in rad"
             raise ValueError(f"the servo {servo.title!r} must return its state and {expected}, got {displacement}")
+        target = now.commanded + displacement
+        if (np.abs(target - target.clip(*self.workspace)) >= 2 * np.pi).any():
+            asked = f"the servo {servo.title!r} asks for a motion of {displacement} rad"
+            warnings.warn(f"{asked}, a turn or more beyond the limits: are these degrees?", stacklevel=level_outside())
         return state, displacement
 
     def _stay(self, snapshot: Snapshot) -> bool:
@@ -394,12 +410,12 @@ class Session:
 
     def observation(self, now: Snapshot) -> Observation:
         """The image points and displacements that a servo is given of a snapshot."""
-        start = now.settings.start_rad
+        start, seen = now.settings.start_rad, now.views.visible[:, 2:]
         known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
         noise_px = self.observer.image_noise_std(now.settings)
         return Observation(
-            own=now.views.own,
-            seen=now.views.visible[:, 2:],
+            own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
+            seen=seen,
             E=now.E,
             displacement=now.commanded - start,
             lower=self.workspace[0] - start,
@@ -415,11 +431,11 @@ class Session:
             max_restarts=now.settings.restarts,
         )
 
-    def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
+    def predicted_residuals(self, now: Snapshot, mirror_columns: bool = True) -> ResidualFunction:
         """The residuals of images that a servo predicts, against the demonstrator of the present snapshot."""
         recent, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
         velocity = target_velocity([one.views for one in recent[-VELOCITY_LOOKS:]])
-        return predicted_residuals(now, velocity, noise_px, recent)
+        return predicted_residuals(now, velocity, noise_px, recent, mirror_columns)
 
     def change(self, **fields: Any) -> None:
         """Change fields of the settings from here on.

@@ -48,6 +48,7 @@ class Snapshot:
     target: NDArray[np.float64] | None = None  # (m,) rad, where an arm is going that is still on its way
     custom_transfer: TransferMethod | None = None  # given to the session itself; settings call it OWN
     custom_servo: ServoMethod | None = None  # given to the session itself; settings call it OWN
+    n_rejected: int = 0  # points that all images show and that contradict the epipolar geometry of one rigid head
 
     @property
     def method(self) -> TransferMethod:
@@ -230,7 +231,10 @@ def probes(servo_state: Any) -> bool:
 
 
 def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
-    """Status of a servo's state. usual: for a custom state without one. Raises ValueError for an unknown status."""
+    """Status of a servo's state. usual: for a custom state without one.
+
+    Raises ValueError for an unknown status, and for a claim of convergence without a certificate.
+    """
     status = getattr(servo_state, "status", usual)
     try:
         found = ServoStatus(status)
@@ -238,16 +242,22 @@ def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
         found = None
     if found not in SERVO_STATUSES:
         raise ValueError(f"a servo's status must be one of {', '.join(SERVO_STATUSES)}, got {status!r}")
+    if found.is_claim and getattr(servo_state, "certificate", None) is None:
+        raise ValueError("a servo's status is 'converged', but its state has no certificate: report 'settled'")
     return found
 
 
 def predicted_residuals(
-    now: Snapshot, velocity: NDArray[np.float64] = AT_REST, noise_px: float = 0.0, past: Sequence[Snapshot] = ()
+    now: Snapshot,
+    velocity: NDArray[np.float64] = AT_REST,
+    noise_px: float = 0.0,
+    past: Sequence[Snapshot] = (),
+    mirror_columns: bool = True,
 ) -> PredictedResiduals:
     """The residuals of predicted images against a snapshot's demonstrator.
 
     velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate; past:
-    earlier snapshots, whose matches and residuals are reused.
+    earlier snapshots, whose matches and residuals are reused; mirror_columns: as of `PredictedResiduals`.
     """
     return PredictedResiduals(
         now.views,
@@ -258,6 +268,7 @@ def predicted_residuals(
         converged=now.converged_transfer,
         past=[one.views for one in past],
         computed=_computed(now, past),
+        mirror_columns=mirror_columns,
     )
 
 
@@ -327,8 +338,12 @@ class RunResult:
         """Why the run ended, in a sentence."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.describe_status(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
-        return f"{why}: {says}" if says else why
+        reasons = [last.servo.describe_status(last.servo_state, last.status)] * (status == ServoStatus.NO_PROGRESS)
+        if last.transfer is None:
+            reasons += [WHY[ServoStatus.TOO_FEW_POINTS]] * (status != ServoStatus.TOO_FEW_POINTS)
+            rejected = f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head"
+            reasons += [rejected] * (last.n_rejected > 0)
+        return ": ".join(filter(None, (why, *reasons)))
 
     @property
     def travel_deg(self) -> float:

@@ -18,12 +18,12 @@ class Sightings:
     """Of K places in G postures, in both views of a body: image (G, K, 4) px, depth_m and radius_px (G, K, 2),
     clear (G, K, 2): nothing of the arm is before it."""
 
-    image: NDArray
-    depth_m: NDArray
-    radius_px: NDArray
-    clear: NDArray
+    image: NDArray[np.float64]
+    depth_m: NDArray[np.float64]
+    radius_px: NDArray[np.float64]
+    clear: NDArray[np.bool_]
 
-    def of(self, chosen: NDArray) -> tuple[NDArray, NDArray]:
+    def of(self, chosen: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """Images (G, N, 4) and seen (G, N): in both views, no nearer ball of the chosen before it."""
         image = self.image[:, chosen].reshape(len(self.image), -1, 2, 2)
         apart = np.linalg.norm(image[:, :, None] - image[:, None], axis=-1)
@@ -32,7 +32,7 @@ class Sightings:
         return self.image[:, chosen], (self.clear[:, chosen] & ~(touch & nearer).any(2)).all(-1)
 
 
-def sightings(studio: Studio, world: World, radius_m: float, postures: NDArray, demo: bool) -> Sightings:
+def sightings(studio: Studio, world: World, radius_m: float, postures: NDArray[np.float64], demo: bool) -> Sightings:
     """Of the world's body points, of the demonstrator or the learner. postures: (G, m) rad."""
     scene_rest = world.scene.lower
     found = []

@@ -1,5 +1,6 @@
 """What the code says of its types is true: mypy over the package as it is installed, and the examples that use it."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -23,3 +24,23 @@ def test_the_type_checker_finds_nothing(tmp_path):
     command = [sys.executable, "-m", "mypy", *what, "--cache-dir", os.devnull]  # nobody reads it again
     found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert found.returncode == 0, found.stdout + found.stderr
+
+
+LEAST_COMPLETE = 0.95  # share of the library's public names whose types are all known
+
+
+def test_public_types_are_complete(tmp_path):
+    pytest.importorskip("basedpyright")
+    shutil.copytree(ROOT / "viewimit", tmp_path / "viewimit")
+    shutil.copytree(ROOT / "assets", tmp_path / "viewimit" / "assets")
+    found = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])  # whose packages are used
+    done = subprocess.run(
+        [sys.executable, "-m", "basedpyright", "--verifytypes", "viewimit", "--ignoreexternal", "--outputjson"],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": found, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    report = json.loads(done.stdout)["typeCompleteness"]
+    unknown = [symbol["name"] for symbol in report["symbols"] if symbol["isExported"] and not symbol["isTypeKnown"]]
+    assert report["completenessScore"] > LEAST_COMPLETE, "\n".join(unknown)

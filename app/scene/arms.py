@@ -82,7 +82,7 @@ class Arm:
         self._rest = [quaternion(joint.T_parent_joint[:3, :3]) for joint in self._joints]
         self._axes = [(joint.axis / np.linalg.norm(joint.axis)).tolist() for joint in self._joints]
         self._names = [link_name(world.scene, arm, i + 1) for i in range(len(self._joints))]
-        self._angles = [float(angle) for angle in np.ravel(world.joint_angles(np.zeros(len(world.scene.moving))))]
+        self._angles = np.array(world.joint_angles(np.zeros(len(world.scene.moving))), float).tolist()
         for i, joint in enumerate(self._joints):
             position = joint.T_parent_joint[:3, 3]
             nodes.keep(client.scene.add_frame(self._names[i], show_axes=False, wxyz=self._turned(i), position=position))

@@ -12,7 +12,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
-from viewimit.servo.trust_region.correspondences import swapped, with_swapped
+from viewimit.servo.trust_region.correspondences import swapped, with_swaps
 
 
 def drift_of(session):
@@ -64,7 +64,7 @@ def test_partially_visible_points_are_included_on_request_if_the_transfer_suppor
     np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
     pairs = ((2, 3),)
     own = swapped(there, pairs)
-    np.testing.assert_array_equal(with_swapped(ask, pairs).with_partially_visible()(own), e)
+    np.testing.assert_array_equal(with_swaps(ask, pairs).with_partially_visible()(own), e)
     for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
         settings = msgspec.structs.replace(now.settings, **changed)
         assert now.with_fields(settings=settings).half_shown == 0

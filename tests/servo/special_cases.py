@@ -37,18 +37,18 @@ def never(*given: Any) -> bool:
     return False
 
 
-def short_step(now, look):
+def short_step(now, context):
     """As `take_step`, which never goes beyond its target here."""
-    region = replace(now.region, predicted_reduction=float(look.plan.E - look.plan.minimum.E))
-    return rules.move(replace(now, region=region), look, look.plan.minimum.theta)
+    region = replace(now.region, predicted_reduction=float(context.plan.E - context.plan.minimum.E))
+    return rules.move(replace(now, region=region), context, context.plan.minimum.theta)
 
 
 SPECIAL_CASES = {
-    "match": SpecialCase({"points": 16, "swapped": 0.2}, {"match_at": ()}),
+    "swap": SpecialCase({"points": 16, "swapped": 0.2}, {"swap_search_at": ()}),
     "kinematics": SpecialCase({**POINTS, "missing": 0.3}, {"fit_kinematics_at": ()}),
     "ladder": SpecialCase({**POINTS, "outliers": 0.05, "noise_px": 0.25}, {"ladder": LADDER[:1]}),
     "mismatch": SpecialCase({"quantum_deg": 1.0}, module=state, functions={"contradicts_command": never}),
-    "noise-floor": SpecialCase({"noise_px": 0.5}, module=algorithm, functions={"noise_floor": lambda look: 0.0}),
+    "noise-floor": SpecialCase({"noise_px": 0.5}, module=rules, functions={"noise_floor": lambda context: 0.0}),
     "overshoot": SpecialCase({}, module=algorithm, functions={"take_step": short_step}),
 }
 

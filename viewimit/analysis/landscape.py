@@ -49,7 +49,13 @@ class Landscape:
         return E
 
     def local_minima(self) -> NDArray[np.float64]:
-        """Return the grid points below their up to eight neighbours, lowest first: (k, 2) rad."""
+        """Find the grid points that are lower than all of their neighbours, up to eight.
+
+        Returns
+        -------
+        (k, 2) array
+            Postures [rad], lowest E first.
+        """
         E = self._padded
         inner = E[1:-1, 1:-1]
         below = np.isfinite(inner)
@@ -60,7 +66,13 @@ class Landscape:
         return np.stack([self.axes[0][i[order]], self.axes[1][j[order]]], -1)
 
     def basin_fraction(self) -> float:
-        """Return the share of postures with an E from which descent over the eight neighbours ends at the minimum."""
+        """Compute the share of postures from which steepest descent ends at the minimum.
+
+        Returns
+        -------
+        float
+            Share of the grid postures that have an E; descent goes over the eight neighbours.
+        """
         has_E = np.isfinite(self.E).ravel()
         if not has_E.any():
             return 0.0
@@ -104,7 +116,20 @@ def grid_axes(world: World, step_deg: float = 1.0) -> tuple[NDArray[np.float64],
 class OwnImages(Protocol):
     """Gives the learner's images at any posture: a world, or the cameras of a session."""
 
-    def own_images(self, theta: Angles) -> tuple[NDArray, NDArray]: ...
+    def own_images(self, theta: Angles) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Take the images of the learner, [L] and [R].
+
+        Parameters
+        ----------
+        theta : m arrays
+            Angles of the moving joints [rad], broadcast against each other to shape (...).
+
+        Returns
+        -------
+        (..., N, 4) and (..., N, 2) arrays
+            Points [px], and whether they are visible.
+        """
+        ...
 
 
 def landscape(
@@ -124,6 +149,11 @@ def landscape(
         Name of a transfer other than the session's.
     with_condition : bool
         Whether to compute the transfer's condition number as well.
+
+    Returns
+    -------
+    Landscape
+        E on the grid [px²].
 
     Raises
     ------

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
 from ..sensing.tracks import Row, write_tidy
-from ..simulation.markers import load_markers, marker_names
+from ..simulation.robot import load_markers, marker_names
 from . import BadInput
 from .json_output import print_json
 from .options import (

@@ -92,8 +92,11 @@ class PredictedResiduals:
         computed: Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]] = (),
         mirror_columns: bool = True,
     ):
-        self.views, self.method, self.rectification, self.noise_px = views, method, rectification, noise_px
-        self.demo = views.demo + velocity
+        self.views: FourViews = views
+        self.method: TransferMethod = method
+        self.rectification: Rectification | None = rectification
+        self.noise_px: float = noise_px
+        self.demo: NDArray[np.float64] = views.demo + velocity
         self._in_both = np.asarray(views.visible[:, :2].all(-1))
         self._velocity, self._past, self._mirror_columns = velocity, past, mirror_columns
         self._converged = converged if noise_px > 0 and velocity.any() else None

@@ -37,7 +37,8 @@ class History(Sequence[Snapshot]):
         joints: Sequence[int] | None = None,
     ):
         self.joints = joints
-        self._snapshots, self.cursor, self._dense = list(snapshots), cursor, dense
+        self._snapshots, self._dense = list(snapshots), dense
+        self.cursor: int = cursor
         for first in range(0, cursor - RECENT - STRIDE + 1, STRIDE):
             self._let_go(first)
         self._thin()

@@ -181,8 +181,8 @@ class RealRobot:
     eyes: Eyes
     name: str  # of the arm, for calibrations
     points: int  # number of points that the eyes find
-    lower: NDArray
-    upper: NDArray
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
         return _within(theta, self.lower, self.upper, whose)

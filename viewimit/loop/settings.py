@@ -229,7 +229,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return " ".join(str(fields.get("title", fields.get("extends"))).split())
 
     @property
-    def start_rad(self) -> NDArray:
+    def start_rad(self) -> NDArray[np.float64]:
         """(m,) rad. Raises ValueError for the scene's own start: the settings of a session say which that is."""
         return np.radians(given(self.start_deg))
 

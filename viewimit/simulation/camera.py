@@ -132,7 +132,7 @@ class Cameras:
     """Several cameras that project the same few points, in fewer numpy calls than `Camera.project`."""
 
     def __init__(self, cameras: Sequence[Camera]):
-        self.cameras = tuple(cameras)
+        self.cameras: tuple[Camera, ...] = tuple(cameras)
         frames = np.array([camera.T_world_camera for camera in cameras])
         self._rotations = frames[:, :3, :3]
         self._offsets = -frames[:, None, :3, 3] @ self._rotations

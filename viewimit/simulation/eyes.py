@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .disturbances import ActuatorSettings, ArmDisturbance, any_active, drive
-from .markers import marker_names
-from .robot import Angles
+from .robot import Angles, marker_names
 from .scene import Scene
 from .world import World
 
@@ -104,10 +103,10 @@ class SimulatedEyes(Protocol):
 class ProjectedEyes:
     """Projects points through the cameras' geometry, and moves arms without mass. See `SimulatedEyes`."""
 
-    noise_px = 0.0
+    noise_px: float = 0.0
 
     def __init__(self, scene: Scene, points: int):
-        self.world = World(scene, points)
+        self.world: World = World(scene, points)
 
     def demo_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self.world.demo_images(theta)

@@ -6,6 +6,7 @@ Only detections and the motion of arms with mass reach the method.
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,8 @@ from ..estimation.views import VIEWS
 from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
 from .disturbances import ActuatorSettings, ArmDisturbance, drive
-from .markers import load_markers
 from .physics import Arm, BulletClient, connect, quiet, write_urdf
-from .robot import Angles
+from .robot import Angles, load_markers
 from .scene import Base, Scene
 from .world import World
 
@@ -52,7 +52,8 @@ class Studio:
     """
 
     def __init__(self, scene: Scene, urdf: Path):
-        self.arms, self.room = connect(), connect()
+        self.arms: Any = connect()
+        self.room: Any = connect()
         self._bodies = [self._stand(urdf, base) for base in (scene.demonstrator, scene.learner)]
         joints = range(self.arms.getNumJoints(self._bodies[0]))
         revolute = self.arms.JOINT_REVOLUTE

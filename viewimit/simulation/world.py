@@ -39,7 +39,7 @@ class World:
 
     def __init__(self, scene: Scene, points: int = 10, robot: Robot | None = None, body: BodyPoints | None = None):
         self.scene = scene
-        self.robot = robot or load_robot(scene.robot)
+        self.robot: Robot = robot or load_robot(scene.robot)
         self.body: BodyPoints = scene.body_points(points) if body is None else body
         self._chain, self._links = self.robot.with_fixed_joints(np.radians(scene.posture_deg), scene.moving)
         self._chain_body = self._links.points(self.body)
@@ -47,12 +47,13 @@ class World:
         head = scene.stereo_head()
         self.demo_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_demonstrator)
         self.own_cameras: tuple[Camera, Camera] = head.gaze(scene.head.gaze_learner)
-        self.demo_pair, self.own_pair = Cameras(self.demo_cameras), Cameras(self.own_cameras)
+        self.demo_pair: Cameras = Cameras(self.demo_cameras)
+        self.own_pair: Cameras = Cameras(self.own_cameras)
         self._local = np.concatenate([self._chain_body.local, np.ones((len(self.body), 1))], 1)[:, :, None]
         self._last_frames: tuple[tuple[bytes, bytes], Floats] | None = None
         self._last_points: tuple[Floats, Floats] | None = None
-        self.T_world_demo = _placed(scene.demonstrator)
-        self.T_world_own = _placed(scene.learner)
+        self.T_world_demo: Floats = _placed(scene.demonstrator)
+        self.T_world_own: Floats = _placed(scene.learner)
 
     def joint_angles(self, theta: Angles) -> list[ArrayLike]:
         """Return the angles of all joints: the moving ones from theta, the others at rest.

@@ -242,10 +242,10 @@ function begin(data, meshes) {
     const at = (/** @type {Float64Array} */ of) => of.subarray(4 * chosen, 4 * chosen + 4);
     const lines = moment.usable.includes(chosen) ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const moves = images.draw(world, {moment, recovered: found, lines, chosen, goal, ease: still.matches ? 1 : isHeld ? .12 : .2});
-    const visited = session.history.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
-      ({theta: one.theta, probe: Boolean(session.history[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
+    const visited = session.trace.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
+      ({theta: one.theta, probe: Boolean(session.trace[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
     map.marks({demonstrator: thetaDemo, learner: theta, minimum: world.body.length < MIN_POINTS ? null : shownLandscape?.minimum?.theta ?? null, path});
-    curve.draw(session.history);
+    curve.draw(session.trace);
     say($("E"), energyText(moment.E));
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);

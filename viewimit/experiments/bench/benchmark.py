@@ -16,8 +16,7 @@ from ...loop.self_calibration import MIN_POSTURES
 from ...loop.settings import FIELDS, MAX_SEED, USUAL_POINTS, Setting, Settings
 from ...loop.snapshot import Snapshot
 from ...simulation.scene import Scene, load_scene
-from ..executors.executor import LocalPool
-from ..executors.study import Study
+from ..executors import LocalPool, Study
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
 FALSE_DEG = 1.0  # a claim is false if it is farther off
@@ -140,8 +139,8 @@ class CaseOptions(Benchmark):
 
 
 def run_cases(
-    work: Callable[..., Any], tasks: Sequence[Sequence[tuple]], context: Context | None, title: str
-) -> list[list]:
+    work: Callable[..., Any], tasks: Sequence[Sequence[tuple[Any, ...]]], context: Context | None, title: str
+) -> list[list[Any]]:
     """Call work(*task) for the tasks of every case, and return the results of each case.
 
     `work` declares the type of its result, so that a study can keep it. title: of the progress bar.

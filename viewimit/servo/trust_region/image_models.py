@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.kinematics.adjustment import KinematicsCovariance
 from ...geometry.kinematics.clusters import Observations
-from ...geometry.kinematics.covariance import KinematicsCovariance
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import FD_STEP, fd_steps
 from ..observation import Visit

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import platformdirs
@@ -98,7 +98,7 @@ def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
         if number not in parts and (number in bare or number == 0 or undrawn):
             parts[number] = [mesh]
     whole = {
-        number: creased(simplified(trimesh.util.concatenate(each), MAX_LINK_FACES))
+        number: creased(simplified(cast(trimesh.Trimesh, trimesh.util.concatenate(each)), MAX_LINK_FACES))
         for number, each in sorted(parts.items())
     }
     meshes = {number: Mesh(np.array(mesh.vertices, float), np.array(mesh.faces)) for number, mesh in whole.items()}

@@ -143,7 +143,7 @@ class PredictedResiduals:
         return None if handedness is None else handedness.mirror_residual(self._rectified(own))
 
     @cached_property
-    def _head_rectification(self) -> Rectification | None:
+    def head_rectification(self) -> Rectification | None:
         """The rectification in use, else that of the affine geometry of all matches; None if they have none."""
         if self.rectification is not None:
             return self.rectification
@@ -194,9 +194,9 @@ class PredictedResiduals:
     @cached_property
     def _by_homography(self) -> HomographyWeighting | None:
         """None if the transfer is no homography of space, or the geometry of the stereo head is unknown."""
-        if not self.method.homography_of_space or self._head_rectification is None:
+        if not self.method.homography_of_space or self.head_rectification is None:
             return None
-        return HomographyWeighting(self._head_rectification, self.noise_px)
+        return HomographyWeighting(self.head_rectification, self.noise_px)
 
     def _affine_weight(self, views: FourViews, own_variance_ratio: float) -> NDArray[np.float64]:
         key = views.own.tobytes(), own_variance_ratio, views.demo.tobytes()

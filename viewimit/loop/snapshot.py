@@ -338,12 +338,14 @@ class RunResult:
         """Why the run ended, in a sentence."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        reasons = [last.servo.describe_status(last.servo_state, last.status)] * (status == ServoStatus.NO_PROGRESS)
-        if last.transfer is None:
-            reasons += [WHY[ServoStatus.TOO_FEW_POINTS]] * (status != ServoStatus.TOO_FEW_POINTS)
-            rejected = f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head"
-            reasons += [rejected] * (last.n_rejected > 0)
-        return ": ".join(filter(None, (why, *reasons)))
+        reasons = [why]
+        if status == ServoStatus.NO_PROGRESS:
+            reasons.append(last.servo.describe_status(last.servo_state, last.status))
+        if last.transfer is None and status != ServoStatus.TOO_FEW_POINTS:
+            reasons.append(WHY[ServoStatus.TOO_FEW_POINTS])
+        if last.transfer is None and last.n_rejected:
+            reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head")
+        return ": ".join(filter(None, reasons))
 
     @property
     def travel_deg(self) -> float:

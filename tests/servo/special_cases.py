@@ -47,7 +47,7 @@ SPECIAL_CASES = {
     "swap": SpecialCase({"points": 16, "swapped": 0.2}, {"swap_search_at": ()}),
     "kinematics": SpecialCase({**POINTS, "missing": 0.3}, {"fit_kinematics_at": ()}),
     "ladder": SpecialCase({**POINTS, "outliers": 0.05, "noise_px": 0.25}, {"ladder": LADDER[:1]}),
-    "mismatch": SpecialCase({"quantum_deg": 1.0}, module=state, functions={"contradicts_command": never}),
+    "mismatch": SpecialCase({"encoder_step_deg": 1.0}, module=state, functions={"contradicts_command": never}),
     "noise-floor": SpecialCase({"noise_px": 0.5}, module=rules, functions={"noise_floor": lambda context: 0.0}),
     "overshoot": SpecialCase({}, module=algorithm, functions={"take_step": short_step}),
 }

@@ -29,7 +29,7 @@ from .trust_region.convergence import Certificate
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
 from .trust_region.options import DEFAULTS, TrustRegionOptions
-from .trust_region.state import Destination, Mismatch, Phase, Region, Search, Swaps, TrustRegionState
+from .trust_region.state import Destination, Phase, Region, Search, Swaps, TrustRegionState
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
@@ -239,7 +239,7 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         predicts=True,
         mirror_columns=True,
         stored=(
-            *(TrustRegionState, Region, Search, Destination, Swaps, Mismatch, Phase),
+            *(TrustRegionState, Region, Search, Destination, Swaps, Phase),
             *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
         ),
         equations=trust_region_equations,

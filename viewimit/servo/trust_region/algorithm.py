@@ -87,7 +87,6 @@ from .rules import (
 )
 from .state import (
     Destination,
-    Mismatch,
     Phase,
     TrustRegionState,
     first_region,
@@ -121,7 +120,7 @@ class TrustRegion:
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
-            mismatch=None if state.mismatch is None else Mismatch(state.mismatch.offset),
+            mismatch=state.mismatch,
         )
 
     def step(

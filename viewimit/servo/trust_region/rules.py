@@ -80,9 +80,8 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     plan, region, options = context.plan, state.region, context.options
     decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
     long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and decides)
-    is_there = np.abs(plan.minimum.theta - context.observation.displacement).max() < options.min_step
     model_reduces_E = region.descend_allowed and region.n_rejected < options.max_rejections
-    return bool(long_enough and not is_there and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
+    return bool(long_enough and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
 
 
 def take_step(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
@@ -117,16 +116,12 @@ def objective_floor(context: StepContext) -> float:
 
 
 def swap_suspected(state: TrustRegionState, context: StepContext) -> bool:
-    """Whether to search for swapped points: E is large, and is not predicted to become small.
-
-    Only kinematics predict that reliably. The search is costly, so it is made at a few numbers of visits.
-    """
+    """Whether to search for swapped points: while E is large, at a few numbers of visits, as the search is costly."""
     index, plan, at = next_swap_search(state), context.plan, context.options.swap_search_at
     if state.swaps.pairs or index >= len(at) or len(state.known) < at[index] + len(plan.minimum.theta):
         return False
-    predicted = plan.minimum.E if state.kinematics is not None and plan.can_certify else np.inf
     E = context.observation.E if plan.noise_reference is None else plan.E
-    return bool(np.isfinite(E) and min(E, predicted) > objective_floor(context))
+    return bool(objective_floor(context) < E < np.inf)
 
 
 def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -177,9 +172,8 @@ def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[Trust
     """
     plan, best = context.plan, context.plan.model.centre
     place = best if plan.noise_reference is None or state.mismatch is not None else plan.minimum.theta
-    if state.mismatch is not None and state.destination.status is not None:
-        if state.mismatch.stuck or is_cycling(state, context):
-            place = context.observation.displacement
+    if state.mismatch is not None and state.destination.status is not None and is_cycling(state, context):
+        place = context.observation.displacement
     state = replace(state, region=replace(state.region, n_rejected=0, descend_allowed=True))
     if not plan.can_certify:
         return (replace(state, certificate=None) if current_transfer(state, context) is None else state), place

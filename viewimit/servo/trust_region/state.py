@@ -67,14 +67,6 @@ class Swaps:
 
 
 @dataclass(frozen=True)
-class Mismatch:
-    """An arm that is not where it was sent: it has backlash, moves in steps, or meets an obstacle."""
-
-    offset: NDArray[np.float64]  # (m,) rad, where it was sent, minus where it is by its images
-    stuck: bool = False  # whether the last motion did not move it
-
-
-@dataclass(frozen=True)
 class TrustRegionState:
     """The state of `TrustRegion`. All images, noise and E in it are in units of `unit_px`."""
 
@@ -94,7 +86,8 @@ class TrustRegionState:
     )  # whether the demonstrator moved since the last motion, and before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, while they agree with the images
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
-    mismatch: Mismatch | None = None  # None: the arm is where it was sent
+    mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
+    # with backlash, steps or an obstacle; None: it is where it was sent
 
     @property
     def probe(self) -> bool:
@@ -198,34 +191,28 @@ def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptio
         search=Search(n_restarts=state.search.n_restarts),
         swaps=state.swaps,
         target_moved=(False, state.target_moved[1]),
-        mismatch=Mismatch(np.zeros(joints)),
+        mismatch=np.zeros(joints),
     )
 
 
 def _localise_from_images(
-    state: TrustRegionState, mismatch: Mismatch, observation: Observation, options: TrustRegionOptions
+    state: TrustRegionState, mismatch: NDArray[np.float64], observation: Observation, options: TrustRegionOptions
 ) -> tuple[TrustRegionState, Observation]:
     """Record a visit where the arm is by its images.
 
     After a step that led to a posture visited before, DESCEND is skipped: it would make the same step again.
     """
-    last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch.offset))
+    last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch))
     if np.abs(sent.displacement - last).max() < options.same_posture:
         here, been = replace(sent, displacement=last), False
     else:
         here, been = localise(state.known, sent, observation.noise_px)
-    stuck = been and np.array_equal(here.displacement, last)
     region = state.region
     if been and region.predicted_reduction is not None:
         region = replace(region, predicted_reduction=None, descend_allowed=False)
     before = state.visits[:-1] if np.array_equal(here.displacement, last) else state.visits
     offset = observation.displacement - here.displacement
-    state = replace(
-        state,
-        visits=(*before, here)[-options.max_visits :],
-        region=region,
-        mismatch=Mismatch(offset, stuck),
-    )
+    state = replace(state, visits=(*before, here)[-options.max_visits :], region=region, mismatch=offset)
     return state, replace(observation.with_origin(offset), displacement=here.displacement)
 
 

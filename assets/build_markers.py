@@ -26,10 +26,9 @@ from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..simulation.markers import Markers
 from ..simulation.physics import write_urdf
 from ..simulation.rendering import Studio
-from ..simulation.robot import BodyPoints
+from ..simulation.robot import BodyPoints, Markers
 from ..simulation.scene import load_scene
 from ..simulation.world import World
 from . import ROOT

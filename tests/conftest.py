@@ -22,7 +22,7 @@ from serving import Server
 from waiting import wait_until
 
 from viewimit.commands.cli import main
-from viewimit.geometry.blas_threads import limit_blas_threads
+from viewimit.geometry import limit_blas_threads
 
 LONG = "test_types.py", "test_readme.py", "test_extension.py", "test_scenes.py"
 WAITING = (

@@ -59,7 +59,7 @@ from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
-from viewimit.simulation.markers import load_markers
+from viewimit.simulation.robot import load_markers
 from viewimit.simulation.world import World
 
 CONTROLS = {  # what a browser's values become

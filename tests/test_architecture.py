@@ -93,7 +93,6 @@ def in_part(part):
 def test_the_reader_of_imports_sees_them_all():
     assert parts_imported(ROOT / "viewimit/loop/session.py") == {
         "estimation",
-        "geometry",
         "loop",
         "sensing",
         "servo",

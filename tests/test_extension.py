@@ -32,7 +32,7 @@ from viewimit.estimation.transfers.linear import AffineTransfer
 from viewimit.experiments import EXPERIMENTS, Experiment
 from viewimit.experiments.bench import speed
 from viewimit.experiments.paper import fig7, fig9
-from viewimit.experiments.paper.claims import Claims
+from viewimit.experiments.paper.common import Claims
 from viewimit.geometry.affine import centred
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

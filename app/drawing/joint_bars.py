@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.observability import PointInformation, Proposal, unobservable_joints
 from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
-from viewimit.drawing.observability import describe_costs, draw_bars
+from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo.trust_region.options import MAX_STD_PER_PX

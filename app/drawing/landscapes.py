@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.convergence import Basin, Place
 from viewimit.analysis.minima import TransferStudy
 from viewimit.drawing import svg
-from viewimit.drawing.landscape import SMALL_WIDTH, draw_small, small_plane
-from viewimit.drawing.observability import draw_bars
+from viewimit.drawing.landscape import SMALL_WIDTH, draw_bars, draw_small, small_plane
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.simulation.scene import Scene

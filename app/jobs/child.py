@@ -3,7 +3,7 @@
 import os
 import signal
 
-from viewimit.geometry.blas_threads import limit_blas_threads
+from viewimit.geometry import limit_blas_threads
 
 
 def stand_back(niceness: int) -> None:

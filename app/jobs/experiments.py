@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 
 from viewimit.analysis.trajectory import Imitation
-from viewimit.experiments.paper.claims import Claim
+from viewimit.experiments.paper.common import Claim
 from viewimit.loop.settings import Settings
 
 from . import experiment_child

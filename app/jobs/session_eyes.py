@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.disturbances import ActuatorSettings
 from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
-from viewimit.simulation.markers import load_markers
+from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 

@@ -13,7 +13,7 @@ import numpy as np
 from viewimit.assets import ROOT
 
 from viewimit import __version__
-from viewimit.drawing.export.bundle import bundle, packed
+from viewimit.drawing.export.replay import bundle, packed
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 from viewimit.sensing.files import parse_toml

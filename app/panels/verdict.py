@@ -3,7 +3,7 @@
 from viewimit.drawing import svg
 from viewimit.estimation.equations import with_minus
 from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper.claims import Claim, verdict
+from viewimit.experiments.paper.common import Claim, verdict
 
 from ..jobs.experiments import Run
 

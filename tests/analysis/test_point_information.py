@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.observability import best_next, joint_uncertainty, point_information, with_point
+from viewimit.analysis.observability import best_next, find_candidates, joint_uncertainty, point_information, with_point
 from viewimit.geometry.affine import flatness
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.candidates import find_candidates
 from viewimit.simulation.robot import BodyPoints
 
 # on the links that joint 4 moves, all rigid to each other

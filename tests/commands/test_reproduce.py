@@ -10,7 +10,7 @@ import pytest
 from viewimit.analysis import trajectory
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper import fig7, fig9, fig10
-from viewimit.experiments.paper.claims import TOLERANCES, Tolerance
+from viewimit.experiments.paper.common import TOLERANCES, Tolerance
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 

@@ -4,9 +4,8 @@ import pytest
 from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, SPREAD, STEPS, marked, parsed
 
 from viewimit.analysis.construction import construct
-from viewimit.drawing.images.construction import describe, last_stage
 from viewimit.drawing.images.panel import draw_images
-from viewimit.drawing.images.planes import image_windows
+from viewimit.drawing.images.planes import describe_construction, image_windows, last_stage
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, reachable_image_points
@@ -57,7 +56,7 @@ def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(tr
 @pytest.mark.parametrize("transfer, crossed", [("epipolar", True), ("linear", False)])
 def test_each_stage_has_its_words(transfer, crossed):
     found = construct(Session(Settings.paper(transfer=transfer)).snapshot, POINT)
-    words = [describe(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
+    words = [describe_construction(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
     assert len(set(words)) == len(words) and f"1/{last_stage(crossed) + 1}" in words[0]
     assert ("cross at" in words[-1]) == crossed
-    assert "not seen" in describe(None, POINT, None, crossed)
+    assert "not seen" in describe_construction(None, POINT, None, crossed)

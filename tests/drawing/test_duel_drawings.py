@@ -34,7 +34,7 @@ from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.minima import study_transfer
-from viewimit.drawing import curves, observability
+from viewimit.drawing import curves, landscape
 from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import SMALL_WIDTH, LandscapePicture, small_plane
 from viewimit.estimation.transfers import TRANSFERS
@@ -197,30 +197,30 @@ class TestObservability:
     def test_bars_are_as_long_as_their_costs(self):
         bars = [
             float(bar.get("width"))
-            for bar in parsed(observability.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
+            for bar in parsed(landscape.draw_bars((1, 2, 3, 4, 5), self.SPREAD, 424, 20)).iter("rect")
         ]
         assert np.array(bars) / bars[4] == pytest.approx([2 / 9, 1 / 9, 4 / 9, 1, 1], abs=1e-3)
 
     @pytest.mark.parametrize("degrees", [20.0, 170.3, np.inf])
     def test_a_cost_that_says_nothing_is_no_number(self, degrees):
         spread = np.radians([2.0, degrees])
-        told = observability.describe_costs((2, 4), spread)
+        told = landscape.describe_costs((2, 4), spread)
         assert told == "1 px costs θ₂ 2.0°; θ₄ not observable"
-        assert observability.describe_costs((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
-        said = observability.describe_weakness((2, 4), spread)
+        assert landscape.describe_costs((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
+        said = landscape.describe_weakness((2, 4), spread)
         assert said[0].startswith("Joint 4 is not observable") and said[1] == "1 px costs 2.0° at most at the others."
-        assert words(observability.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ not observable"
+        assert words(landscape.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ not observable"
 
     def test_weak_joints_are_named_marked_and_beside_the_rest(self):
-        html = observability.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
+        html = landscape.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
         said = words(html)
         assert "Joint 4 is not observable" in said
         assert "1 px costs 9.0° at most at the others." in said
         root = parsed(html)
         assert len(only(root, "path", WEAK_JOINT)) == 2
-        one = observability.describe_weakness((2, 4), np.radians([1, 3]))
+        one = landscape.describe_weakness((2, 4), np.radians([1, 3]))
         assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
-        none = observability.describe_weakness((2, 4), np.radians([1, 1.5]))
+        none = landscape.describe_weakness((2, 4), np.radians([1, 1.5]))
         assert none == ["No joint is much weaker than the others: 1 px costs 1.5° at most."]
 
     def test_they_take_the_landscapes_place_with_seven_joints_and_its_caption_with_two(self):
@@ -293,7 +293,7 @@ def drawings(race, studied):
     yield landscapes.draw_together(costs)
     blind = replace(found[0].landscape, E=np.full((91, 181), np.nan))
     yield duel_drawing.draw_ground(session.scene, [blind, blind], session.snapshot.theta_demo)
-    yield observability.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
+    yield landscape.draw_observability((1, 2, 3), np.array([1.0, 9.0, np.inf]))
 
 
 def test_drawings_are_valid_name_roles_only_and_write_a_real_minus(race, studied):

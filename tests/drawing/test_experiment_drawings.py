@@ -49,7 +49,7 @@ from viewimit.experiments.paper import (
     fig9,
     fig10,
 )
-from viewimit.experiments.paper.claims import Claim
+from viewimit.experiments.paper.common import Claim
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 

@@ -93,6 +93,20 @@ def test_a_partially_visible_point_counts_and_its_missing_coordinates_do_not(wor
     np.testing.assert_array_equal(e, by.residual(elsewhere.with_own(own)))
 
 
+def test_a_missing_image_is_placed_at_the_mean_depth_of_the_other_points(world, rectification):
+    """So coordinates are normalised as if all were visible, of points at one depth exactly so."""
+    views = world.look(THERE, THERE)
+    z = rectification.apply(views.demo)
+    z[:, 2:] = z[:, :2] + (rectification.apply(views.demo) @ [-1, 0, 1, 0]).mean() * np.array([1, 0])
+    whole = FourViews(rectification.restore(z), views.own, views.visible)
+    frame = HomographyResiduals.unweighted(whole, rectification).frame
+    for seed in range(3):
+        partial = partially_visible(whole, np.random.default_rng(seed))
+        found = HomographyResiduals.unweighted(partial, rectification).frame
+        np.testing.assert_allclose(found.demo_mean, frame.demo_mean, rtol=1e-9)
+        assert found.demo_scale == pytest.approx(frame.demo_scale, rel=1e-9)
+
+
 def test_partially_visible_points_make_a_joint_observable_that_the_others_leave_open(world, rectification):
     """Without a whole point of the base, the first joint turns all that is seen."""
     views = world.look(THERE, THERE)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS, Transfer, TransferMethod, transfer_method
+from viewimit.estimation.transfers.transfer import fit_function, is_whitened
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification, fit_rectification
 from viewimit.simulation.scene import load_scene
@@ -340,6 +341,20 @@ def test_earlier_names_of_an_entry_are_read_with_a_warning(old, new):
     with pytest.warns(FutureWarning, match=f"{old} is now called {new}"):
         method = TransferMethod(fit=Constant, **{old: "In one word."})
     assert getattr(method, new) == "In one word." and replace(method, title="Other").title == "Other"
+
+
+class Whitened(Constant):
+    """Says by the earlier name that its residuals are whitened."""
+
+    weighs_noise = True
+
+
+def test_a_fitted_transfer_may_say_by_the_earlier_name_that_it_is_whitened():
+    views = FourViews(np.zeros((2, 5, 4)), np.zeros((2, 5, 4)), np.ones((5, 4), bool))
+    for fitted in (Whitened(), fit_function(lambda one: Whitened(), "whitened", views)):
+        with pytest.warns(FutureWarning, match="weighs_noise is now called is_whitened"):
+            assert is_whitened(fitted)
+    assert not is_whitened(Constant())
 
 
 @each_transfer

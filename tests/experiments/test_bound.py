@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench.bound import bound
-from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
 from viewimit.geometry.kinematics.clusters import Observations
-from viewimit.geometry.kinematics.covariance import KinematicsCovariance
 from viewimit.geometry.kinematics.model import ProjectiveKinematics
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

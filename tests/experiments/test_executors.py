@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 from waiting import wait_until
 
 from viewimit.commands.bench import current_words
+from viewimit.experiments import executors
 from viewimit.experiments.bench import calibration, compare, robustness, scenes, success, tracking
 from viewimit.experiments.bench.benchmark import Context
-from viewimit.experiments.executors import cluster, executor, study
-from viewimit.experiments.executors.cluster import Cluster
-from viewimit.experiments.executors.executor import Done, LocalPool, StudyError, carry_out
-from viewimit.experiments.executors.study import Study, StudyFolder
+from viewimit.experiments.executors import Cluster, Done, LocalPool, Study, StudyError, StudyFolder, carry_out
 from viewimit.servo import ServoStatus
 
 WHAT = {"command": "bench", "seed": 3}
@@ -56,7 +54,7 @@ def test_results_come_in_the_order_of_the_tasks_whatever_the_executor():
 
 def test_batches_depend_on_the_number_of_tasks_alone_and_hold_them_all():
     for count in (1, 999, 1000, 2500, 250_000):
-        batches = study.in_batches(range(count))
+        batches = executors.in_batches(range(count))
         assert [number for number, _ in batches] == list(range(len(batches)))
         assert [task for _, batch in batches for task in batch] == list(range(count))
         assert all(len(batch) <= 100 for _, batch in batches) and len(batches) < 2600
@@ -149,7 +147,7 @@ def rows(study):
 def dask(monkeypatch):
     """Makes clusters on this machine, which end with the test."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "CONNECT_S", 20.0)
+    monkeypatch.setattr(executors, "CONNECT_S", 20.0)
     begun = []
 
     def begin(workers, processes=False):
@@ -195,7 +193,7 @@ def test_a_cluster_of_processes_one_of_which_is_killed_midway_finds_the_same_dig
 
 
 def test_a_cluster_that_cannot_be_used_is_said_in_a_line(dask, monkeypatch):
-    monkeypatch.setattr(cluster, "CONNECT_S", 0.3)
+    monkeypatch.setattr(executors, "CONNECT_S", 0.3)
     with pytest.raises(StudyError, match=r"tcp://127.0.0.1:9: no Dask scheduler answers"):
         rows(Study(Cluster("tcp://127.0.0.1:9")))
     with pytest.raises(StudyError, match=r"nonsense://x: no Dask scheduler answers"):
@@ -203,14 +201,14 @@ def test_a_cluster_that_cannot_be_used_is_said_in_a_line(dask, monkeypatch):
     one = dask(0)
     with pytest.raises(StudyError, match=f"no workers; start some: dask worker {one.scheduler_address}"):
         rows(Study(Cluster(one.scheduler_address)))
-    monkeypatch.setattr(cluster, "CONNECT_S", 20.0)
+    monkeypatch.setattr(executors, "CONNECT_S", 20.0)
     one.scale(1)
     wait_until(lambda: len(one.scheduler_info["workers"]) == 1)
-    versions, real = iter(["viewimit 0 (0), numpy 0"]), cluster.code_version()  # of the study, of the workers
-    monkeypatch.setattr(cluster, "code_version", lambda: next(versions, real))
+    versions, real = iter(["viewimit 0 (0), numpy 0"]), executors.code_version()  # of the study, of the workers
+    monkeypatch.setattr(executors, "code_version", lambda: next(versions, real))
     with pytest.raises(StudyError, match="has viewimit .* and the study is of viewimit 0 .*: install the same there"):
         rows(Study(Cluster(one.scheduler_address)))
-    monkeypatch.setattr(cluster.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(executors.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(StudyError, match=r"needs dask.distributed: pip install 'viewimit\[cluster\]'"):
         rows(Study(Cluster(one.scheduler_address)))
 
@@ -219,12 +217,12 @@ def test_the_fingerprint_is_of_code_that_changes_results(tmp_path, monkeypatch):
     for room in ("servo", "drawing"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "a.py").write_text("1")
-    monkeypatch.setattr(cluster, "LIBRARY", tmp_path)
-    first = cluster.code_version.__wrapped__()
+    monkeypatch.setattr(executors, "LIBRARY", tmp_path)
+    first = executors.code_version.__wrapped__()
     (tmp_path / "drawing" / "a.py").write_text("2")
-    assert cluster.code_version.__wrapped__() == first and np.__version__ in first
+    assert executors.code_version.__wrapped__() == first and np.__version__ in first
     (tmp_path / "servo" / "a.py").write_text("2")
-    assert cluster.code_version.__wrapped__() != first
+    assert executors.code_version.__wrapped__() != first
 
 
 BENCH = "bench", "compare", "--runs", 2, "--max-motions", 4, "--servo", "broyden", "--json"
@@ -232,11 +230,11 @@ BENCH = "bench", "compare", "--runs", 2, "--max-motions", 4, "--servo", "broyden
 
 def test_the_command_keeps_goes_on_and_refuses_another_study(ask, tmp_path, monkeypatch):
     monkeypatch.setattr(compare.CompareBenchmark, "cases", CASES)
-    monkeypatch.setattr(executor.os, "cpu_count", lambda: 1)
+    monkeypatch.setattr(executors.os, "cpu_count", lambda: 1)
     status, plain, _ = ask(*BENCH)
     status, first, err = ask(*BENCH, "--out", tmp_path / "kept")
     assert status == 0 and "4 runs: " in err and "ms a run; 1,000,000 such runs need" in err
-    monkeypatch.setattr(executor, "carry_out", None)  # nothing is left to do
+    monkeypatch.setattr(executors, "carry_out", None)  # nothing is left to do
     status, again, err = ask(*BENCH, "--out", tmp_path / "kept", "--csv", tmp_path / "runs.csv")
     assert status == 0 and "4 runs, 4 of them kept before" in err
     told = [json.loads(words)["compare"] for words in (plain, first, again)]

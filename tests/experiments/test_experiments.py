@@ -6,8 +6,9 @@ import pytest
 from viewimit.analysis import trajectory
 from viewimit.analysis.trajectory import follow, hand_points
 from viewimit.estimation.residuals import conflict
-from viewimit.experiments.paper import claims, fig7, fig9, fig10
-from viewimit.experiments.paper.claims import Claims
+from viewimit.experiments.paper import common as claims
+from viewimit.experiments.paper import fig7, fig9, fig10
+from viewimit.experiments.paper.common import Claims
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

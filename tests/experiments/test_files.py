@@ -17,7 +17,7 @@ from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES
 from viewimit.experiments.experiment import write
 from viewimit.experiments.paper import fig7, fig8, fig9, fig10
-from viewimit.experiments.paper.claims import verdict
+from viewimit.experiments.paper.common import verdict
 from viewimit.loop.settings import Settings
 
 COARSE = {

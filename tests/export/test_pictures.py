@@ -33,7 +33,7 @@ from viewimit.drawing.export.perspective import Viewpoint, default_viewpoint, dr
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper.claims import Claim
+from viewimit.experiments.paper.common import Claim
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene_geometry import bases_of

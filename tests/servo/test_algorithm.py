@@ -13,7 +13,7 @@ from viewimit.servo.trust_region import algorithm, subproblem
 from viewimit.servo.trust_region.algorithm import PHASES
 from viewimit.servo.trust_region.convergence import certify
 from viewimit.servo.trust_region.rules import updated_region
-from viewimit.servo.trust_region.state import Destination, Phase, Region, TrustRegionState
+from viewimit.servo.trust_region.state import Destination, Phase, Region, Swaps, TrustRegionState
 
 OPTIONS = TrustRegionOptions()
 DEG = np.radians(1.0)
@@ -31,8 +31,8 @@ def test_phases_follow_each_other_as_the_table_says_and_each_is_reached(monkeypa
     made = set()
 
     def recorded(phase, run):
-        def phase_recorded(state, look):
-            outcome = run(state, look)
+        def phase_recorded(state, context):
+            outcome = run(state, context)
             made.add((phase, outcome[0] if outcome[2] is None else "motion"))
             return outcome
 
@@ -45,7 +45,7 @@ def test_phases_follow_each_other_as_the_table_says_and_each_is_reached(monkeypa
         Session(Settings(servo="trust-region", seed=2, **changes)).run(40)
     assert {phase for phase, _ in made} == set(Phase)
     assert all(after == "motion" or after in PHASES[phase][1] for phase, after in made)
-    assert {phase for phase, after in made if after == "motion"} == set(Phase) - {Phase.MATCH}
+    assert {phase for phase, after in made if after == "motion"} == set(Phase) - {Phase.PLAN}
 
 
 @pytest.mark.parametrize(
@@ -73,8 +73,8 @@ def test_the_region_never_grows_beyond_its_largest_radius():
     assert updated_region(state, np.array([10.0, 8.0]), OPTIONS).radius == OPTIONS.max_radius
 
 
-class Looks:
-    """What `rest` needs of a look: it is at the first posture, and is to rest at the second one."""
+class RestContext:
+    """What `rest` needs of a context: it is at the first posture, and is to rest at the second one."""
 
     def __init__(self, here_deg, place_deg):
         limits = np.full(2, 9.0)
@@ -89,14 +89,14 @@ def test_between_two_postures_that_are_best_by_turns_it_stops_at_the_third_retur
     """Each return makes the other posture the best one, by noise: without an end it would go on for ever."""
     visits = (visit(10, 0), visit(20, 0)) * (times - 1) + (visit(10, 0),)
     state = state_with(*visits, destination=Destination(status=ServoStatus.SETTLED))
-    _, after, displacement = algorithm.rest(state, Looks((10, 0), (20, 0)))
+    _, after, displacement = algorithm.rest(state, RestContext((10, 0), (20, 0)))
     assert displacement.any() != stops
     assert after.status == (ServoStatus.SETTLED if stops else ServoStatus.MOVING)
 
 
 def test_a_run_that_has_not_gone_to_rest_before_is_not_cut_off_by_returns():
     state = state_with(*(visit(10, 0), visit(20, 0)) * 2, visit(10, 0))
-    assert algorithm.rest(state, Looks((10, 0), (20, 0)))[2].any()
+    assert algorithm.rest(state, RestContext((10, 0), (20, 0)))[2].any()
 
 
 def driven(servo, world, motions, moving=False):
@@ -172,13 +172,13 @@ def test_where_the_demonstrator_moves_slowly_it_waits_and_makes_no_verification(
 
 
 def test_a_swap_that_did_not_make_E_small_is_undone():
-    look = Looks((0, 0), (0, 0))
+    context = RestContext((0, 0), (0, 0))
     images = np.arange(20.0).reshape(5, 4)
-    look.residuals = lambda own, transfer=None, noise_reference=None, rig=0: own
-    state = state_with(visit(0, 0), matching=algorithm.Matching(((0, 1),), 1))
-    after = algorithm.on_rung(state, look, 0)
-    assert after.exchanged == () and after.matching.n_attempts == 1
-    np.testing.assert_array_equal(look.residuals(images), images[[1, 0, 2, 3, 4]])
+    context.residuals = lambda own, transfer=None, noise_reference=None, rig=0: own
+    state = state_with(visit(0, 0), swaps=Swaps(((0, 1),), 1))
+    after = algorithm.on_rung(state, context, 0)
+    assert after.exchanged == () and after.swaps.n_searches == 1
+    np.testing.assert_array_equal(context.residuals(images), images[[1, 0, 2, 3, 4]])
 
 
 def test_certify_is_called_with_the_options_of_the_servo(monkeypatch):

@@ -13,7 +13,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import MATCH
-from viewimit.servo.trust_region.correspondences import find_swapped_matches, with_swapped
+from viewimit.servo.trust_region.correspondences import find_swaps, with_swaps
 from viewimit.servo.trust_region.correspondences import swapped as swapped_points
 
 replace = msgspec.structs.replace
@@ -36,7 +36,7 @@ def asked(session):
     seen = session.observation(session.snapshot)
     start = session.settings.start_rad
     predict = lambda displacement: session.world.own_images(np.moveaxis(displacement + start, -1, 0))[0]
-    return find_swapped_matches(predict, session.predicted_residuals(session.snapshot), seen.lower, seen.upper, 1.0)
+    return find_swaps(predict, session.predicted_residuals(session.snapshot), seen.lower, seen.upper, 1.0)
 
 
 @pytest.mark.parametrize("points, share", [(10, 0.2), (16, 0.2), (20, 0.1)])
@@ -55,7 +55,7 @@ def test_the_conflict_of_exchanged_own_points_is_that_of_the_demonstrators_excha
     straight = Session(replace(session.settings, swapped=0.0))
     pairs = tuple(swapped(session.settings, 16))
     own = session.snapshot.views.own + np.random.default_rng(0).normal(size=(3, 16, 4))
-    told = with_swapped(session.predicted_residuals(session.snapshot), pairs)
+    told = with_swaps(session.predicted_residuals(session.snapshot), pairs)
     E, expected = ((e**2).sum((1, 2)) for e in (told(own), straight.predicted_residuals(straight.snapshot)(own)))
     np.testing.assert_allclose(E, expected, rtol=1e-9)
 
@@ -121,9 +121,4 @@ def test_where_the_images_are_hardly_known_nothing_is_exchanged_and_nothing_fail
         Session(anywhere(Settings(missing=0.4, frames=1), seed)).run(40)
     two_joints = np.zeros(2), np.ones(2)
     unknown = lambda theta: np.full((*theta.shape[:-1], 10, 4), np.nan)
-    assert (
-        find_swapped_matches(
-            unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0
-        )
-        == ()
-    )
+    assert find_swaps(unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0) == ()

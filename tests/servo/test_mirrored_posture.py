@@ -9,7 +9,7 @@ from viewimit.estimation.prediction import PredictedResiduals
 from viewimit.experiments.bench.draws import SurfaceEyes
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_region.correspondences import find_swapped_matches, with_swapped
+from viewimit.servo.trust_region.correspondences import find_swaps, with_swaps
 
 PARALLEL = 'extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n'
 HEADS = {"parallel": PARALLEL, "toed in": PARALLEL + "[head]\ntoe_in_deg = 12\n"}
@@ -77,8 +77,8 @@ def test_a_swapped_pair_is_named_although_the_mirror_image_fits_without_an_excha
         seen = session.observation(session.snapshot)
         start = session.settings.start_rad
         predict = lambda displacement: session.world.own_images(np.moveaxis(displacement + start, -1, 0))[0]
-        residuals = with_swapped(session.predicted_residuals(session.snapshot), pairs)
-        return find_swapped_matches(predict, residuals, seen.lower, seen.upper, 1.0)
+        residuals = with_swaps(session.predicted_residuals(session.snapshot), pairs)
+        return find_swaps(predict, residuals, seen.lower, seen.upper, 1.0)
 
     assert asked(()) == () and asked((pair,)) == (pair,)
     without_handedness(monkeypatch)

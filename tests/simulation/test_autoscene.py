@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from urdfs import LIMIT, arm, gripper, joint, link, write
 
+from viewimit.analysis.observability import MAX_PLACES, find_candidates
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.candidates import MAX_PLACES, find_candidates
 from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, rest_posture, turning_range
 from viewimit.simulation.autoscene.scene import make_scene
 from viewimit.simulation.autoscene.surface import Surface, parts_of, visible_fraction

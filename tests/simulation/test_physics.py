@@ -14,9 +14,9 @@ from viewimit.geometry.rigid import look_rotation, rigid_transform  # noqa: E402
 from viewimit.loop.session import Session  # noqa: E402
 from viewimit.loop.settings import Settings  # noqa: E402
 from viewimit.simulation.camera import Camera, Lens  # noqa: E402
-from viewimit.simulation.markers import load_markers  # noqa: E402
 from viewimit.simulation.physics import Arm, connect, write_urdf  # noqa: E402
 from viewimit.simulation.rendering import LIGHT, SAMPLES, RenderedEyes, Studio, opengl_matrices  # noqa: E402
+from viewimit.simulation.robot import load_markers  # noqa: E402
 from viewimit.simulation.scene import load_scene  # noqa: E402
 
 

@@ -4,8 +4,9 @@ It follows from the curvature of E at its minimum, where E = |J δθ|²/2N. A jo
 changes the residuals, or changes them as other joints do. These functions use the simulated world, so no learner can.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +15,19 @@ from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, flatness
 from ..loop.snapshot import Snapshot
 from ..servo.trust_region.options import MAX_STD_PER_PX
-from ..simulation.robot import BodyPoints
+from ..simulation.autoscene.surface import Surface, choose_layout, parts_of, sample_arm, visible_fraction
+from ..simulation.meshes import Mesh, first_hit
+from ..simulation.robot import BodyPoints, link_meshes
 from ..simulation.world import World
 
 FD_STEP_RAD = 1e-3
 MIN_SINGULAR_VALUE = 1e-9  # relative to the largest: directions below it are unobservable
 WEAK_RATIO = 2.0  # a weak joint's error, relative to the median of the others
 ITERATIONS = 6  # of damped Gauss-Newton steps in `sample_estimates`
+MAX_PLACES = 64  # candidates for a further body point
+MAX_DEPTH_M = 2e-3  # of a visible place under the surface
+CANDIDATE_GRID = 0.0, 0.5, 1.0  # of the range of a joint
+MAX_GRID_JOINTS = 2  # all combinations of CANDIDATE_GRID; with more joints, the given posture only
 DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.2, 8.0  # initial, relative to the mean curvature; after a step
 
 
@@ -238,3 +245,59 @@ def _levenberg_marquardt(residual_at: Callable, theta: NDArray, low: NDArray, hi
         theta, e = np.where(better[:, None], trial, theta), np.where(better[:, None], e_trial, e)
         damping *= np.where(better, DAMPING_DECREASE, DAMPING_INCREASE)
     return theta
+
+
+def find_candidates(world: World, theta: ArrayLike) -> BodyPoints:
+    """Return candidates for a further body point, as visible in the four images as possible.
+
+    They are rounded to 0.1 mm, and no surface hides them at a posture (m,) rad of both arms.
+    """
+    scene, robot = world.scene, world.robot
+    meshes = link_meshes(scene.robot)
+    theta = np.asarray(theta, float)
+    rest = np.array(world.joint_angles(theta), float)
+    surface = sample_arm(meshes, robot, rest, int(scene.moving[0]) + 1)
+    postures = [theta]
+    if len(scene.moving) <= MAX_GRID_JOINTS:
+        grid = np.array(list(product(CANDIDATE_GRID, repeat=len(scene.moving))))
+        postures += list(scene.lower + (scene.upper - scene.lower) * grid)
+    views = [_visibility(world, surface, posture) for posture in postures]
+    kept = np.all([inside for inside, _ in views], axis=0) & (views[0][1] == 1)
+    surface, visible = surface.only(kept), np.mean([fraction for _, fraction in views], axis=0)[kept]
+    places, part = surface.at(robot.link_frames(rest))[0], parts_of(surface.link, list(scene.moving_joints))
+    chosen = np.array([], int)
+    if len(places):
+        chosen = choose_layout(surface, places, visible, part, MAX_PLACES)
+    found = BodyPoints(surface.link[chosen], surface.local[chosen].round(4))
+    unhidden = _is_unhidden(world, found, theta, meshes)
+    return BodyPoints(found.link[unhidden], found.local[unhidden])
+
+
+def _is_unhidden(
+    world: World, points: BodyPoints, theta: NDArray[np.float64], meshes: Mapping[int, Mesh]
+) -> NDArray[np.bool_]:
+    """Whether each of four rays reaches each point, (K,). This is exact; `visible_fraction` is approximate."""
+    found = np.ones(len(points), bool)
+    for T_world_base, cameras in ((world.T_world_demo, world.demo_cameras), (world.T_world_own, world.own_cameras)):
+        frames = world.link_frames(theta, T_world_base)
+        T = frames[points.link]
+        places = np.einsum("kij,kj->ki", T[:, :3, :3], points.local) + T[:, :3, 3]
+        for camera in cameras:
+            eye = camera.T_world_camera[:3, 3]
+            for k in np.flatnonzero(found):
+                hit = first_hit(meshes, frames, eye, places[k] - eye)
+                found[k] = hit is None or hit.distance > np.linalg.norm(places[k] - eye) - MAX_DEPTH_M
+    return found
+
+
+def _visibility(
+    world: World, surface: Surface, theta: NDArray[np.float64]
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Whether each place is inside all four images, (K,), and the fraction of them in which it is not hidden, (K,)."""
+    places, normals = surface.at(world.link_frames(theta, np.eye(4)))
+    inside, fractions = np.ones(len(places), bool), []
+    for T_world_base, cameras in ((world.T_world_demo, world.demo_cameras), (world.T_world_own, world.own_cameras)):
+        for camera in cameras:
+            inside &= camera.project(places.T, T_world_base)[1]
+        fractions.append(visible_fraction(list(cameras), T_world_base, places, normals))
+    return inside, np.mean(fractions, axis=0)

@@ -16,9 +16,7 @@ from tqdm import tqdm
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import BENCHMARKS, Benchmark
 from ..experiments.bench.benchmark import Context, OptionError, Progress, SceneOptions
-from ..experiments.executors.cluster import Cluster, code_version
-from ..experiments.executors.executor import LocalPool, StudyError
-from ..experiments.executors.study import Study, StudyFolder
+from ..experiments.executors import Cluster, LocalPool, Study, StudyError, StudyFolder, code_version
 from ..geometry.affine import require_points
 from ..sensing.files import escape
 from ..simulation.scene import load_scene, scene_names

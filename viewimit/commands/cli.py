@@ -1,7 +1,7 @@
 """The command line: degrees at this surface, radians behind it.
 
-Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or no room for what is printed; 130:
-interrupted; 141: nobody reads what is printed. With --json exactly one JSON object goes to standard output, and all
+Exit status 0: done; 1: ran, but did not reach its target; 2: bad input, or the output cannot be written; 130:
+interrupted; 141: nobody reads the output. With --json exactly one JSON object goes to standard output, and all
 messages to standard error.
 """
 
@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from typing import NoReturn
 
 from .. import __version__
-from ..geometry.blas_threads import limit_blas_threads
+from ..geometry import limit_blas_threads
 from ..sensing.renamed import current_option
 from . import BadInput
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
 from ..sensing.tracks import Row, write_tidy
-from ..simulation.markers import load_markers, marker_names
+from ..simulation.robot import load_markers, marker_names
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -24,7 +24,7 @@ from .options import (
     between,
     naming,
     option,
-    require_files_apart,
+    require_separate_files,
 )
 
 Picture = NDArray[np.uint8]
@@ -138,7 +138,7 @@ def _files_by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
         if not named:
             raise BadInput(f"{path}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS}")
         files[named["view"] or view_of(f"{named['body']}_{named['side']}".lower())].append(path)
-    require_files_apart(path for paths in files.values() for path in paths)
+    require_separate_files(path for paths in files.values() for path in paths)
     found = {view: paths for view, paths in files.items() if paths}
     if not found:
         raise BadInput(f"no pictures: name files, or give them by {VIEW_OPTIONS}")

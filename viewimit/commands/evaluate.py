@@ -37,7 +37,7 @@ from .options import (
     between,
     lens,
     naming,
-    require_files_apart,
+    require_separate_files,
 )
 
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
@@ -45,7 +45,7 @@ FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recov
 TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 NAMED = 10  # points that --min-confidence removed, in words
 TOGETHER = 2000  # frames at a time, for memory's sake
-APART = 6.0  # σ₁/σ₄ of points in one place is noise's own, 5 at most in 95 % of frames; of arms 24 and more at 1 px
+MIN_SPREAD = 6.0  # of σ₁/σ₄: noise alone gives 5 at most in 95 % of frames, arms give 24 and more at 1 px
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -129,7 +129,7 @@ def evaluate_frames(
     transfer: str,
     rectification: Rectification | None = None,
 ) -> list[dict]:
-    """What is to say of each of T frames, (T, N, …); of one that no transfer can be fitted to, why, all else None."""
+    """Evaluate T frames, (T, N, …). One that no transfer can be fitted to has the reason; its other values are None."""
     frames: list[dict] = [{} for _ in numbers]
     patterns, of = np.unique(views.usable, axis=0, return_inverse=True)
     for k, usable in enumerate(patterns):
@@ -221,8 +221,8 @@ def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, o
     for of, sigma in (("", demo), (" of [L R]", own)):
         if sigma[0] >= AMBER * sigma[2]:
             return f"{FLATNESS}{of} {sigma[0] / sigma[2]:.3g}: {FLAT}"
-        if sigma[0] < APART * sigma[3]:
-            return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the points lie apart by little more than noise, E may mislead"
+        if sigma[0] < MIN_SPREAD * sigma[3]:
+            return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the spread is little more than noise, E may mislead"
     return None
 
 
@@ -249,7 +249,7 @@ def _frames(views: FourViews, which: NDArray | int) -> FourViews:
 
 def _read(args: argparse.Namespace) -> TrackedPoints:
     given = {view: vars(args)[name] for view, name in VIEW_NAMES.items() if vars(args)[name]}
-    require_files_apart(given.values())
+    require_separate_files(given.values())
     if args.points and not given and args.points.suffix.lower() not in (".csv", ".tsv", ".txt", ""):
         raise BadInput(f"{args.points}: POINTS.csv is a table of all four views; give others by {VIEW_OPTIONS}")
     named = [body for body in BODIES if vars(args)[body] is not None]

@@ -90,7 +90,7 @@ def _transfers(result: dict) -> str:
 
 
 def _suspects(result: dict) -> str:
-    """Points that are likely wrong, and of what nothing is told."""
+    """Points that are likely wrong, and kinds of errors about which no decision is possible."""
     found = [suspect_in_words(suspect, len(result["frames"])) for suspect in result["suspects"]]
     rows = [[html.escape(words) for words in each] for each in found]
     undecided = "".join(f"<p>Undecided: {html.escape(why)}.</p>" for why in result["undecided"])
@@ -154,7 +154,7 @@ def suspects_json(report: OutlierReport, points: Sequence[str], numbers: Sequenc
 
 
 def suspect_in_words(suspect: dict, frames: int) -> tuple[str, str, str]:
-    """The points, what is wrong with them, and how much speaks for that. frames: how many there are."""
+    """Describe suspected points, their fault and the evidence. frames: their number."""
     named, where = " and ".join(suspect["points"]), " or ".join(suspect["views"])
     if suspect["kind"] == "swapped":
         falls = f"E {suspect['E']:.3g} px², {suspect['E_swapped']:.3g} px² permuted: falls {suspect['score']:.3g} times"

@@ -85,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
 def _report(result: dict) -> None:
     print(f"demonstrator  {posture(result['demonstrator_deg'])}")
     if result.get("rehearsal_holds") is False:
-        print("rehearsal     predicted too little: it has probed anew; rehearse again, more postures if nothing moved")
+        print("rehearsal     predicted too little: it has probed again; rehearse again, more postures if nothing moved")
     print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
     by_joint = ", ".join(f"{joint['travel_deg']:.1f}°" for joint in result["joints"])
     print(f"travel        {result['travel_deg']:.1f}°; joint by joint {by_joint}")
@@ -99,14 +99,14 @@ def _report(result: dict) -> None:
         print(f"unobservable  {', '.join(unobservable)}: the points do not determine these joints")
     if result["exchanged"]:
         named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
-        print(f"swapped       points {named} of the demonstrator, as it seems")
+        print(f"swapped       points {named} of the demonstrator, probably")
     print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
 
 
 def _write(path: Path, session: Session) -> str:
     """Write by extension; return a page's size in words. Raises OSError."""
     if path.suffix.lower() in PAGES:
-        from ..drawing.export.replay import replay  # it loads all that draws
+        from ..drawing.export.replay import replay  # it loads the drawing code
 
         return f", {replay(session).save(path) / 1e6:.2f} MB"
     _write_table(path, session.history)
@@ -148,13 +148,15 @@ def _at_least(value: float, least: float, form: str, unit: str) -> str:
     return f"below {least:g}{unit}" if value < least else figure(value, form, unit)
 
 
-def _observable(known: Assessment | None, joint: int) -> bool | None:
-    """Whether the points determine a joint, by index; None where the visited postures leave that open."""
+def _observable(known: Assessment | None, joint: int) -> tuple[bool | None, str | None]:
+    """Whether the points determine a joint, by index, None where that is open; and the reason if they do not."""
     if known is None:
-        return None
+        return None, "not-assessed"
     if known.certificate.observable[joint]:
-        return True
-    return False if joint in known.unobservable else None
+        return True, None
+    if joint in known.unobservable:
+        return False, "points"
+    return None, "needs-more-data" if known.certificate.needs_more_data else "unexplored-direction"
 
 
 def outcome(session: Session, ended: RunResult) -> dict:
@@ -178,7 +180,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
                 "name": f"theta{joint}",
                 "deg": np.degrees(last.theta[k]),
                 "std_error_deg": None if std_error is None else np.degrees(std_error[k]),
-                "observable": _observable(known, k),
+                **dict(zip(("observable", "observable_reason"), _observable(known, k))),
                 "travel_deg": ended.joint_travel_deg[k],
             }
             for k, joint in enumerate(session.scene.moving_joints)

@@ -12,7 +12,7 @@ MB = 1_000_000
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="a name, or the path of a .toml or .urdf file (panda)")
-    parser.add_argument("--robot", metavar="NAME", help="in place of the scene's: a name, or the path of a .urdf file")
+    parser.add_argument("--robot", metavar="NAME", help="replaces the scene's: a name, or the path of a .urdf file")
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")
 
 

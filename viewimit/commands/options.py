@@ -123,7 +123,7 @@ def add_view_options(parser: argparse.ArgumentParser, says: str, **kind: Any) ->
         parser.add_argument(option(name), type=Path, metavar="FILE", help=says.format(SHOWN_IN[view]), **kind)
 
 
-def require_files_apart(paths: Iterable[Path]) -> None:
+def require_separate_files(paths: Iterable[Path]) -> None:
     """Raises BadInput for two names that differ in small and capital letters alone, and are one file."""
     known: dict[str, Path] = {}
     for path in paths:
@@ -151,9 +151,16 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         asked = "--robot"
     del args.base, args.tip  # the robot's name says them now
     settings = defaults
-    apart = ("scene", "robot", "joints", "points", "demonstrator_deg", "start_deg")  # checked with the scene, below
+    later = (
+        "scene",
+        "robot",
+        "joints",
+        "points",
+        "demonstrator_deg",
+        "start_deg",
+    )  # checked with the scene, below
     for name, value in vars(args).items():
-        if name in FIELDS and name not in apart and value is not None:
+        if name in FIELDS and name not in later and value is not None:
             with naming(option(name)):
                 if value == OWN:
                     raise ValueError(f"no {name} {OWN!r}: only a session in Python is given one")
@@ -218,7 +225,7 @@ def all_joints(robot: str) -> tuple[int, ...]:
 
 
 def tell_choices(chosen: "AutoScene", scene: Scene) -> None:
-    """Print what was chosen for a URDF, which joints move, and which of its parts are not drawn."""
+    """Print the choices made for a URDF, which joints move, and which of its parts are not drawn."""
     path, robot = parse_reference(scene.robot).path, load_robot(scene.robot)
     moving = [
         f"{joint} ({escape(robot.joints[joint - 1].name, MAX_NAME_CHARS)}) {low:g}° … {high:g}°"

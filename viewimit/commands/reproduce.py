@@ -12,7 +12,7 @@ from ..analysis.trajectory import MOTIONS, load_motion
 from ..drawing.export import figures
 from ..experiments import EXPERIMENTS, ON_PICTURES, Experiment
 from ..experiments.experiment import claims_json, write
-from ..experiments.paper import claims
+from ..experiments.paper import common
 from ..simulation.scene import load_scene
 from .json_output import print_json
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_json_option, add_settings, naming, settings_from
@@ -68,8 +68,8 @@ def run(args: argparse.Namespace) -> int:
             settings,
         )
     else:
-        print(claims.table(judged))
-        print(f"\n{claims.verdict(judged) or 'nothing is judged'}")
+        print(common.table(judged))
+        print(f"\n{common.verdict(judged) or 'nothing is judged'}")
     return MISSED if any(claim.holds is False for claim in judged) else DONE
 
 

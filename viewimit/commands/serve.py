@@ -8,15 +8,15 @@ from pathlib import Path
 from ..sensing.files import escape
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
 
-STORE = "VIEWIMIT_STORE"  # environment variable, in place of --store
-SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, in place of one by chance
+STORE = "VIEWIMIT_STORE"  # environment variable, instead of --store
+SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, instead of a random one
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 lets everybody in who is on its network",
+        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
     )
     parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
     parser.add_argument("--max-clients", type=between(int, 1, 10_000), default=40, help="tabs at a time (%(default)s)")
@@ -51,7 +51,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=Path,
         metavar="FILE",
-        help="a lesson of your own, offered in place of the tour; more than once for more (docs/lessons.md)",
+        help="a lesson of your own, offered instead of the tour; more than once for more (docs/lessons.md)",
     )
     parser.add_argument(
         "--lecturer",

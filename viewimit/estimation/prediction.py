@@ -11,9 +11,9 @@ from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import AFFINE_DEGREES_OF_FREEDOM, Rectification, affine_squared_error, rectify_affine
 from .noise import DemonstratorResiduals, affine_whitening
 from .rectification import fit_transfer
-from .residuals import NoiseReference, ResidualFunction
+from .residuals import NoiseReference, ResidualFunction, with_earlier_arguments
 from .transfers.registry import TRANSFERS, TransferMethod
-from .transfers.transfer import FittedTransfer
+from .transfers.transfer import FittedTransfer, is_whitened
 from .views import FourViews, unique_matches
 
 VELOCITY_LOOKS = 3  # two displacements
@@ -99,6 +99,7 @@ class PredictedResiduals:
         self._rigs: dict[int, ResidualFunction] = {}
         self._handedness: dict[bytes, Handedness | None] = {}
 
+    @with_earlier_arguments
     def __call__(
         self,
         own: NDArray[np.float64],
@@ -164,7 +165,7 @@ class PredictedResiduals:
         else:
             fitted = self._converged
         e = fitted.residual(views)
-        if reference is None or reference.own is None or fitted.is_whitened:
+        if reference is None or reference.own is None or is_whitened(fitted):
             return e
         return e @ self._affine_weight(views.with_own(reference.own[known]), reference.own_variance_ratio)
 
@@ -224,6 +225,7 @@ class PartialPointResiduals:
         head = complete.rectification or rectify_affine(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
         self._by_rig = [DemonstratorResiduals(one, complete.noise_px) for one in (head, *head.perturbed)]
 
+    @with_earlier_arguments
     def __call__(
         self,
         own: NDArray[np.float64],

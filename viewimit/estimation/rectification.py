@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..geometry.rectification import Rectification, fit_rectification
 from .residuals import conflict
 from .transfers.registry import TransferMethod
-from .transfers.transfer import FittedTransfer
+from .transfers.transfer import FittedTransfer, is_whitened
 from .views import FourViews, unique_matches
 
 MAX_LOOKS = 40  # whose matches are pooled; after as many motions the rectification stays
@@ -37,7 +37,7 @@ class RectifiedTransfer(FittedTransfer):
 
     @property
     def is_whitened(self) -> bool:
-        return self.between.is_whitened
+        return is_whitened(self.between)
 
     @property
     def fundamentals(self) -> NDArray[np.float64] | None:

@@ -18,7 +18,7 @@ from ..drawing.export import figures
 from ..drawing.plots import describe_settings
 from ..loop.settings import Settings
 from ..simulation.scene import Scene, load_scene
-from .paper.claims import Claim, Claims, verdict
+from .paper.common import Claim, Claims, verdict
 
 Table = dict[str, NDArray]  # columns of equal length, by name, with units in the names
 Tables = dict[str, Table]

@@ -1,4 +1,4 @@
-"""What the loop needs of a robot and its cameras: an arm of your own, eyes of your own, and how a session uses both.
+"""The protocols of a robot and its cameras: an arm of your own, eyes of your own, and how a session uses both.
 
 `Arm` and `Eyes` are what you write for a real robot. The other protocols have two implementations each, one for a
 simulated scene and one for an arm and eyes. They know no scene, no world and no ground truth.
@@ -13,12 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from .self_calibration import Body
 from .settings import Settings
-from .snapshot import Snapshot
+from .snapshot import Limits, Snapshot
 
 TOLERANCE_DEG = 1e-6  # beyond a limit
 TOLERANCE_WAYPOINTS = 1e-9  # in numbers of motions: the rounding error of their sum
-
-Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
 
 
 class Arm(Protocol):
@@ -89,15 +87,48 @@ class Observer(Protocol):
     def four_views(
         self, settings: Settings, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], look: int
     ) -> FourViews:
-        """Look at both bodies. theta, theta_demo: (m,) rad, where the arms are; look: the number of this look."""
+        """Look at both bodies.
+
+        Parameters
+        ----------
+        settings : Settings
+            Give the disturbances of simulated images.
+        theta, theta_demo : (m,) array
+            Where the arms of the learner and of the demonstrator are [rad].
+        look : int
+            Number of this look.
+
+        Returns
+        -------
+        FourViews
+            The image points of both bodies [px].
+        """
         ...
 
     def image_noise_std(self, settings: Settings) -> float:
-        """Standard deviation of a coordinate in `four_views` [px]."""
+        """Estimate the noise of a coordinate in `four_views`.
+
+        Parameters
+        ----------
+        settings : Settings
+            As of `four_views`.
+
+        Returns
+        -------
+        float
+            Standard deviation [px].
+        """
         ...
 
     def wait_for_motion(self, now: Snapshot, theta: NDArray[np.float64]) -> tuple[int, int | None]:
-        """Wait until an image shows the motion from `now` to theta, (m,) rad.
+        """Wait until an image shows a motion.
+
+        Parameters
+        ----------
+        now : Snapshot
+            Before the motion.
+        theta : (m,) array
+            Where the arm is after it [rad].
 
         Returns
         -------
@@ -113,25 +144,80 @@ class Embodiment(Protocol):
     """The learner's arm, of m joints, and its view of the demonstrator. Postures are (m,) rad."""
 
     @property
-    def lower(self) -> NDArray[np.float64]: ...
+    def lower(self) -> NDArray[np.float64]:
+        """(m,) rad: lowest angles of the joints."""
+        ...
 
     @property
-    def upper(self) -> NDArray[np.float64]: ...
+    def upper(self) -> NDArray[np.float64]:
+        """(m,) rad: highest angles of the joints."""
+        ...
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
-        """Return a copy of theta. Raise ValueError for a wrong number of angles, NaN, or one beyond its limits."""
+        """Check a posture.
+
+        Parameters
+        ----------
+        theta : (m,) array
+            Angles [rad].
+        whose : str
+            Names the posture in the message.
+
+        Returns
+        -------
+        (m,) array
+            A copy of theta.
+
+        Raises
+        ------
+        ValueError
+            For a wrong number of angles, NaN, or an angle beyond its limits.
+        """
         ...
 
     def body(self, settings: Settings) -> Body:
-        """The body that a calibration with these settings would describe."""
+        """Describe the body, for a calibration.
+
+        Parameters
+        ----------
+        settings : Settings
+            Of the session.
+
+        Returns
+        -------
+        Body
+            What a calibration with these settings would hold for.
+        """
         ...
 
     def demonstrator(self, settings: Settings) -> NDArray[np.float64]:
-        """The demonstrator's posture in the settings; NaN where it is unknown. Raises ValueError beyond its limits."""
+        """Read the demonstrator's posture from settings.
+
+        Parameters
+        ----------
+        settings : Settings
+            ValueError if the posture is beyond its limits.
+
+        Returns
+        -------
+        (m,) array
+            Angles [rad]; NaN where they are unknown.
+        """
         ...
 
     def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the demonstrator comes to rest if it is sent to theta_demo; NaN where it is unknown."""
+        """Move the demonstrator.
+
+        Parameters
+        ----------
+        theta_demo : (m,) array
+            Where it is sent [rad].
+
+        Returns
+        -------
+        (m,) array
+            Where it comes to rest [rad]; NaN where that is unknown.
+        """
         ...
 
     def drive(
@@ -141,15 +227,53 @@ class Embodiment(Protocol):
         sent: NDArray[np.float64],
         commanded: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        """Send the arm to `commanded`. theta, sent: where it is, and was last sent. Return where it comes to rest."""
+        """Move the learner's arm.
+
+        Parameters
+        ----------
+        settings : Settings
+            Give the disturbances of a simulated arm.
+        theta : (m,) array
+            Where it is [rad].
+        sent : (m,) array
+            Where it was last sent [rad].
+        commanded : (m,) array
+            Where it is sent now [rad].
+
+        Returns
+        -------
+        (m,) array
+            Where it comes to rest [rad].
+        """
         ...
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
-        """Bring the arm, last sent to `sent`, back to `commanded`, where a past snapshot had it."""
+        """Bring the arm back to where a past snapshot had it.
+
+        Parameters
+        ----------
+        settings : Settings
+            Of that snapshot.
+        sent : (m,) array
+            Where it was last sent [rad].
+        commanded : (m,) array
+            Where that snapshot had sent it [rad].
+        """
         ...
 
     def observer(self, theta_rest: NDArray[np.float64]) -> Observer:
-        """How both bodies are seen. theta_rest: the learner's start, where it measures the noise of its images."""
+        """Make an observer of both bodies.
+
+        Parameters
+        ----------
+        theta_rest : (m,) array
+            The learner's start [rad], where it measures the noise of its images.
+
+        Returns
+        -------
+        Observer
+            Sees the learner and the demonstrator.
+        """
         ...
 
 

@@ -256,7 +256,7 @@ class RealRobotOpener:
 
 
 def _require_members(what: str, given: object, protocol: type) -> None:
-    """Raise TypeError for an object that lacks members of the protocol, and for a class in place of an object."""
+    """Raise TypeError for an object that lacks members of the protocol, and for a class that is no object yet."""
     if isinstance(given, type):
         raise TypeError(f"{what}: {given.__name__} is a class; make one, {given.__name__}(…)")
     members = [name for name in vars(protocol) if not name.startswith("_")]

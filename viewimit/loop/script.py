@@ -7,12 +7,14 @@ them as Python or as a command.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ..sensing.renamed import current_settings
-from .settings import OWN, Settings
+from .settings import OWN, Settings, convert_fields
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
 FIELDS: dict[str, Any] = {"frozen": True, "forbid_unknown_fields": True, "array_like": True}
@@ -43,7 +45,7 @@ class Calibrate(msgspec.Struct, tag="r", **FIELDS):
 
 
 class Begin(msgspec.Struct, tag="b", **FIELDS):
-    """Start anew with these settings. A calibration is kept."""
+    """Restart with these settings. A calibration is kept."""
 
     settings: Settings
 
@@ -60,6 +62,35 @@ class Looks(msgspec.Struct, tag="l", **FIELDS):
 
 Action = Steps | MoveDemonstrator | ChangeSettings | Calibrate | Begin | ClearCalibration | Looks
 MAX_ACTIONS = 4_000  # of a session that a log records
+
+
+class _Session(Protocol):
+    """The methods of a `Session` that actions call."""
+
+    def step(self) -> bool: ...
+    def look(self) -> bool: ...
+    def pose(self, theta_demo: ArrayLike) -> None: ...
+    def change(self, **fields: Any) -> None: ...
+    def begin_calibration(self, postures: NDArray[np.float64]) -> None: ...
+    def begin(self, settings: Settings) -> None: ...
+    def use_calibration(self, calibration: None) -> None: ...
+
+
+def play_action(session: _Session, action: Action) -> None:
+    """Repeat a recorded action in a session. Raises ValueError for an impossible one."""
+    if isinstance(action, Steps | Looks):
+        for _ in range(action.times):
+            session.step() if isinstance(action, Steps) else session.look()
+    elif isinstance(action, MoveDemonstrator):
+        session.pose(action.theta_demo)
+    elif isinstance(action, ChangeSettings):
+        session.change(**convert_fields(action.fields))
+    elif isinstance(action, Calibrate):
+        session.begin_calibration(np.array(action.postures, float))
+    elif isinstance(action, Begin):
+        session.begin(action.settings)
+    else:
+        session.use_calibration(None)
 
 
 class Script(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -166,7 +197,7 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
         return found
 
     def begin(self, motion: int, settings: Settings) -> Log:
-        """The log of a session that starts anew after this one, of which it keeps a calibration."""
+        """The log of a session that restarts after this one, of which it keeps a calibration."""
         try:
             script = self.script(motion)
         except ValueError:

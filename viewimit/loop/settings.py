@@ -1,4 +1,4 @@
-"""All that a run depends on: plain data, made to be kept and shared."""
+"""The settings of a run: plain data, made to be kept and shared."""
 
 import reprlib
 import warnings
@@ -60,7 +60,7 @@ class _RenamedFields(msgspec.StructMeta):
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_RenamedFields):
-    """All that a run depends on. With equal settings a run repeats itself to the last bit.
+    """What a run depends on. With equal settings a run repeats itself to the last bit.
 
     `Settings()` is the best method, exact for pinhole cameras. `Settings.paper()` is the paper's transfer, with
     Broyden's law and one image at each posture; it assumes cameras that are far away.
@@ -100,7 +100,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     ] = USUAL_POINTS
     body_points: Annotated[
         tuple[BodyPoint, ...] | None,
-        Setting(description="body points [link, x, y, z] m, in place of the scene's layouts", default="the scene's"),
+        Setting(description="body points [link, x, y, z] m, which replace the scene's layouts", default="the scene's"),
     ] = None
     demonstrator_deg: Annotated[
         tuple[float, ...] | None,
@@ -133,7 +133,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     frames: Annotated[
         int,
         Setting(
-            description="images averaged at each posture; gross errors among them are set aside",
+            description="images averaged at each posture; outliers among them are dropped",
             unit="N",
             bounds=(1, 1_000),
             label="Frames",
@@ -202,17 +202,33 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @classmethod
     def best(cls, **changes: Any) -> "Settings":
-        """The method that arrives, with these fields changed: what `Settings(**changes)` gives, by name.
+        """Make settings of the best method: transfer "projective", servo "trust-region", 25 frames (1 s of video).
 
-        Transfer "projective", servo "trust-region", 25 frames (a second of video). Raises as `Settings`.
+        Parameters
+        ----------
+        **changes
+            Fields with other values.
+
+        Returns
+        -------
+        Settings
+            What `Settings(**changes)` gives.
         """
         return cls(**changes)
 
     @classmethod
     def paper(cls, **changes: Any) -> "Settings":
-        """The paper's method, with these fields changed: transfer "epipolar", servo "broyden", 1 frame.
+        """Make settings of the paper's method: transfer "epipolar", servo "broyden", 1 frame.
 
-        Raises as `Settings`.
+        Parameters
+        ----------
+        **changes
+            Fields with other values.
+
+        Returns
+        -------
+        Settings
+            They raise as `Settings` does.
         """
         return cls(**{**PAPER_FIELDS, **changes})
 
@@ -235,7 +251,18 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return float("inf") if self.max_step_deg is None else float(np.radians(self.max_step_deg))
 
     def amounts(self, kind: type[D]) -> tuple[tuple[D, float], ...]:
-        """Of every disturbance of a kind, those that are 0 too."""
+        """List the disturbances of a kind.
+
+        Parameters
+        ----------
+        kind : type
+            Subclass of `Disturbance`.
+
+        Returns
+        -------
+        tuple of (Disturbance, float)
+            Each with its amount, which may be 0.
+        """
         return tuple([(found, getattr(self, name)) for name, found in disturbances(kind).items()])
 
     def __getattr__(self, name: str) -> Any:
@@ -331,7 +358,7 @@ def warn_of_radians(settings: Settings) -> None:
     """
     for name in _DEGREES:
         given = np.array(getattr(settings, name) or 0.0, float).ravel()
-        converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be 0, but for rounding errors
+        converted = np.degrees(given[np.abs(given) > np.radians(0.5)])  # smaller ones may be rounding errors of 0
         whole = converted.round()
         if len(whole) and np.abs(whole).max() <= MAX_TURNS * 360 and np.abs(converted - whole).max() < TOLERANCE_DEG:
             meant = ", ".join(f"{angle:g}" for angle in np.degrees(given).round())

@@ -2,23 +2,25 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property, lru_cache
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.prediction import AT_REST, PredictedResiduals
-from ..estimation.rectification import fit_transfer, rectify_views
+from ..estimation.rectification import fit_transfer
 from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
-from ..geometry.affine import LINE_VIEWS, MIN_POINTS, PairGeometry, fit_pairs, flatness
+from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, ServoMethod, ServoStatus
-from .self_calibration import SelfCalibration
+from ..servo import SERVOS, Certificate, Observation, ServoMethod, ServoStatus
+from .evaluation import Evaluation
+from .self_calibration import MIN_POSTURES, SelfCalibration
+from .servo_state import StateAttributes
 from .settings import OWN, Settings
 
-SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
+Limits = tuple[NDArray[np.float64], NDArray[np.float64]]  # lowest and highest angles, (m,) rad each
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ class Snapshot:
     servo_state: Any  # None before the servo was first asked
     lag: int | None  # latency of the images in looks; None until a motion has shown it
     converged_transfer: FittedTransfer | None  # as fitted at the last convergence
-    calibration: SelfCalibration | None = None  # what was seen of the own body before imitating
+    calibration: SelfCalibration | None = None  # images of the own body, recorded before imitating
     pending_postures: NDArray[np.float64] | None = None  # (k, m) rad, that the calibration has still to visit
     target: NDArray[np.float64] | None = None  # (m,) rad, where an arm is going that is still on its way
     custom_transfer: TransferMethod | None = None  # given to the session itself; settings call it OWN
@@ -61,10 +63,48 @@ class Snapshot:
         """The servo that the settings name. Raises ValueError for one that no session was given."""
         return SERVOS[self.settings.servo] if self.settings.servo != OWN else require_given("servo", self.custom_servo)
 
-    @cached_property
+    @property
+    def evaluation(self) -> Evaluation:
+        """What the method computes from `views`. Snapshots of the same views share it (`with_fields`)."""
+        found = _EVALUATIONS.get(self)
+        if found is None:
+            found = _EVALUATIONS.setdefault(self, Evaluation(self.views, self.rectification, self.method))
+        return found
+
+    @property
     def usable(self) -> NDArray[np.bool_]:
         """(N,) bool: visible in all four views."""
         return self.views.usable
+
+    @property
+    def transfer(self) -> FittedTransfer | None:
+        """The transfer fitted to the usable points; None with fewer than MIN_POINTS."""
+        return self.evaluation.transfer
+
+    @property
+    def recovered(self) -> NDArray[np.float64]:
+        """(N, 4) px: the demonstrator's points, transferred to [L, R]; NaN if not usable."""
+        return self.evaluation.recovered
+
+    @property
+    def e(self) -> NDArray[np.float64]:
+        """(N, 4) px: residuals in [L, R], own minus recovered points; NaN if not usable."""
+        return self.evaluation.e
+
+    @property
+    def residual(self) -> NDArray[np.float64]:
+        """(n, C) px: residuals of the usable points, whose squares make E. Needs a transfer."""
+        return self.evaluation.residual
+
+    @property
+    def flatness(self) -> float:
+        """σ1/σ3 of the demonstrator's usable points in [l, r]; inf with too few of them."""
+        return self.evaluation.flatness
+
+    @property
+    def fundamental(self) -> PairGeometry | None:
+        """Affine epipolar geometry of the six pairs of views, from the usable points; None with too few of them."""
+        return self.evaluation.fundamental
 
     @property
     def shown(self) -> int:
@@ -82,43 +122,43 @@ class Snapshot:
         """Whether enough of the demonstrator's points are visible for a transfer."""
         return self.shown >= MIN_POINTS
 
-    @cached_property
-    def transfer(self) -> FittedTransfer | None:
-        """The transfer fitted to the usable points; None with fewer than MIN_POINTS."""
-        if np.count_nonzero(self.usable) < MIN_POINTS:
-            return None
-        return self.fit(self.views.used)
-
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
-        """Fit the chosen transfer, or another one by its name, to views, rectified as here."""
+        """Fit a transfer to views, rectified as here.
+
+        Parameters
+        ----------
+        views : FourViews
+            Usable points only.
+        by : str, optional
+            Name of the transfer; by default that of the settings.
+
+        Returns
+        -------
+        FittedTransfer
+            The map from [l, r] to [L, R].
+        """
         return fit_transfer(TRANSFERS[by] if by else self.method, views, self.rectification)
 
-    @cached_property
-    def flatness(self) -> float:
-        """σ1/σ3 of the demonstrator's usable points in [l, r]; inf with too few of them."""
-        return np.inf if self.transfer is None else _flatness(self.views.used.demo.tobytes())
+    @property
+    def awake_status(self) -> ServoStatus:
+        """The status of a session at this motion whose servo will be asked again."""
+        return ServoStatus.READY if self.motion == 0 else ServoStatus.MOVING
 
-    @cached_property
-    def residual(self) -> NDArray[np.float64]:
-        """(n, C) px: residuals of the usable points, whose squares make E. Needs a transfer."""
-        assert self.transfer is not None
-        return self.transfer.residual(self.views.used)
+    def shows_same_demonstrator(self, other: "Snapshot") -> bool:
+        """Compare the demonstrator's images.
 
-    @cached_property
-    def recovered(self) -> NDArray[np.float64]:
-        """(N, 4) px: the demonstrator's points, transferred to [L, R]; NaN if not usable."""
-        seen, transfer = self.views.used, self.transfer
-        if transfer is not None and seen is self.views:
-            return transfer.recover(seen.demo_left, seen.demo_right)
-        recovered = np.full_like(self.views.own, np.nan)
-        if transfer is not None:
-            recovered[self.usable] = transfer.recover(seen.demo_left, seen.demo_right)
-        return recovered
+        Parameters
+        ----------
+        other : Snapshot
+            The one to compare with.
 
-    @cached_property
-    def e(self) -> NDArray[np.float64]:
-        """(N, 4) px: residuals in [L, R], own minus recovered points; NaN if not usable."""
-        return self.views.own - self.recovered
+        Returns
+        -------
+        bool
+            Whether they are equal.
+        """
+        one, demo = self.views.demo, other.views.demo
+        return one is demo or np.array_equal(one, demo, equal_nan=True)
 
     @property
     def is_rehearsing(self) -> bool:
@@ -130,17 +170,21 @@ class Snapshot:
         """Whether the servo still uses the calibration; None without one, or before the servo was asked."""
         if self.calibration is None or self.servo_state is None:
             return None
-        return bool(getattr(self.servo_state, "calibration", ()))
+        return bool(self._state.calibration)
 
     @property
     def certificate(self) -> Certificate | None:
         """The servo's convergence test; None if it makes none."""
-        return getattr(self.servo_state, "certificate", None)
+        return self._state.certificate
 
     @property
     def exchanged(self) -> Pairs:
         """Pairs of the demonstrator's points that the servo considers swapped; `views` are corrected."""
-        return exchanged(self.servo_state)
+        return self._state.exchanged
+
+    @property
+    def _state(self) -> StateAttributes:
+        return StateAttributes.of(self.servo_state)
 
     @property
     def expected_error(self) -> float | None:
@@ -148,67 +192,112 @@ class Snapshot:
         return None if self.certificate is None else self.certificate.simultaneous_std_error
 
     def with_fields(self, **changes: Any) -> "Snapshot":
-        """A snapshot with other values of some fields. Computed quantities are kept if views and transfer stay.
+        """Make a snapshot with other values of some fields. It shares the evaluation if views and transfer stay.
 
-        Raises TypeError for another name.
+        Parameters
+        ----------
+        **changes
+            Fields and their values.
+
+        Returns
+        -------
+        Snapshot
+            The other one.
+
+        Raises
+        ------
+        TypeError
+            For another name.
         """
         if not changes.keys() <= FIELDS:
             raise TypeError(f"a snapshot has no fields {', '.join(sorted(changes.keys() - FIELDS))}")
-        same_images = "views" not in changes and "rectification" not in changes
-        stays = same_images and changes.get("settings", self.settings).transfer == self.settings.transfer
-        kept = vars(self) if stays else {name: value for name, value in vars(self).items() if name in FIELDS}
-        other = object.__new__(Snapshot)  # takes a third of the time of `replace`, twice a motion
-        vars(other).update(kept, **changes)
+        other = replace(self, **changes)
+        found = _EVALUATIONS.get(self)
+        if found is not None and found.is_of(other.views, other.rectification, other.method):
+            _EVALUATIONS[other] = found
         return other
 
+    def at_rest(self, servo_state: Any) -> "Snapshot":
+        """Record that the servo asks for no motion.
+
+        Parameters
+        ----------
+        servo_state : any
+            The state that it returned.
+
+        Returns
+        -------
+        Snapshot
+            With the status of a servo at rest.
+        """
+        status = StateAttributes.of(servo_state).status_at_rest
+        converged_transfer = self.transfer if status.is_at_minimum else self.converged_transfer
+        return self.with_fields(servo_state=servo_state, status=status, converged_transfer=converged_transfer)
+
     def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":
-        """The same views with a transfer that was fitted elsewhere."""
-        other = self.without_cache().with_fields()
-        if self.usable.any():
-            vars(other).update(fundamental=self.fundamental, transfer=transfer)
-            square = (other.e[self.usable] ** 2).sum()
-            vars(other)["E"] = float(square / (2 * self.usable.sum()))
+        """Evaluate the same views with a transfer that was fitted elsewhere.
+
+        Parameters
+        ----------
+        transfer : FittedTransfer
+            Replaces the one fitted here.
+
+        Returns
+        -------
+        Snapshot
+            With the residuals and E of that transfer.
+        """
+        if not self.usable.any():
+            return self.without_cache()
+        evaluation = replace(self.evaluation, frozen=transfer)
+        square = float((evaluation.e[self.usable] ** 2).sum())
+        other = replace(self, E=square / (2 * int(self.usable.sum())))
+        _EVALUATIONS[other] = evaluation
         return other
 
     def without_cache(self) -> "Snapshot":
-        """A snapshot without computed quantities: this one, if it has none."""
-        return self if vars(self).keys() <= FIELDS else replace(self)
+        """Drop the evaluation.
+
+        Returns
+        -------
+        Snapshot
+            One that computes it again when it is used: this one, if it has none.
+        """
+        return replace(self) if self in _EVALUATIONS else self
 
     def keeps_the_same(self, other: "Snapshot") -> bool:
-        """Whether all fields of both are identical objects."""
+        """Compare two snapshots by their fields.
+
+        Parameters
+        ----------
+        other : Snapshot
+            The one to compare with.
+
+        Returns
+        -------
+        bool
+            Whether all fields are identical objects.
+        """
         return all(getattr(self, name) is getattr(other, name) for name in FIELDS)
 
-    @cached_property
-    def fundamental(self) -> PairGeometry | None:
-        """Affine epipolar geometry of the six pairs of views, from the usable points; None with too few of them."""
-        views = self.views if self.rectification is None else rectify_views(self.views, self.rectification)
-        known = None if self.transfer is None else self.transfer.fundamentals
-        return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.usable], known)
-
     def epipolar_lines(self, point: int) -> NDArray[np.float64] | None:
-        """(12, 3): the epipolar lines of a body point in the original images (`PairGeometry.lines`).
+        """Compute the epipolar lines of a body point in the original images.
 
-        None with too few points. Lines in rectified images are mapped back.
+        Parameters
+        ----------
+        point : int
+            Index of the point.
+
+        Returns
+        -------
+        (12, 3) array or None
+            Lines as `PairGeometry.lines`; those in rectified images are mapped back. None with too few points.
         """
-        if self.fundamental is None:
-            return None
-        if point not in self._lines:
-            self._lines[point] = self._lines_of(self.fundamental, point)
-        return self._lines[point]
-
-    @cached_property
-    def _lines(self) -> dict[int, NDArray]:
-        """Cache of `epipolar_lines`, by body point."""
-        return {}
-
-    def _lines_of(self, fundamental: PairGeometry, point: int) -> NDArray:
-        images, by = np.stack([self.views.demo[point], self.views.own[point]]), self.rectification
-        if by is None:
-            return fundamental.lines(images.reshape(4, 2))
-        lines = fundamental.lines(by.apply(images).reshape(4, 2))
-        return np.einsum("ki,kij->kj", lines, np.stack([by.left, by.right])[LINE_VIEWS % 2])
+        return self.evaluation.epipolar_lines(point)
 
 
+FIELDS = frozenset(field.name for field in fields(Snapshot))
+_EVALUATIONS: WeakKeyDictionary[Snapshot, Evaluation] = WeakKeyDictionary()  # those that were used; see `evaluation`
 T = TypeVar("T")
 
 
@@ -219,26 +308,44 @@ def require_given(what: str, given: T | None) -> T:
     return given
 
 
-def exchanged(servo_state: Any) -> Pairs:
-    """Pairs of points that a servo considers swapped. A custom state may have no such field."""
-    return getattr(servo_state, "exchanged", ())
+class CustomMethods(NamedTuple):
+    """A transfer and a servo that were given to the session itself, which settings call OWN; None for none."""
+
+    transfer: TransferMethod | None = None
+    servo: ServoMethod | None = None
+
+    def require(self, settings: Settings) -> None:
+        """Raise ValueError for settings that name a method that was not given."""
+        for name, given in zip(self._fields, self):
+            if getattr(settings, name) == OWN:
+                require_given(name, given)
 
 
-def probes(servo_state: Any) -> bool:
-    """Whether the last motion was a probe. A custom state may have no such field."""
-    return bool(getattr(servo_state, "probe", False))
+def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], noise_px: float) -> Observation:
+    """Select what a servo is given of a snapshot.
 
-
-def status_of(servo_state: Any, usual: ServoStatus) -> ServoStatus:
-    """Status of a servo's state. usual: for a custom state without one. Raises ValueError for an unknown status."""
-    status = getattr(servo_state, "status", usual)
-    try:
-        found = ServoStatus(status)
-    except ValueError:
-        found = None
-    if found not in SERVO_STATUSES:
-        raise ValueError(f"a servo's status must be one of {', '.join(SERVO_STATUSES)}, got {status!r}")
-    return found
+    workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
+    limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
+    """
+    start = now.settings.start_rad
+    known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
+    return Observation(
+        own=now.views.own,
+        seen=now.views.visible[:, 2:],
+        E=now.E,
+        displacement=now.commanded - start,
+        lower=workspace[0] - start,
+        upper=workspace[1] - start,
+        motion=now.motion,
+        noise_px=noise_px if known is None else max(noise_px, known.noise_px),
+        calibration=() if known is None else known.seen_from(lower - start),
+        n_visible=now.shown,
+        n_partial=now.half_shown,
+        n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
+        rectification=now.rectification,
+        max_step=now.settings.max_step,
+        max_restarts=now.settings.restarts,
+    )
 
 
 def predicted_residuals(
@@ -278,14 +385,6 @@ def _computed(now: Snapshot, past: Sequence[Snapshot]) -> Iterator[tuple[NDArray
 def _equal(one: NDArray, other: NDArray) -> bool:
     """Compare arrays, which are mostly identical, except in a resumed session."""
     return one is other or np.array_equal(one, other)
-
-
-FIELDS = frozenset(field.name for field in fields(Snapshot))
-
-
-@lru_cache(64)  # a demonstrator that stands still is asked for at every motion
-def _flatness(demo: bytes) -> float:
-    return flatness(np.frombuffer(demo).reshape(-1, 4))
 
 
 WHY = {

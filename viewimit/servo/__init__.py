@@ -9,7 +9,9 @@ To try a servo, give it to `Session(settings, servo=…)`. To give it a name for
 a `ServoMethod` with title, limitations, equations and storage: `SERVOS["name"] = …`.
 """
 
-from ..estimation.residuals import NoiseReference, ResidualFunction
+from typing import Any
+
+from ..estimation.residuals import NoiseReference, ResidualFunction, warn_renamed
 from .broyden import Broyden
 from .gradient import Gradient
 from .observation import Observation
@@ -20,6 +22,8 @@ from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
 from .trust_region.options import TrustRegionOptions
+
+EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
 
 __all__ = [
     "SERVOS",
@@ -43,3 +47,11 @@ __all__ = [
     "servo_method",
     "trust_region_method",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Return what had another name in the last version."""
+    if name not in EARLIER_NAMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warn_renamed(name, EARLIER_NAMES[name])
+    return globals()[EARLIER_NAMES[name]]

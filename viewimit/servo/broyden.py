@@ -66,7 +66,7 @@ class Broyden:
         shape, at_centre = state.best.own.shape, _known_images(state.model, state.best.own)
         per_rad = state.model.jacobian.reshape(-1, len(centre)).T
 
-        def predicted_residuals(theta: NDArray) -> NDArray:
+        def predicted_residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
             return residuals(at_centre + ((theta - centre) @ per_rad).reshape(theta.shape[:-1] + shape))
 
         found = minimise(predicted_residuals, centre[None], low, high)
@@ -111,12 +111,12 @@ def _update_region(state: BroydenState, E_here: float, residuals: ResidualFuncti
     return replace(state, best=best, best_E=best_E, radius=float(radius), reductions=reductions)
 
 
-def _known_images(model: BroydenModel, own: NDArray) -> NDArray:
+def _known_images(model: BroydenModel, own: NDArray[np.float64]) -> NDArray[np.float64]:
     """Images (..., N, 4) px, NaN for points of whose motion the model knows too little."""
     return np.where(model.rarely_seen[:, None], np.nan, own)
 
 
-def _probe(state: BroydenState, observation: Observation) -> tuple[BroydenState, NDArray]:
+def _probe(state: BroydenState, observation: Observation) -> tuple[BroydenState, NDArray[np.float64]]:
     joint, *rest = state.joints_to_probe
     state = replace(state, joints_to_probe=tuple(rest), predicted_reduction=None, status=ServoStatus.MOVING, probe=True)
     return state, probe_motion(joint, observation)

@@ -95,7 +95,9 @@ class Gradient:
         inside = np.radians(u).clip(low, high)  # the dither comes after, to excite a joint that is at its limit
         return state, (inside + np.radians(dither)).clip(low, high)
 
-    def _update(self, state: GradientState, u: NDArray, dE: float) -> tuple[NDArray, NDArray]:
+    def _update(
+        self, state: GradientState, u: NDArray[np.float64], dE: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Weighted recursive least squares with forgetting ρ."""
         J, P, rho = state.jacobian, state.covariance, self.options.forgetting
         if not u.any():
@@ -104,18 +106,18 @@ class Gradient:
         weight = rho + u @ Pu
         return J + (dE - J @ u) * Pu / weight, (P - Pu[:, None] * Pu / weight) / rho
 
-    def _bounded(self, u: NDArray) -> NDArray:
-        length = np.linalg.norm(u)
+    def _bounded(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        length = float(np.linalg.norm(u))
         return u * min(1.0, self.options.max_step_deg / length) if length > 0 else u
 
 
-def _excitation(seed: int, motion: int, n_joints: int) -> NDArray:
+def _excitation(seed: int, motion: int, n_joints: int) -> NDArray[np.float64]:
     """(m,) standard normal numbers of a random stream for each motion; not to be written into."""
     return _excitation_block(seed, motion // MOTIONS_PER_BLOCK, n_joints)[motion % MOTIONS_PER_BLOCK]
 
 
 @lru_cache(256)  # sessions of a class have the same seed; blocks, as one array per motion would take far more memory
-def _excitation_block(seed: int, block: int, n_joints: int) -> NDArray:
+def _excitation_block(seed: int, block: int, n_joints: int) -> NDArray[np.float64]:
     """(MOTIONS_PER_BLOCK, m)."""
     motions = range(block * MOTIONS_PER_BLOCK, (block + 1) * MOTIONS_PER_BLOCK)
     return np.array([np.random.default_rng([seed, motion]).standard_normal(n_joints) for motion in motions])

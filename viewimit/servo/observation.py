@@ -1,4 +1,4 @@
-"""What a servo observes at each motion, and the visits that it remembers."""
+"""The input of a servo at each motion, and the visits that it remembers."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -47,7 +47,7 @@ def repeat_xy(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class Observation:
-    """What a servo observes: image points and its own displacements, never a posture, a body or a camera."""
+    """The input of a servo: image points and its own displacements, never a posture, a body or a camera."""
 
     own: NDArray[np.float64]  # (N, 4) px, the learner's points in [L, R]
     seen: NDArray[np.bool_]  # (N, 2), which of them are visible in L, in R
@@ -74,7 +74,18 @@ class Observation:
         return getattr(self, today)
 
     def with_origin(self, offset: NDArray[np.float64]) -> "Observation":
-        """Return it for an arm that is `offset`, (m,) rad, behind where it was sent."""
+        """Correct the displacements of an arm that is not where it was sent.
+
+        Parameters
+        ----------
+        offset : (m,) array
+            Where it was sent, minus where it is [rad].
+
+        Returns
+        -------
+        Observation
+            With displacement and limits counted from where it is.
+        """
         return replace(
             self, displacement=self.displacement - offset, lower=self.lower - offset, upper=self.upper - offset
         )

@@ -40,7 +40,9 @@ FORGETTING = 0.5  # λ, per motion
 INITIAL_VARIANCE = 1e6  # of the rows of the first Jacobian, which is unknown
 DAMPING, MIN_DAMPING, MAX_DAMPING, DAMPING_FACTOR = 1e-2, 1e-4, 1e2, 10.0  # μ
 
-_Law = Callable[[NDArray, NDArray, NDArray, NDArray], NDArray]  # J, e, lowest and highest step → (m,) rad
+_Law = Callable[
+    [NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]
+]  # J, e, lowest and highest step → (m,) rad
 _State = TypeVar("_State", bound="RecursiveState")
 
 
@@ -134,7 +136,7 @@ def _with_update(state: _State, model: RecursiveJacobian, E: float) -> _State:
 
 def _next_motion(
     state: _State, observation: Observation, residuals: ResidualFunction, law: _Law
-) -> tuple[_State, NDArray]:
+) -> tuple[_State, NDArray[np.float64]]:
     """A probe, or the law's motion within bounds and limits; no motion where it settles or makes no progress."""
     if state.joints_to_probe:
         joint, *rest = state.joints_to_probe
@@ -150,9 +152,11 @@ def _next_motion(
     return replace(state, requested=requested), step
 
 
-def _proportional_step(J: NDArray, e: NDArray, low: NDArray, high: NDArray) -> NDArray:
+def _proportional_step(
+    J: NDArray[np.float64], e: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """-g J⁺e, (m,) rad; joints at a limit that would leave it are held, and the others solved for again."""
-    free: NDArray = np.ones(len(low), bool)
+    free: NDArray[np.bool_] = np.ones(len(low), bool)
     while True:
         step = np.zeros(len(low))
         step[free] = -KALMAN_GAIN * np.linalg.lstsq(J[:, free], e, rcond=None)[0]
@@ -170,7 +174,9 @@ def _with_damping(state: GaussNewtonState, E: float) -> GaussNewtonState:
     return replace(state, damping=float(np.clip(state.damping * factor, MIN_DAMPING, MAX_DAMPING)))
 
 
-def _damped_step(J: NDArray, e: NDArray, low: NDArray, high: NDArray, damping: float) -> NDArray:
+def _damped_step(
+    J: NDArray[np.float64], e: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64], damping: float
+) -> NDArray[np.float64]:
     """-(JᵀJ + μ D)⁻¹ Jᵀe, (m,) rad; joints at a limit that would leave it are held."""
     gradient, normal = J.T @ e, J.T @ J
     free = ~(((low >= 0) & (gradient > 0)) | ((high <= 0) & (gradient < 0)))

@@ -29,7 +29,7 @@ from .trust_region.convergence import Certificate
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
 from .trust_region.options import DEFAULTS, TrustRegionOptions
-from .trust_region.state import Destination, Matching, Mismatch, Phase, Region, Search, TrustRegionState
+from .trust_region.state import Destination, Phase, Region, Search, Swaps, TrustRegionState
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
@@ -236,7 +236,7 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         limitations="Where two postures give the same images, or every transfer misleads: it reports no progress.",
         predicts=True,
         stored=(
-            *(TrustRegionState, Region, Search, Destination, Matching, Mismatch, Phase),
+            *(TrustRegionState, Region, Search, Destination, Swaps, Phase),
             *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
         ),
         equations=trust_region_equations,

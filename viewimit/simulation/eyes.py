@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .disturbances import ActuatorSettings, ArmDisturbance, any_active, drive
-from .markers import marker_names
-from .robot import Angles
+from .robot import Angles, marker_names
 from .scene import Scene
 from .world import World
 

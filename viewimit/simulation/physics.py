@@ -18,8 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from .markers import Markers, colours
-from .robot import Joint
+from .robot import Joint, Markers, colours
 from .scene import Scene, load_robot
 
 STEP_S = 1 / 240  # PyBullet's own step, for which its motors are tuned

@@ -15,9 +15,8 @@ from ..estimation.views import VIEWS
 from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
 from .disturbances import ActuatorSettings, ArmDisturbance, drive
-from .markers import load_markers
 from .physics import Arm, BulletClient, connect, quiet, write_urdf
-from .robot import Angles
+from .robot import Angles, load_markers
 from .scene import Base, Scene
 from .world import World
 

@@ -6,8 +6,7 @@ from typing import NamedTuple
 from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import Appearance
-from viewimit.drawing.images.construction import last_stage
-from viewimit.drawing.images.planes import Windows
+from viewimit.drawing.images.planes import Windows, last_stage
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot

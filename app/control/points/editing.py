@@ -10,13 +10,12 @@ from dataclasses import dataclass
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.analysis.observability import PointInformation, Proposal, best_next, point_information
+from viewimit.analysis.observability import PointInformation, Proposal, best_next, find_candidates, point_information
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.autoscene.candidates import find_candidates
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World

@@ -44,7 +44,7 @@ import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
 import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
-const MAX_HISTORY = 3000; // number of moments in the history
+const MAX_HISTORY = 200, MAX_TRACE = 3000; // moments that can be undone; postures and E that are remembered
 const DEGREE = Math.PI / 180;
 
 export class Session {
@@ -56,6 +56,8 @@ export class Session {
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
     this.history = [this.#first()];
+    /** Postures and E of all moments, longer than the history. @type {{motion: number, theta: number[], E: number, probe: boolean}[]} */
+    this.trace = [traced(this.now)];
   }
 
   /** Begin again, at motion 0. @param {Settings} settings */
@@ -63,6 +65,7 @@ export class Session {
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
     this.history = [this.#first()];
+    this.trace = [traced(this.now)];
   }
 
   get now() {
@@ -86,14 +89,17 @@ export class Session {
     const look = now.look + 1 + (lag ?? MAX_LOOKS_WAITED), moved = theta.map((v, k) => v - now.theta[k]);
     this.history.push(this.#observed(theta, now.thetaDemo, look,
       {...now, motion: now.motion + 1, moved, probe: servoState.probe, status: servoState.status, servoState, lag}));
+    this.trace.push(traced(this.now));
     if (this.history.length > MAX_HISTORY) this.history.shift();
+    if (this.trace.length > MAX_TRACE) this.trace.shift();
     return true;
   }
 
-  /** One motion back. False at the start. */
+  /** One motion back. False at the start of what is kept. */
   undo() {
     if (this.history.length < 2) return false;
     this.history.pop();
+    this.trace.pop();
     return true;
   }
 
@@ -173,6 +179,7 @@ export class Session {
   /** @param {Moment} moment */
   #replace(moment) {
     this.history[this.history.length - 1] = moment;
+    this.trace[this.trace.length - 1] = traced(moment);
   }
 
   /** @param {Moment} now */
@@ -221,6 +228,9 @@ export class Session {
     return along > 0 ? last : null;
   }
 }
+
+/** @param {Moment} moment */
+const traced = ({motion, theta, E, probe}) => ({motion, theta, E, probe});
 
 /** @param {Moment} now @returns {Status} the servo has to be asked again */
 const awake = now => now.motion === 0 ? "ready" : "moving";

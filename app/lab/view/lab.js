@@ -256,11 +256,11 @@ function begin(data, meshes) {
     const at = (/** @type {Float64Array} */ of) => of.subarray(4 * chosen, 4 * chosen + 4);
     const lines = moment.usable.includes(chosen) ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const moves = images.draw(world, {moment, recovered: found, lines, chosen, goal, ease: still.matches ? 1 : isHeld ? .12 : .2});
-    const visited = session.history.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
-      ({theta: one.theta, probe: Boolean(session.history[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
+    const visited = session.trace.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
+      ({theta: one.theta, probe: Boolean(session.trace[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
     const minimum = world.body.length < MIN_POINTS || !moment.fitted || !goal ? null : shownLandscape?.minimum?.theta ?? null;
     map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
-    curve.draw(session.history);
+    curve.draw(session.trace);
     say($("E"), energyText(moment.E));
     say($("miss"), moment.fitted ? `a typical miss of ${missText(moment.E)}` : "no E: too few points");
     $("map").classList.toggle("blank", !moment.fitted);

@@ -5,9 +5,8 @@ import pytest
 from turning_body import TurningBody
 
 from viewimit import Session, Settings
-from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
 from viewimit.geometry.kinematics.clusters import Observations
-from viewimit.geometry.kinematics.covariance import KinematicsCovariance
 from viewimit.geometry.kinematics.model import exponentials, generator_powers, twist_matrices
 
 ON = [0, 0, 1, 1, 1, 2, 2, 2, 2]

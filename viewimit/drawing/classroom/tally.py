@@ -8,7 +8,7 @@ from .. import svg
 MOVES = (264, 128)  # units
 BAR, GAP, SIDE = 22, 7, 66  # units: a column's width, from it to its words, and room for these
 TOP, HIGH = 22, 100  # units of the columns
-LEAST = 1  # answers below which no share is told
+LEAST = 1  # answers below which no share is shown
 
 
 @dataclass(frozen=True)

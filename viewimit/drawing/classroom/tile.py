@@ -1,4 +1,4 @@
-"""One student's session, small: the landscape, the path in it, the state, and what is true. HTML."""
+"""One student's session, small: the landscape, the path in it, the state, and the truth. HTML."""
 
 import base64
 import io
@@ -45,7 +45,7 @@ _OWN, _ids = secrets.token_hex(3), itertools.count()
 class Tile:
     """state: of SHAPES; E: px²; off: degrees, the truth; path: postures in degrees, the last is now; demo: the
     demonstrator's; plane: (low, high) of both joints, degrees; hills: rows and columns, and their shades row for row
-    from the lowest posture, a byte each; note: in place of what is told of the motions."""
+    from the lowest posture, a byte each; note: instead of the sentence about the motions."""
 
     name: str
     state: str
@@ -100,7 +100,7 @@ def _wrapped(parts: list[str]) -> str:
 
 
 def _hills(hills: tuple[int, int, bytes]) -> str:
-    """A rectangle of one colour through a grey picture, which is coarse, and smoothed by whoever shows it."""
+    """A rectangle of one colour through a grey picture, which is coarse, and smoothed by the browser."""
     rows, columns, shades = hills
     if not shades or len(shades) != rows * columns:
         return ""

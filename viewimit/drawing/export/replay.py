@@ -1,9 +1,12 @@
 """A session as one HTML file that needs no server, also for a notebook's cell.
 
 It plays recorded drawings of the page beside a small WebGL view of its own, a tenth of the size of viser's client and
-independent of viser's versions.
+independent of viser's versions. The browser's modules become one script that needs no loader.
 """
 
+import base64
+import re
+import zlib
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -12,15 +15,60 @@ from typing import Any
 
 import msgspec
 
+from ...assets import ROOT
 from ...loop.session import Session
 from ..curves import paired_axis
 from ..glossary import cards
 from ..svg import count_motions
 from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
-from .bundle import bundle, packed
 from .citation import Citation, cite
 from .panels import draw_panels, kept_motions, largest_residual
 from .space import describe_space
+
+SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
+IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
+REEXPORT = re.compile(r'^export (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
+EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re.M)
+
+
+def bundle(entry: str) -> str:
+    """Return ES modules as one script: each becomes a function that returns its exports, in the order of imports.
+
+    Parameters
+    ----------
+    entry
+        The module that is run last, a path in app/lab/.
+
+    Notes
+    -----
+    Modules import by name, from relative paths, at the top: `import {a, b as c} from "./x.js";`. They export
+    declarations, one name each, or names of other modules. No module imports in a circle.
+    """
+    parts: dict[Path, str] = {}
+
+    def add(path: Path) -> str:
+        if path not in parts:
+            text = re.sub(r"^ *(/\*\*.*?\*/|// .*?$)\n?", "", path.read_text("utf-8"), flags=re.M | re.S)
+            names = EXPORT.findall(text)
+            module = lambda match: add((path.parent / match[2] / match[3]).resolve())
+            text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {module(match)};\n", text)
+            for match in REEXPORT.finditer(text):
+                names += [name.strip() for name in match[1].strip("{}").split(",")]
+            text = REEXPORT.sub(lambda match: f"const {match[1]} = {module(match)};\n", text)
+            text = re.sub(r"^export ", "", text, flags=re.M)
+            name = f"MODULES[{path.name!r}]"
+            parts[path] = text if path == first else f"{name} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
+        return f"MODULES[{path.name!r}]"
+
+    first = (SCRIPTS / entry).resolve()
+    add(first)
+    return '"use strict";\nconst MODULES = {};\n' + "\n".join(parts.values())
+
+
+def packed(data: bytes) -> str:
+    """Return bytes, compressed, as text that a script element holds."""
+    return base64.b64encode(zlib.compress(data, 9)).decode()
+
 
 CELL_HEIGHT = 700  # px, in a notebook
 HERE = Path(__file__).parent

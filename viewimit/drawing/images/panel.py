@@ -16,9 +16,8 @@ from ...simulation.appearance import Bodies
 from .. import svg
 from ..glossary import ask, key_of
 from ..theme import HEAD, OBSERVED, RECOVERED, RING
-from . import construction as build
 from . import planes
-from .planes import SIZES, Window, Windows
+from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
 
 GAINS = (10, 5, 2)
 READOUT_UP = 17  # px from the bottom of L and R, where a caption lies over both
@@ -78,7 +77,7 @@ def draw_images(
     lines = _epipolar_lines(snapshot, shown, chosen if crossed else None, stage)
     built = dict.fromkeys("lrLR", "")
     if construction is not None and chosen is not None:
-        built = build.draw(construction, shown, stage, images[2:, chosen], gain)
+        built = draw_construction(construction, shown, stage, images[2:, chosen], gain)
     content = _arms(bodies, windows, whole_frames)
     if standing is not None:
         for view, (hulls, _) in planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
@@ -91,9 +90,9 @@ def draw_images(
         behind = planes.photograph(pictures[view], shown[view], bodies.frame) if view in pictures else ""
         all_points = marks[view] if stage is None else f'<g class="vi-faint">{marks[view]}</g>'
         inside = behind + content[view] + lines[view] + all_points + built[view]
-        if build.is_shown(stage, crossed, view if view in "lr" else "own"):
+        if is_shown(stage, crossed, view if view in "lr" else "own"):
             inside += rings[k]
-        if view in "LR" and chosen is not None and build.is_shown(stage, crossed, "own"):
+        if view in "LR" and chosen is not None and is_shown(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
     captions = CAPTIONS if snapshot.rectification is None else RECTIFIED
@@ -102,7 +101,7 @@ def draw_images(
         for pair, words in captions.items()
     ]
     if chosen is not None:
-        parts.append(f'<p class="vi-how">{build.describe(construction, chosen, stage, crossed)}</p>')
+        parts.append(f'<p class="vi-how">{describe_construction(construction, chosen, stage, crossed)}</p>')
     parts.append(draw_legend(gain, chosen, crossed))
     parts.append(draw_metrics(snapshot, lengths))
     inside = "".join(parts)
@@ -215,9 +214,7 @@ def _epipolar_lines(
         return drawn
     seen = snapshot.views.visible[chosen].tolist()
     for k, source, line in zip(LINE_VIEWS.tolist(), POINT_VIEWS.tolist(), lines.tolist()):
-        if seen[source] and (
-            stage is None or k > 1 >= source and build.is_shown(stage, True, ("left", "right")[source])
-        ):
+        if seen[source] and (stage is None or k > 1 >= source and is_shown(stage, True, ("left", "right")[source])):
             view = "lrLR"[k]
             if d := _chord(line, windows[view]):
                 drawn[view] += f'<path class="vi-line{_line_style(source, k)}" d="{d}"/>'

@@ -1,5 +1,5 @@
 """How far the smallest E is from the demonstrator, over the distance of the eyes: a curve a transfer, both scales
-logarithmic, the present distance marked, and what the visitor foretold."""
+logarithmic, the present distance marked, and the visitor's prediction."""
 
 from collections.abc import Collection, Mapping
 
@@ -38,7 +38,7 @@ def draw_biases(
     in_narrow: bool = False,
 ) -> str:
     """HTML. times: (K,); degrees: by transfer, (K,), None while they are computed; here: the present distance; asked:
-    the distance at which the visitor foretold `guess`, in degrees."""
+    the distance for which the visitor predicted `guess`, in degrees."""
     size, box = (NARROW, NARROW_PLOT) if in_narrow else (SIZE, PLOT)
     left, top, right, bottom = box
     plot = Axes(box, (1.0, 30.0), (FLOOR, HIGHEST), log10, log10)
@@ -57,8 +57,8 @@ def draw_biases(
     if "here" in layers:
         x = float(plot.x_px(here))
         parts.append(f'<path class="vi-here-line" d="M{x:.1f} {top}V{bottom}"/>')
-        aside, end = (-6, " vi-end") if x > right - 60 else (6, "")
-        parts.append(svg.text(x + aside, top + 11, "here", f"vi-b vi-halo{end}"))
+        offset, end = (-6, " vi-end") if x > right - 60 else (6, "")
+        parts.append(svg.text(x + offset, top + 11, "here", f"vi-b vi-halo{end}"))
     if "curves" in layers:
         parts.append(_curves(plot, times, degrees, shown))
     elif "here" in layers:
@@ -71,7 +71,7 @@ def draw_biases(
 def _curves(plot: Axes, times: NDArray, degrees: Mapping[str, NDArray], shown: Mapping[str, NDArray]) -> str:
     """With their names. shown: degrees within the plot."""
     parts, labels = [], []
-    for name in reversed(STYLES):  # what is used last, on top
+    for name in reversed(STYLES):  # the one that is used last, on top
         if name not in shown:
             continue
         points, kind = plot.place(times, shown[name]), STYLES[name]
@@ -84,7 +84,7 @@ def _curves(plot: Axes, times: NDArray, degrees: Mapping[str, NDArray], shown: M
 def _foretold(
     plot: Axes, times: NDArray, found: NDArray, layers: Collection[str], asked: float, guess: float | None
 ) -> str:
-    """The visitor's number at the distance that was asked about, and what is true there."""
+    """The visitor's number at the distance that was asked about, and the truth there."""
     parts = []
     truth = np.interp(np.log(asked), np.log(times), found)
     there = plot.place([asked], [np.clip(truth, FLOOR, HIGHEST)])[0]

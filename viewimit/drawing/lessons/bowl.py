@@ -35,7 +35,7 @@ class Way:
 
 @dataclass(frozen=True, eq=False)
 class Hills:
-    """What is drawn of a landscape, where its smallest E is, and where its levels can be labelled."""
+    """Drawing of a landscape, the place of its smallest E, and the places of the labels of its levels."""
 
     parts: tuple[str, ...] = ()
     lowest: NDArray | None = None

@@ -37,7 +37,7 @@ def draw_crossing(
     found: Crossing | None, layers: Collection[str], view: str, angle: str, shift: str, in_narrow: bool = False
 ) -> str:
     """HTML. found: None where there are no lines; angle, shift: in words, at which they cross, and how far the crossing
-    goes; in_narrow: what is what stands below, not in a corner."""
+    goes; in_narrow: the legend stands below, not in a corner."""
     w, h = box = NARROW if in_narrow else SIZE
     plane = f'<rect class="vi-plane" x=".5" y=".5" width="{w - 1}" height="{h - 1}" rx="4"/>'
     if found is None:
@@ -64,14 +64,14 @@ def draw_crossing(
     falls = -found.lines[0, 0] * found.lines[0, 1] > 0  # to the right: the corner at the right top is free
     title = f"{view}, through a magnifying glass"
     if in_narrow:
-        inside = f'<svg width="{w}" height="{h}">{"".join(parts)}</svg>'  # which cuts off what is outside
+        inside = f'<svg width="{w}" height="{h}">{"".join(parts)}</svg>'  # which cuts off the rest
         return _wrap(inside + _legend(title, rows, 0, h + 8), view, (w, h + 46 + LINE * len(rows)), narrow.CLASS)
     x = w - LEGEND - 10 if falls else 10
     return _wrap("".join(parts) + _legend(title, rows, x, 10), view, box)
 
 
 def _legend(title: str, rows: Sequence[tuple[str, str]], x: float, y: float) -> str:
-    """What is what. rows: a sample, 30 units wide, and words."""
+    """Legend. rows: a sample, 30 units wide, and words."""
     w, h = LEGEND, 34 + LINE * len(rows)
     inside = svg.text(12, 21, title, "vi-b") + "".join(
         f'<g transform="translate(12 {40 + LINE * k})">{sample}</g>{svg.text(52, 44 + LINE * k, words)}'
@@ -101,9 +101,9 @@ def _way(start: NDArray, end: NDArray, shift: str) -> str:
     """Where the crossing was, where it is, and how far that is."""
     tip = svg.arrow_tips(start[None, None], end[None, None], 12)[0]
     across = np.array([-(end - start)[1], (end - start)[0]])
-    aside = across / max(float(np.hypot(*across)), 1e-9)
-    aside = aside if aside[1] > 0 else -aside
-    x, y = (start + end) / 2 + 64 * aside
+    offset = across / max(float(np.hypot(*across)), 1e-9)
+    offset = offset if offset[1] > 0 else -offset
+    x, y = (start + end) / 2 + 64 * offset
     return (
         f'<path class="vi-e vi-e-large" d="{svg.segments(start[None], end[None])}"/><path class="vi-tip" d="{tip}"/>'
         f"{svg.text(x, y + 6, shift, 'vi-shift vi-halo vi-mid')}"

@@ -11,9 +11,9 @@ from .. import svg
 from ..plots import Axes, decade_ticks, decades, log10
 
 WIDTH, HEIGHT, CURVE_HIGH = 340, 500, 104  # units
-MARGIN = 24  # units around what is drawn
+MARGIN = 24  # units around the drawing
 HEAD_ROOM = 30  # units, for the name
-ROW, SAMPLE = 19, 26  # units: of names below what is drawn, and of the line before each
+ROW, SAMPLE = 19, 26  # units: of names below the drawing, and of the line before each
 BARS = (1, 2, 5, 10, 20, 50, 100, 200, 500)  # of the scale, in its unit
 
 

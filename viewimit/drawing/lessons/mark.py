@@ -1,4 +1,4 @@
-"""What the visitor marks, in ink and cased in paper: a cross hair, and how far it is from what is true."""
+"""What the visitor marks, in ink and cased in paper: a cross hair, and how far it is from the truth."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +42,8 @@ def distance(at: NDArray, to: NDArray, words: str) -> str:
         return dash
     across = np.array([-(to - at)[1], (to - at)[0]])
     length = float(np.hypot(*across))
-    aside = np.array([-1.0, 0.0]) if length < 1 else across / length * (1 if across[0] <= 0 else -1)
-    x, y = (at + to) / 2 + 44 * aside
+    offset = np.array([-1.0, 0.0]) if length < 1 else across / length * (1 if across[0] <= 0 else -1)
+    x, y = (at + to) / 2 + 44 * offset
     w, h = PILL
     pill = f'<rect class="vi-pill" x="{x - w / 2:.1f}" y="{y - h / 2:.1f}" width="{w}" height="{h}" rx="{h / 2}"/>'
     return dash + pill + svg.text(x, y + 4, words, "vi-pill-words vi-b vi-mid")

@@ -23,8 +23,8 @@ MOST_CROSSES = 60
 
 @dataclass(frozen=True)
 class Shape:
-    """A landscape and what is said of it. flat: E is zero everywhere, to rounding errors; found: None while it is
-    computed; hidden: to be foretold."""
+    """A landscape and its caption. flat: E is zero everywhere, to rounding errors; found: None while it is
+    computed; hidden: to be predicted."""
 
     title: str
     found: Landscape | None

@@ -1,4 +1,4 @@
-"""Landscapes below each other, each with where E is least, where the demonstrator stands, and how far apart."""
+"""Landscapes below each other, each with its least E, the demonstrator's posture, and the distance between both."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass

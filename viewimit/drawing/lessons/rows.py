@@ -12,7 +12,7 @@ from .mended import LAYERS as LAYERS
 
 IMAGE, GAP, HEAD, FOOT = (150, 200), 20, 28, 18  # units
 MARGIN = 16  # units around the points
-LEAST = 0.01  # px that are told
+LEAST = 0.01  # px that are stated
 
 
 def draw_rows(images: NDArray, by: Rectification | None, layers: Collection[str]) -> str:

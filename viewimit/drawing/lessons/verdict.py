@@ -1,4 +1,4 @@
-"""What the learner itself says at the end of a run, and beside it what is true, which it cannot know."""
+"""What the learner itself says at the end of a run, and beside it the truth, which it cannot know."""
 
 from collections.abc import Collection, Sequence
 

@@ -1,4 +1,4 @@
-"""One image, large: the arm in it, and of what is made of it only the layers that are asked for."""
+"""One image, large: the arm in it, and of the layers over it only those that are asked for."""
 
 from collections.abc import Collection
 from dataclasses import dataclass

@@ -3,7 +3,6 @@
 The mathematics of a transfer is in its own module. Only `fit` is required of an entry; all other fields have defaults.
 """
 
-import warnings
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..equations import HOLE, Equation, column, each, matrix, number, short
+from ..residuals import warn_renamed
 from ..views import FourViews
 from . import epipolar, linear, projective, rank3
 from .epipolar import EpipolarTransfer
@@ -53,7 +53,7 @@ class TransferMethod:
         self.title = self.title or name_of(self.fit)
         for old, new, value in (("fails", "limitations", fails), ("ill", "degenerate_message", ill)):
             if value:
-                warnings.warn(f"TransferMethod: {old} is now called {new}", FutureWarning, stacklevel=3)
+                warn_renamed(f"TransferMethod: {old}", new, stacklevel=4)
                 setattr(self, new, value)
 
     def __call__(self, views: FourViews) -> FittedTransfer:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import flatness
-from ..residuals import conflict
+from ..residuals import conflict, warn_renamed
 from ..views import FourViews
 
 
@@ -90,6 +90,15 @@ class Transfer(FittedTransfer):
 
     def conflict(self, views: FourViews) -> NDArray[np.float64]:
         return conflict(self.residual(views))
+
+
+def is_whitened(fitted: Any) -> bool:
+    """Return `is_whitened` of a fitted transfer, or what it says by that attribute's earlier name; by default False."""
+    earlier = getattr(fitted, "weighs_noise", None)
+    if earlier is None:
+        return bool(getattr(fitted, "is_whitened", False))
+    warn_renamed("weighs_noise", "is_whitened")
+    return bool(earlier)
 
 
 class Recovers(Protocol):
@@ -175,7 +184,7 @@ class _FunctionTransfer(Transfer):
 
     @property
     def is_whitened(self) -> bool:  # type: ignore[override]
-        return bool(getattr(self.fitted, "is_whitened", False))
+        return is_whitened(self.fitted)
 
     @property
     def fundamentals(self) -> NDArray[np.float64] | None:
@@ -213,7 +222,7 @@ class _BatchTransfer(Transfer):
 
     @property
     def is_whitened(self) -> bool:  # type: ignore[override]
-        return self.fitted[0].is_whitened if self.fitted else False
+        return bool(self.fitted) and is_whitened(self.fitted[0])
 
     def recover(self, demo_left: ArrayLike, demo_right: ArrayLike) -> NDArray[np.float64]:
         left, right = (

@@ -6,9 +6,8 @@ A new benchmark is a file with a `Benchmark`, and a line here. They judge nothin
 from .benchmark import Benchmark
 from .calibration import CalibrationBenchmark
 from .compare import CompareBenchmark
-from .robots import RobotsBenchmark
 from .robustness import PicturesBenchmark, RobustnessBenchmark
-from .scenes import ScenesBenchmark
+from .scenes import RobotsBenchmark, ScenesBenchmark
 from .speed import SpeedBenchmark
 from .success import SuccessBenchmark
 from .tracking import TrackingBenchmark

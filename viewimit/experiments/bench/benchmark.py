@@ -16,8 +16,7 @@ from ...loop.self_calibration import MIN_POSTURES
 from ...loop.settings import FIELDS, MAX_SEED, USUAL_POINTS, Setting, Settings
 from ...loop.snapshot import Snapshot
 from ...simulation.scene import Scene, load_scene
-from ..executors.executor import LocalPool
-from ..executors.study import Study
+from ..executors import LocalPool, Study
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
 FALSE_DEG = 1.0  # a claim is false if it is farther off

@@ -1,6 +1,8 @@
-"""What the paper's figures share: progress, grids of postures, marks and legends."""
+"""What the paper's figures share: claims, tolerances and their reasons, grids of postures, marks and legends."""
 
-from collections.abc import Callable
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,6 +10,132 @@ from numpy.typing import NDArray
 
 from ...drawing import svg
 from ...drawing.theme import OBSERVED
+from ...estimation.equations import with_minus
+from ...loop.settings import Settings, disturbances
+from ...simulation.disturbances import SightDisturbance
+
+PAPER = Settings.paper()  # the scene and transfer that the paper's own figures stand beside
+PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One line of the table, in words."""
+
+    name: str
+    paper: str
+    here: str
+    tolerance: str
+    holds: bool | None  # None if nothing is claimed, or the tolerance says why it is not judged
+    subject: str  # of the verdict, if it does not hold
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A bound on a result."""
+
+    value: float  # in the paper's scene
+    reason: str  # of the value, with its unit
+    elsewhere: float | None  # in any other scene, None if the paper claims nothing there
+    least: bool = False  # whether it is a lower bound
+
+
+TOLERANCES = {
+    "minimum": Tolerance(4.0, "degrees a joint: the paper's own minimum is that far off", elsewhere=4.0),
+    "minimum on pictures": Tolerance(
+        10.0,
+        "degrees a joint: one step of the grid; the affine camera's offset is smaller, detection adds to it",
+        elsewhere=10.0,
+    ),
+    "minima": Tolerance(1, "the paper shows one", elsewhere=1),
+    "basin": Tolerance(0.99, "share of starts that run downhill to it: 'almost convex'", elsewhere=0.99, least=True),
+    "near": Tolerance(3.0, "degrees: the bias of E's minimum is up to 3° over the range", elsewhere=4.0),
+    "E at rest": Tolerance(
+        0.05, "px² above E in the demonstrator's posture, which the affine camera keeps from 0", elsewhere=0.05
+    ),
+    "starts": Tolerance(0.8, "share of starts: 'converges', but some lean on a limit", elsewhere=0.8, least=True),
+    "image": Tolerance(1.0, "px: the width of a drawn line in images of 640 x 240", elsewhere=1.0),
+    "joints": Tolerance(1.0, "degrees: the bias of E's minimum in this scene", elsewhere=None),
+    "hand": Tolerance(10.0, "mm: what 1° makes of an arm's 0.6 m from shoulder to hand", elsewhere=None),
+    "before": Tolerance(
+        10.0,
+        "times farther off: a transfer fitted in another posture carries its conflict along",
+        elsewhere=1.0,
+        least=True,
+    ),
+}
+
+
+class Claims(list[Claim]):
+    """Claims about a run with these settings, judged by the tolerances of its scene.
+
+    unjudged: the reason why nothing is judged, if so.
+    """
+
+    def __init__(self, settings: Settings, unjudged: str = ""):
+        super().__init__()
+        self._unjudged = unjudged
+        self._papers = settings.demonstrator_deg in (None, PAPER_DEMONSTRATOR_DEG) and all(
+            getattr(settings, name) == getattr(PAPER, name)
+            for name in ("scene", "robot", "points", "transfer", *disturbances(SightDisturbance))
+        )
+
+    def limit(self, what: str) -> float | None:
+        """Return the bound in TOLERANCES for these settings."""
+        return TOLERANCES[what].value if self._papers else TOLERANCES[what].elsewhere
+
+    def add(
+        self, name: str, paper: str, here: str, tolerance: str = "–", condition: bool | None = None, subject: str = ""
+    ) -> None:
+        """Add a claim. condition: whether it holds, None if nothing is claimed."""
+        if condition is not None and self._unjudged:
+            tolerance, condition = f"not judged: {self._unjudged}", None
+        holds = None if condition is None else bool(condition)
+        self.append(
+            Claim(name, with_minus(paper), with_minus(here), tolerance, holds, subject or name.split(": ", 1)[-1])
+        )
+
+    def judge(
+        self, name: str, paper: str, here: str, what: str, found: float, form: str = "≤ {:g}", subject: str = ""
+    ) -> None:
+        """Add a claim that is judged by a bound in TOLERANCES. form: of the bound's text."""
+        limit = self.limit(what)
+        if limit is None:
+            words = form.format(TOLERANCES[what].value)
+            self.add(name, paper, here, f"not judged: {words} is about the paper's scene")
+        else:
+            within = operator.ge if TOLERANCES[what].least else operator.le
+            self.add(name, paper, here, form.format(limit), within(found, limit), subject)
+
+
+def verdict(claims: Sequence[Claim]) -> str:
+    """Say how many of the judged claims hold, and which do not; "" without judged claims."""
+    judged = [claim for claim in claims if claim.holds is not None]
+    missed = list(dict.fromkeys(claim.subject for claim in judged if not claim.holds))
+    if not judged:
+        return ""
+    held = sum(claim.holds is True for claim in judged)
+    counted = f"{held} of {len(judged)} hold{'s' if held == 1 else ''}"
+    if not missed:
+        return counted
+    if len(missed) == 1:
+        return f"{counted}; {missed[0]} does not"
+    return f"{counted}; {', '.join(missed[:-1])} and {missed[-1]} do not"
+
+
+def in_degrees(theta_deg: Iterable[float]) -> str:
+    """Write a posture, such as (45.0°, −90.0°)."""
+    return "(" + ", ".join(f"{angle:.1f}°" for angle in theta_deg).replace("-", "−") + ")"
+
+
+def table(claims: list[Claim]) -> str:
+    """Lay out the claims for people."""
+    marks = {True: "pass", False: "MISS", None: "–"}
+    rows = [("", "paper", "here", "tolerance", "")]
+    rows += [(claim.name, claim.paper, claim.here, claim.tolerance, marks[claim.holds]) for claim in claims]
+    widths = [max(len(row[k]) for row in rows) for k in range(5)]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+
 
 Progress = Callable[[float, Any], None]  # receives the share done, and the result so far or None
 

@@ -19,8 +19,7 @@ from ...loop.settings import Settings
 from ...servo.status import ServoStatus
 from ...simulation.scene import Scene
 from ..experiment import Tables, joint_columns, stacked
-from .claims import Claims
-from .common import Progress, no_progress
+from .common import Claims, Progress, no_progress
 
 CONVERGED, BODY, BEFORE, SAME = "converged", "all points", "before", "same posture"
 RUNS = {

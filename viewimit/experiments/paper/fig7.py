@@ -18,8 +18,17 @@ from ...loop.session import Session
 from ...loop.settings import Settings, given
 from ...simulation.scene import Scene
 from ..experiment import Tables, joint_columns, stacked
-from .claims import PAPER_DEMONSTRATOR_DEG, Claims, in_degrees
-from .common import Progress, demonstrator_mark, grid_rows, legend_entry, legend_marks, no_progress
+from .common import (
+    PAPER_DEMONSTRATOR_DEG,
+    Claims,
+    Progress,
+    demonstrator_mark,
+    grid_rows,
+    in_degrees,
+    legend_entry,
+    legend_marks,
+    no_progress,
+)
 
 PAPER_MINIMUM_DEG = (41.0, -90.0)
 PAPER_RANGE_DEG2 = 90.0 * 180.0

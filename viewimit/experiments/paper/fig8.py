@@ -15,8 +15,7 @@ from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene
 from ..experiment import Tables, joint_columns, stacked
-from .claims import Claims, in_degrees
-from .common import Progress, demonstrator_mark, grid_rows, legend_entry, legend_marks, no_progress
+from .common import Claims, Progress, demonstrator_mark, grid_rows, in_degrees, legend_entry, legend_marks, no_progress
 
 PAPER_MINIMUM_DEG = (45.0, -86.0)
 STEP_DEG = 10.0  # of θ2 in the paper; that of θ4 is not printed

@@ -16,8 +16,7 @@ from ...servo import SERVOS
 from ...servo.status import ServoStatus
 from ...simulation.scene import Scene
 from ..experiment import Tables, joint_columns, stacked
-from .claims import TOLERANCES, Claims
-from .common import Progress, grid_rows, no_progress
+from .common import TOLERANCES, Claims, Progress, grid_rows, no_progress
 
 PAPERS_LAWS, BESIDE = ("gradient", "gradient-retuned"), "broyden"
 MAX_MOTIONS = 3_000

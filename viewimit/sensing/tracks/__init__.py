@@ -9,8 +9,14 @@ from pathlib import Path
 
 from ...estimation.views import VIEWS, view_of
 from .arrays import open_hdf5, read_arrays
-from .deeplabcut import find_table, read_deeplabcut_csv, read_deeplabcut_h5
-from .sleap import read_sleap_analysis, read_sleap_csv, read_slp
+from .pose_trackers import (
+    find_table,
+    read_deeplabcut_csv,
+    read_deeplabcut_h5,
+    read_sleap_analysis,
+    read_sleap_csv,
+    read_slp,
+)
 from .text import Table, column_names, read_plain, read_tidy, refuse_colmap, write_tidy
 from .track import Row, Track, TrackedPoints, combine_views
 

@@ -1,26 +1,45 @@
 """The trust-region servo.
 
-Algorithm 1 (one call of `step` per look)
------------------------------------------
-RECORD    Add the posture and its images to the visits; fit the image model again.
-PROBE     Move each joint once, to learn how the images depend on the posture.
-MATCH     Measure E at all visits and solve the trust-region subproblem. If E is too large everywhere, search for
-          swapped correspondences.
-DESCEND   Move to the minimum of the predicted E. At the next look, compare the actual with the predicted reduction
-          and update the radius.
-VERIFY    Near a minimum, test whether E rises along every direction. Make verification motions where no visit shows it.
-SEARCH    If E is larger than noise explains, try the next transfer; then restart far from all visits.
+Algorithm 1 (one call of `step`, before each motion)
+----------------------------------------------------
+The posture and its images are recorded as a visit. Then phases follow each other until one returns a motion.
+
+PROBE     Move one joint alone, to learn how the images depend on it.
+PLAN      Measure E at all visits, update the radius by what the last step achieved, and solve the trust-region
+          subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
+DESCEND   Move to the minimum of the predicted E.
+VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
+          a verification motion if no visit shows that yet.
+SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits.
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
 
-At each look the phases are tried in this order, until one makes a motion. `PHASES` lists all transitions.
+Transitions
+-----------
+start   ──> PROBE     if joints are left to probe
+        ──> SEARCH    on the way to a posture where a restart begins
+        ──> REST      on the way to the posture to rest at
+        ──> PLAN      otherwise
+PROBE   ──> motion
+PLAN    ──> PLAN      if swapped points were found
+        ──> DESCEND   otherwise
+DESCEND ──> motion    if the step is worth one; none while the demonstrator keeps moving
+        ──> VERIFY    otherwise
+VERIFY  ──> motion    if evidence is missing that a motion can give
+        ──> PLAN      if points that one camera alone sees may determine a joint that the others do not
+        ──> REST      if the test has a result
+        ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
+SEARCH  ──> motion    towards a posture where a restart begins
+        ──> PLAN      if another transfer is left to try
+        ──> REST      if nothing is left to try
+REST    ──> motion    towards the posture to rest at; none when the arm is there
 
 The image model predicts the learner's own image points at postures that it has not visited: kinematics, if they explain
 all visits, or else a Gaussian process over the displacements. So E can be minimised without moving the arm.
 
 A small E does not show that the arm has arrived: a flat valley has a small E far from its lowest point. With
-E = ½ dᵀ H d, an E that is left allows a displacement up to √(2E/λ), λ the smallest eigenvalue of H. VERIFY begins where
-that is below `xtol_converged`, or where noise explains E. It claims convergence by the second-order sufficient
-conditions, tested on measured E: see `convergence`.
+E = ½ dᵀ H d, an E that is left allows a displacement up to √(2E/λ), λ the smallest eigenvalue of H. E leaves no room
+where that is below `xtol_converged`, or where noise explains E. Then convergence is claimed by the second-order
+sufficient conditions, tested on measured E: see `convergence`.
 
 References
 ----------
@@ -36,39 +55,38 @@ import numpy as np
 from ...estimation.residuals import ResidualFunction
 from ..observation import Observation, ScaledResiduals, in_units, probe_motion, unit_of
 from ..status import ServoStatus
-from .correspondences import find_swapped_matches, with_swapped
 from .image_models import ImageData
 from .localisation import is_consistent
 from .motions import maximin, sample_box
 from .options import TrustRegionOptions
 from .rules import (
     Displacement,
-    Look,
+    StepContext,
     accepts_step,
     at_joint_limit,
     current_certificate,
+    e_leaves_no_room,
     goal_with_other_points,
     is_cycling,
     may_verify,
-    mismatch_suspected,
+    may_verify_early,
     more_points_elsewhere,
-    next_attempt,
-    noise_floor,
-    objective_floor,
     on_rung,
     partial_points_help,
     rest_candidate,
     restart,
+    search_exhausted,
     stopped,
+    swap_suspected,
     take_step,
     travel,
     verification_motion,
+    with_partial_points,
     with_plan,
+    with_swap_search,
 )
 from .state import (
     Destination,
-    Matching,
-    Mismatch,
     Phase,
     TrustRegionState,
     first_region,
@@ -98,11 +116,11 @@ class TrustRegion:
             state.joints_to_probe,
             first_region(state.calibration, self.options),
             state.unit_px,
-            matching=state.matching,
+            swaps=state.swaps,
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
-            mismatch=None if state.mismatch is None else Mismatch(state.mismatch.offset),
+            mismatch=state.mismatch,
         )
 
     def step(
@@ -118,115 +136,105 @@ class TrustRegion:
         if outdated and not is_consistent(state.calibration, state.visits, observation.noise_px):
             state = without_calibration(state, options)
         images = ImageData(state.known, observation.noise_px, state.kinematics)
-        look = Look(observation, residuals, images, tracking, options)
+        context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state), None
         while displacement is None:
             run, _ = PHASES[phase]
-            phase, state, displacement = run(state, look)
+            phase, state, displacement = run(state, context)
         return replace(state, phase=phase), displacement
 
 
 def first_phase(state: TrustRegionState) -> Phase:
-    """Return the phase that a look begins with: on the way to a destination, the one that sent the arm there."""
+    """Return the phase that a step begins with: on the way to a destination, the one that sent the arm there."""
     if state.joints_to_probe:
         return Phase.PROBE
-    return Phase.MATCH if state.destination.displacement is None else state.phase
+    return Phase.PLAN if state.destination.displacement is None else state.phase
 
 
-def probe(state: TrustRegionState, look: Look) -> Outcome:
+def probe(state: TrustRegionState, context: StepContext) -> Outcome:
     """Move the next joint alone."""
     joint, *rest = state.joints_to_probe
     state = replace(state, joints_to_probe=tuple(rest), status=ServoStatus.MOVING)
-    return Phase.PROBE, state, probe_motion(joint, look.observation)
+    return Phase.PROBE, state, probe_motion(joint, context.observation)
 
 
-def match(state: TrustRegionState, look: Look) -> Outcome:
-    """Plan a step. If no step makes E small, search for swapped correspondences, and plan again."""
-    options, observation = look.options, look.observation
-    state = with_plan(state, look)
-    if not mismatch_suspected(state, look):
+def plan(state: TrustRegionState, context: StepContext) -> Outcome:
+    """Plan a step. If E stays large, search for swapped points."""
+    state = with_plan(state, context)
+    if not swap_suspected(state, context):
         return Phase.DESCEND, state, None
-    predict, floor = look.images.fit().predict, objective_floor(look)
-    pairs = find_swapped_matches(predict, look.residuals, observation.lower, observation.upper, floor, options)
-    state = replace(state, matching=Matching(pairs, next_attempt(state) + 1))
-    if not pairs:
-        return Phase.DESCEND, state, None
-    look.residuals = with_swapped(look.residuals, pairs)
-    search, region = replace(state.search, rung=0), first_region(state.calibration, options)
-    return Phase.MATCH, replace(state, search=search, region=region), None
+    state = with_swap_search(state, context)
+    return Phase.PLAN if state.swaps.pairs else Phase.DESCEND, state, None
 
 
-def descend(state: TrustRegionState, look: Look) -> Outcome:
+def descend(state: TrustRegionState, context: StepContext) -> Outcome:
     """Move to the predicted minimum, if that is worth a motion."""
-    if accepts_step(state, look):
-        return Phase.DESCEND, *take_step(state, look)
-    if look.tracking:  # a verification would only leave the learner behind
-        return Phase.DESCEND, replace(state, status=ServoStatus.MOVING), np.zeros_like(look.plan.minimum.theta)
+    if accepts_step(state, context):
+        return Phase.DESCEND, *take_step(state, context)
+    if context.tracking:  # The arm waits, because a verification motion would leave it behind the demonstrator.
+        return Phase.DESCEND, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.plan.minimum.theta)
     return Phase.VERIFY, state, None
 
 
-def verify(state: TrustRegionState, look: Look) -> Outcome:
-    """Test the posture to rest at, and make a motion where evidence is missing."""
-    plan, options = look.plan, look.options
-    state, look.place = rest_candidate(state, look)
-    certificate = current_certificate(state, look)
+def verify(state: TrustRegionState, context: StepContext) -> Outcome:
+    """Test whether the arm has arrived, and make a motion where evidence is missing."""
+    state, context.place = rest_candidate(state, context)
+    certificate = current_certificate(state, context)
     if certificate is None:
         return Phase.SEARCH, state, None
-    if partial_points_help(certificate, state, look):
-        look.residuals = look.residuals.with_partially_visible()
-        search, region = replace(state.search, partial_points=True), first_region(state.calibration, options)
-        return Phase.MATCH, replace(state, search=search, region=region), None
-    if more_points_elsewhere(state, look):
+    if partial_points_help(certificate, state, context):
+        return Phase.PLAN, with_partial_points(state, context), None
+    if more_points_elsewhere(state, context):
         return Phase.SEARCH, state, None
-    barred = state.mismatch is not None and plan.max_displacement_at_minimum < options.xtol_converged
-    small = plan.max_displacement < options.xtol_converged or plan.E < noise_floor(look)
-    if small or barred or certificate.unobservable_at_minimum:
-        if may_verify(certificate, state, look):
-            return Phase.VERIFY, *verification_motion(state, look, certificate.verification_step)
-        look.status = certificate.status
+    if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
+        if may_verify(certificate, state, context):
+            return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        context.status = certificate.status
         return Phase.REST, state, None
-    if plan.max_displacement < options.xtol_verify and state.search.n_verifications < options.max_verifications:
-        return Phase.VERIFY, *verification_motion(state, look, options.verification_step * plan.flattest_direction)
+    if may_verify_early(state, context):
+        offset = context.options.verification_step * context.plan.flattest_direction
+        return Phase.VERIFY, *verification_motion(state, context, offset)
     return Phase.SEARCH, state, None
 
 
-def search(state: TrustRegionState, look: Look) -> Outcome:
+def search(state: TrustRegionState, context: StepContext) -> Outcome:
     """Look for a smaller E: by the next transfer, or from a posture far from all visits."""
-    options, observation, certificate = look.options, look.observation, state.certificate
+    options, observation = context.options, context.observation
     if state.destination.displacement is not None:
-        return Phase.SEARCH, *travel(state, look)
-    if more_points_elsewhere(state, look):
-        return Phase.SEARCH, *restart(state, look, goal_with_other_points(state, look), look.plan.n_points + 1)
+        return Phase.SEARCH, *travel(state, context)
+    if more_points_elsewhere(state, context):
+        return Phase.SEARCH, *restart(state, context, goal_with_other_points(state, context), context.plan.n_points + 1)
     if state.search.rung + 1 < len(options.ladder):
-        return Phase.MATCH, on_rung(state, look, 0 if state.exchanged else state.search.rung + 1), None
-    if state.search.n_restarts < observation.max_restarts:
+        # Swapped points did not make E small, so they are swapped back, and the ladder begins again without them.
+        return Phase.PLAN, on_rung(state, context, 0 if state.swaps.pairs else state.search.rung + 1), None
+    if not search_exhausted(state, context):
         goal = maximin(state.known, sample_box(observation, options.restart_candidates))
-        return Phase.SEARCH, *restart(state, look, goal, 0)
-    if 0 < state.search.min_points <= look.plan.n_points:  # rest where fewer points determine E
-        return Phase.MATCH, on_rung(replace(state, search=replace(state.search, min_points=0)), look, 0), None
-    observable = certificate is None or bool(certificate.observable.all())
-    look.status = ServoStatus.NO_PROGRESS if observable else ServoStatus.UNOBSERVABLE
+        return Phase.SEARCH, *restart(state, context, goal, 0)
+    if 0 < state.search.min_points <= context.plan.n_points:
+        # The visits that show more points do not make E small, so those that show fewer are compared again.
+        return Phase.PLAN, on_rung(replace(state, search=replace(state.search, min_points=0)), context, 0), None
+    observable = state.certificate is None or bool(state.certificate.observable.all())
+    context.status = ServoStatus.NO_PROGRESS if observable else ServoStatus.UNOBSERVABLE
     return Phase.REST, state, None
 
 
-def rest(state: TrustRegionState, look: Look) -> Outcome:
+def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     """Return to the best posture, and stop there."""
     if state.destination.displacement is None:
-        destination = Destination(look.place, look.status, at_joint_limit(look))
-        if state.destination.status is not None and is_cycling(state, look):
-            state = replace(state, destination=destination)
-            return Phase.REST, stopped(state, look.status), np.zeros_like(look.place)
-        region = replace(state.region, n_rejected=look.options.max_rejections)
-        state = replace(state, destination=destination, region=region)
-    return Phase.REST, *travel(state, look)
+        has_rested = state.destination.status is not None
+        state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))
+        if has_rested and is_cycling(state, context):
+            return Phase.REST, stopped(state, context.status), np.zeros_like(context.place)
+        state = replace(state, region=replace(state.region, descend_allowed=False))
+    return Phase.REST, *travel(state, context)
 
 
-PHASES: dict[Phase, tuple[Callable[[TrustRegionState, Look], Outcome], set[Phase]]] = {
-    # phase: (function, phases that may follow at the same look, if it makes no motion)
+PHASES: dict[Phase, tuple[Callable[[TrustRegionState, StepContext], Outcome], set[Phase]]] = {
+    # phase: (function, phases that may follow in the same step, if it makes no motion)
     Phase.PROBE: (probe, set()),
-    Phase.MATCH: (match, {Phase.MATCH, Phase.DESCEND}),
+    Phase.PLAN: (plan, {Phase.PLAN, Phase.DESCEND}),
     Phase.DESCEND: (descend, {Phase.VERIFY}),
-    Phase.VERIFY: (verify, {Phase.MATCH, Phase.SEARCH, Phase.REST}),
-    Phase.SEARCH: (search, {Phase.MATCH, Phase.REST}),
+    Phase.VERIFY: (verify, {Phase.PLAN, Phase.SEARCH, Phase.REST}),
+    Phase.SEARCH: (search, {Phase.PLAN, Phase.REST}),
     Phase.REST: (rest, set()),
 }

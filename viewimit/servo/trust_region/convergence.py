@@ -8,10 +8,11 @@ About the posture E ≈ E₀ + ½ dᵀ H d. For each eigenvector v of H, the fla
 if v makes most of the rise predicted at d, and at least `min_rise` of v's own share was measured. The rise must also
 exceed what noise makes or, without noise, a share of the motion of the own images. If no visit tests direction v, a
 verification motion along v is requested. If E does not rise as predicted, v is unobservable, and so is each joint with
-a component in v. With too few points E is small and rises at wrong postures as well: they allow no claim.
+a component in v. With too few points E is small and rises at wrong postures as well, so they allow no claim.
 
-The covariance of the joint errors is σ² H⁻¹ / N, σ the image noise or the residual E, if more. To it are added
-H⁻¹ g of the gradients g that the noise of the own images and other hypotheses about the stereo head make.
+The covariance of the joint errors is σ² H⁻¹ / N, where σ is the image noise, or what E leaves if that is more. A
+gradient g of E at the posture displaces the minimum by H⁻¹ g. The squares of such displacements are added for the noise
+of the own images and for other hypotheses about the stereo head.
 
 References
 ----------
@@ -43,8 +44,8 @@ class Certificate:
     std_error: Array  # (m,) rad, standard deviation of each joint error; inf for unobservable joints
     observable: NDArray[np.bool_]  # (m,), joints
     verified: bool  # whether E was measured to rise along every direction
-    verification_step: Array  # (m,) rad, a motion that would show more; 0: there is none to make
-    at_floor: bool  # whether E is as small as it would be if the joints were unobservable
+    verification_step: Array  # (m,) rad, a motion that would show more; 0 if there is none to make
+    E_negligible: bool  # whether E is below `min_conflict_share` of what a turn of all joints moves the own images
     needs_more_data: bool = False  # points seen rarely, or noise not averaged yet, hide what would be observable
     unexplored_direction: bool = False  # whether no visit went in some direction
 
@@ -62,7 +63,7 @@ class Certificate:
     @property
     def unobservable_at_minimum(self) -> bool:
         """Whether E is small and some joint is unobservable."""
-        return self.at_floor and not self.observable.all()
+        return self.E_negligible and not self.observable.all()
 
     @property
     def simultaneous_std_error(self) -> float:
@@ -108,10 +109,11 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
         elif not increased or _unclear(model, direction, options):
             missing = missing if missing.any() else _step_length(model, direction, options) * direction
         elif _self_noise_dominates(model, direction, model.grad_samples_images, model.grad_samples_jacobian):
-            useful = useful if useful.any() else options.max_evidence_noisy * direction  # far visits fix slopes best
+            # Visits far apart determine the derivatives of the own images best.
+            useful = useful if useful.any() else options.max_evidence_noisy * direction
     left = np.sqrt(2 * model.n_points * model.E / model.degrees_of_freedom)
     noise = max(model.noise_px, PREDICTION_TOL_PX, left)
-    floor = options.min_conflict_share * 0.5 * options.max_std_per_px**2 * np.trace(model.image_gram)
+    negligible = options.min_conflict_share * 0.5 * options.max_std_per_px**2 * np.trace(model.image_gram)
     of_noise, of_rig = _self_noise_variance(model, inverse), _rig_variance(model, inverse)
     variance = (noise * std_per_px) ** 2 + model.newton_step**2 + of_noise + of_rig
     identifiable = lambda: standard_deviations(model.hessian_all_points, model.n_points) < options.max_std_per_px
@@ -122,7 +124,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
         observable=observable,
         verified=verified,
         verification_step=missing if missing.any() else useful,
-        at_floor=bool(model.E < floor),
+        E_negligible=bool(model.E < negligible),
         needs_more_data=not observable.all() and bool(identifiable().all()),
         unexplored_direction=bool(nearest < options.min_evidence),
     )
@@ -167,7 +169,10 @@ def _self_noise_variance(model: LocalModel, inverse: Array) -> Array:
 
 
 def _unclear(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
-    """Whether the curvature along v is insignificant, or the own images' noise hides more than the demonstrator's."""
+    """Whether noise leaves open whether E rises along v.
+
+    Either the curvature is insignificant, or the own images' noise hides more than the demonstrator's.
+    """
     return _curvature_insignificant(model, v, options) or _self_noise_dominates(model, v, model.grad_samples_images)
 
 
@@ -190,7 +195,11 @@ def _self_noise_dominates(model: LocalModel, v: Array, *samples: Array) -> bool:
 
 
 def _directions(model: LocalModel, options: TrustRegionOptions) -> list[Array]:
-    """Return the unit eigenvectors, the flattest first; one barred both ways is replaced by what the limits leave."""
+    """Return the unit eigenvectors of H, the flattest first.
+
+    If the joint limits leave no room for a verification step either way along one, the parts of it that they leave, if
+    long enough, take its place.
+    """
     found, length = [], options.verification_step
     for v in curvature_directions(model.hessian).T:
         ways = [way.clip(model.lower, model.upper) for way in (length * v, -length * v)]
@@ -206,8 +215,8 @@ def _test_increase(model: LocalModel, v: Array, options: TrustRegionOptions) -> 
     along = model.offsets @ v
     across = model.offsets - along[:, None] * v
     predicted, own = quadratic(model.offsets), 0.5 * along**2 * (model.hessians @ v @ v)
-    mostly = own >= options.min_own_share * np.maximum(predicted, own + quadratic(across))  # v is no eigenvector of
-    # the Hessian of fewer points, so the sum may be smaller than its parts
+    # At visits that show fewer points, v is no eigenvector of their Hessian, and `predicted` may be less than the sum.
+    mostly = own >= options.min_own_share * np.maximum(predicted, own + quadratic(across))
     all_points = own >= 0.5 * (0.5 * along**2 * (v @ model.hessian_single @ v))
     aligned = np.abs(along) >= options.min_alignment * np.linalg.norm(model.offsets, axis=-1)
     nearest, farthest = options.min_evidence, options.max_evidence

@@ -46,12 +46,12 @@ class SwappedResiduals:
         return SwappedResiduals(self.residuals.with_partially_visible(), self.pairs)
 
 
-def with_swapped(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
+def with_swaps(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
     """Return residuals with pairs of the demonstrator's points swapped."""
     return SwappedResiduals(residuals, pairs) if pairs else residuals
 
 
-def find_swapped_matches(
+def find_swaps(
     predict: Callable[[Array], Array],
     residuals: ResidualFunction,
     lower: Array,
@@ -81,7 +81,7 @@ def find_swapped_matches(
     def smallest(pairs: Pairs, postures: Array, E: Array) -> float:
         """Refine the best postures of a hypothesis, and return E there."""
         residual_at = lambda theta: residuals(swapped(predict(theta), pairs))
-        return minimise(residual_at, postures[np.argsort(E)[: options.match_refined]], lower, upper).E
+        return minimise(residual_at, postures[np.argsort(E)[: options.swap_refined]], lower, upper).E
 
     def evaluate(postures: Array, hypotheses: Sequence[Pairs]) -> Array:
         """Return E of all hypotheses at all postures, (hypotheses, postures) px²."""
@@ -93,7 +93,7 @@ def find_swapped_matches(
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)
 
-    postures = _postures(lower, upper, options.match_grid)
+    postures = _postures(lower, upper, options.swap_grid)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
     E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
     if not objective_floor <= E_none < np.inf:
@@ -105,15 +105,15 @@ def find_swapped_matches(
     E_one = smallest(one, postures, E[order[0]])
     if E_one < objective_floor:
         return one
-    postures = _postures(lower, upper, options.match_grid_two)
-    first = [single[k] for k in order[: options.match_first_pairs]]
+    postures = _postures(lower, upper, options.swap_grid_two)
+    first = [single[k] for k in order[: options.swap_first_pairs]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
     E = evaluate(postures, double)
     k = int(E.min(1).argmin())
     two, E_two = double[k], smallest(double[k], postures, E[k])
-    if E_two < options.match_gain * min(E_one, E_none):
+    if E_two < options.swap_gain * min(E_one, E_none):
         return two
-    return one if E_one < options.match_gain * E_none else ()
+    return one if E_one < options.swap_gain * E_none else ()
 
 
 def _postures(lower: Array, upper: Array, count: int) -> Array:

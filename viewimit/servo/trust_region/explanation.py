@@ -1,4 +1,4 @@
-"""The trust region's law and what it does, for people to read."""
+"""What the trust region shows its users: its equations, and in words what it does."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
     search = state.search
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
-        return "E rises in every direction, and its motions lead no nearer"
+        return "E rises in every direction, and no motion leads nearer"
     if status == ServoStatus.CONVERGED:
         return f"E leaves no room for {np.degrees(options.xtol_converged):.1g}° and rises in every direction"
     if status == ServoStatus.SETTLED:
@@ -51,17 +51,17 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     if state.destination.status is not None:
         return "back to the best posture"
     if search.min_points:
-        return f"looks where more than {search.min_points - 1} points are seen, as these leave a joint open"
+        return f"looks where more than {search.min_points - 1} points are visible, as these leave a joint undetermined"
     if search.n_restarts:
-        return f"looks for something lower, as noise explains less: search {search.n_restarts}"
+        return f"looks for a smaller E, as noise does not explain this one: search {search.n_restarts}"
     if state.probe:
         return "a probe, to learn how the images move"
     if state.mismatch is not None:
-        return "its arm is not where it was sent, so it goes by its images"
+        return "the arm is not where it was sent, so its images determine its posture"
     if search.partial_points:
-        return "uses points that one camera alone sees, too, as the others leave a joint open"
+        return "uses points that one camera alone sees, too, as the others leave a joint undetermined"
     if state.kinematics is not None:
-        return "knows how its joints turn its points, and goes where E should be least"
+        return "knows how its joints turn its points, and goes to the smallest predicted E"
     transfer = options.ladder[search.rung][0]
     return f"tries the {transfer} transfer" if transfer else ""
 
@@ -70,13 +70,13 @@ def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
     """Return what the last motion was for, or why there is none."""
     made = f"This motion, ({angles(motion.moved)}), "
     if motion.status == ServoStatus.CONVERGED:
-        return "What is left of E leaves no room for a displacement worth a motion: the servo rests."
+        return "E leaves no room for a displacement worth a motion: the servo rests."
     if motion.status == ServoStatus.NO_PROGRESS:
         return "Neither another transfer nor a restart led further: the servo rests."
     if state.phase is Phase.PROBE:
         return f"{made}is a probe: it shows how the joint moves the images."
     if state.phase is Phase.VERIFY:
-        return f"{made}is a verification: it shows what the predictions know least."
+        return f"{made}is a verification: it tests whether E rises where no visit shows that."
     if state.region.predicted_reduction is not None:
         return f"{made}was to lower E by <b>{short(state.region.predicted_reduction * state.unit_px**2)}</b> px²."
     return ""

@@ -100,18 +100,18 @@ class GaussianProcessImages:
     def image_weights(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (n,) with which the visited images sum to the images predicted at (m,) rad."""
         K = gram_matrix(self.offsets, self.noise_px)
-        weights: NDArray[np.float64] = np.linalg.solve(K, kernel(displacement - self.centre, self.offsets))
+        weights = np.asarray(np.linalg.solve(K, kernel(displacement - self.centre, self.offsets)), float)
         weights[self._index_of_centre] += 1 - weights.sum()  # predictions are changes from the image at the centre
         return weights
 
     def jacobian_weights(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (n, m) /rad with which the visited images sum to the derivatives predicted at (m,) rad."""
         K = gram_matrix(self.offsets, self.noise_px)
-        weights = np.linalg.solve(K, self._jacobian_covariance(displacement))
+        weights = np.asarray(np.linalg.solve(K, self._jacobian_covariance(displacement)), float)
         weights[self._index_of_centre] -= weights.sum(0)
         return weights
 
-    def _jacobian_covariance(self, displacement: NDArray) -> NDArray:
+    def _jacobian_covariance(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n, m) px²/rad: covariance of the visited images with the derivatives at a displacement."""
         difference = displacement - self.offsets - self.centre
         bend = BEND_PX**2 * np.exp((difference * difference).sum(-1, keepdims=True) / (-2 * LENGTH_RAD**2))
@@ -135,8 +135,12 @@ def gram_matrix(offsets: NDArray[np.float64], noise_px: float) -> NDArray[np.flo
 
 
 def _fit_partial(
-    own: NDArray, seen: NDArray, distance: NDArray, K: NDArray, min_visits: int
-) -> tuple[NDArray, NDArray]:
+    own: NDArray[np.float64],
+    seen: NDArray[np.bool_],
+    distance: NDArray[np.float64],
+    K: NDArray[np.float64],
+    min_visits: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Image at the centre, (N, 4) px, and weights (n, 4 N), where some points are hidden at some visits.
 
     own: (n, N, 4) px; seen: (n, N, 4) bool; distance: (n,) rad, from the centre; min_visits: at which a point must be
@@ -150,7 +154,9 @@ def _fit_partial(
     return at_centre, np.linalg.solve(K_visible, change.T[:, :, None])[:, :, 0].T
 
 
-def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
+def _nearest_seen(
+    own: NDArray[np.float64], seen: NDArray[np.bool_], distance: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Each coordinate at the visit nearest to the centre that shows it: (N, 4) px, NaN if none does."""
     order = np.argsort(distance, kind="stable")
     first = seen[order].argmax(0)
@@ -158,7 +164,7 @@ def _nearest_seen(own: NDArray, seen: NDArray, distance: NDArray) -> NDArray:
     return np.where(seen.any(0), nearest, np.nan)
 
 
-def _rarely_seen(seen: NDArray, min_visits: int) -> NDArray:
+def _rarely_seen(seen: NDArray[np.bool_], min_visits: int) -> NDArray[np.bool_]:
     """(N,) bool: points seen at fewer visits than a linear function needs, if enough others were seen that often."""
     count = seen.all(-1).sum(0)
     return count < min(min_visits, np.sort(count)[-min(MIN_WELL_SEEN, len(count))])

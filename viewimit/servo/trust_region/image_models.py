@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.kinematics.adjustment import KinematicsCovariance
 from ...geometry.kinematics.clusters import Observations
-from ...geometry.kinematics.covariance import KinematicsCovariance
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import FD_STEP, fd_steps
 from ..observation import Visit
@@ -110,13 +110,13 @@ class KinematicImages:
         of_jacobians = np.moveaxis(np.tensordot(self.process.jacobian_weights(displacement), noise, ([0], [1])), 0, 1)
         return np.where(self._known, images, of_images), np.where(self._known, jacobians, of_jacobians)
 
-    def _perturbed(self, errors: tuple[NDArray, NDArray]) -> ProjectiveKinematics:
+    def _perturbed(self, errors: tuple[NDArray[np.float64], NDArray[np.float64]]) -> ProjectiveKinematics:
         """Several kinematics at once, with errors of their parameters, (D, P), and points, (D, N, 3)."""
         parameters, points = self.kinematics.parameters + errors[0], self.kinematics.points + errors[1]
         return replace(self.kinematics, parameters=parameters, points=points)
 
     @cached_property
-    def _known(self) -> NDArray:
+    def _known(self) -> NDArray[np.bool_]:
         """(N, 1) bool: points known to the kinematics."""
         return ~self.kinematics.unknown[:, None]
 
@@ -215,8 +215,8 @@ def estimate_own_noise(
 
 def _kinematic_noise(
     model: KinematicImages,
-    residuals: Callable[[NDArray], NDArray],
-    place: NDArray,
+    residuals: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    place: NDArray[np.float64],
     degrees_of_freedom: int,
     seed: int,
 ) -> OwnNoise:
@@ -233,7 +233,7 @@ def _kinematic_noise(
     return OwnNoise(hessian_bias, by_images @ J.T / n_points, by_jacobian @ e[0] / n_points, degrees_of_freedom)
 
 
-def _gradients_by_jacobian(jacobian_weights: NDArray, products: NDArray) -> NDArray:
+def _gradients_by_jacobian(jacobian_weights: NDArray[np.float64], products: NDArray[np.float64]) -> NDArray[np.float64]:
     """(N_SAMPLES, m) px²/rad: draws of the Jacobian's noise times e.
 
     jacobian_weights: (n, m) /rad; products: (N_SAMPLES,) px², draws of the change of e by one image's noise, times e.

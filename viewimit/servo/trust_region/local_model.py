@@ -1,7 +1,9 @@
 """The quadratic model of E about a posture: E(θ) = E₀ + ½ dᵀ H d, d = θ - θ₀, and its errors.
 
-H = J_uᵀ J_e' J_e J_u / N is the Gauss-Newton Hessian: J_u are the slopes of the own images, J_e those of the residuals.
-J_u is learned from noisy images. So H is debiased, and Monte Carlo draws of that noise give the error of the gradient.
+The posture θ₀ is taken for the minimum, so there is no linear term. H = J_uᵀ J_eᵀ J_e J_u / N is the Gauss-Newton
+Hessian. J_u are the derivatives of the own images by the joints, J_e those of the residuals by the own images. J_u is
+learned from noisy images, so H is debiased. That noise also makes a gradient at the true minimum: Monte Carlo draws of
+it, `grad_samples_…`, give the error of θ₀.
 
 References
 ----------
@@ -22,7 +24,7 @@ from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
 Residuals = Callable[[Array], Array]  # own images (..., N, 4) px → residuals (..., n, C) px
-AFFINE_MINIMAL_SAMPLE = 4  # points that affine fundamental matrices fit exactly, Section 2.2
+AFFINE_MINIMAL_SAMPLE = 4  # points that affine fundamental matrices fit exactly, Section 2.2 of the paper
 
 
 def absorbed_points(joints: int) -> float:
@@ -40,7 +42,12 @@ def min_points_identifiable(joints: int) -> int:
 
 
 def degrees_of_freedom(points: int, joints: int) -> int:
-    """Return how many residuals neither the transfer nor the joints fit."""
+    """Return how many residual coordinates of N points are left by the parameters of the transfer and the m joints.
+
+    It is 4 (N - 4) - m, as for affine transfers, whose 16 parameters fit four points exactly. The default transfer is a
+    homography of space with 15 parameters: it leaves 4 N - 15 - m, one more. The smaller number is used for both, so
+    bounds on E are slightly too low. A point that one camera alone sees is counted as four coordinates, and has two.
+    """
     return max(4 * (points - AFFINE_MINIMAL_SAMPLE) - joints, 1)
 
 
@@ -51,12 +58,12 @@ class LocalModel:
     hessian: Array  # (m, m) px²/rad², debiased, mean over the points
     hessian_all_points: Array  # (m, m) px²/rad², with rarely seen points, as if own images had no noise
     E: float  # px², at the best visit
-    n_points: int  # that determine E
-    n_visible: int  # of these, visible at the best visit
+    n_points: int  # points N that determine E
+    n_visible: int  # those of them that are visible at the best visit
     newton_step: Array  # (m,) rad, from the posture to the predicted minimum
     grad_samples_images: Array  # (k, m) px²/rad, Monte Carlo draws: error of the gradient by the own images' noise
     grad_samples_jacobian: Array  # (k, m) px²/rad, draws: its error by the noise of the images' slopes
-    grad_bias_per_rig: Array  # (k, m) px²/rad, its change with each other hypothesis about the stereo head
+    grad_bias_per_rig: Array  # (k, m) px²/rad, change of the gradient with each other hypothesis about the stereo head
     image_gram: Array  # (m, m) px²/rad², J_uᵀ J_u / N
     offsets: Array  # (n, m) rad, of the visits from the posture
     increase: Array  # (n,) px², of the measured E above the best visit; NaN where no common points allow it
@@ -79,7 +86,7 @@ class EstimationData:
     visits: tuple[Visit, ...]
     best: int  # index of the visit with the smallest E
     E: float  # px², there
-    points: NDArray[np.bool_]  # (N,), that E was evaluated with there
+    points: NDArray[np.bool_]  # (N,), points that E was evaluated with there
     model: ImageModel  # learned from the visits
     observation: Observation  # at the last visit
     residuals: Residuals  # by the chosen transfer; points that are NaN are left out

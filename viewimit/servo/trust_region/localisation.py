@@ -64,7 +64,7 @@ def is_consistent(calibration: Sequence[Visit], visits: Sequence[Visit], noise_p
     return True
 
 
-def _passes_gate(innovation: NDArray, std: NDArray) -> bool:
+def _passes_gate(innovation: NDArray[np.float64], std: NDArray[np.float64]) -> bool:
     """Whether innovations (n, 4) px agree with their standard deviations, up to a limited shift of all points."""
     shift = np.median(innovation, 0)
     return bool(np.abs(shift).max() <= MAX_SHIFT_PX and (np.abs(innovation - shift) <= GATE_SIGMA * std).all())
@@ -109,7 +109,7 @@ def localise(visits: Sequence[Visit], commanded: Visit, noise_px: float) -> tupl
     return Visit(theta, commanded.own, commanded.seen), False
 
 
-def _shows_same_image(visits: Sequence[Visit], here: Visit, noise_px: float) -> NDArray:
+def _shows_same_image(visits: Sequence[Visit], here: Visit, noise_px: float) -> NDArray[np.bool_]:
     """(n,) bool: visits whose images equal those here up to noise, in the coordinates seen in both."""
     own, seen = np.array([visit.own for visit in visits]), np.array([visit.seen for visit in visits])
     both = repeat_xy(seen & here.seen)

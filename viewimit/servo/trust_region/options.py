@@ -27,7 +27,7 @@ class TrustRegionOptions:
     shrink_factor: float = 0.4  # of the step made; they have 0.25 of the radius
     grow_factor: float = 2.0  # of the radius; as they have it
     full_step: float = 0.8  # share of the radius, from which a step counts as limited by the region
-    max_rejections: int = 2  # steps in a row that did not reduce E, after which the model is no use here
+    max_rejections: int = 2  # short steps in a row that did not reduce E, after which DESCEND is skipped
     max_step: float = _deg(45.0)  # rad per motion, as long as images are known near the visits only
     xtol: float = _deg(0.1)  # rad: shorter steps are not worth a motion
     min_step: float = _deg(0.01)  # rad: shorter steps are no motion, even if they would settle a doubt
@@ -37,26 +37,29 @@ class TrustRegionOptions:
     max_visits: int = 60  # that are remembered; a prediction costs their number cubed
     same_posture: float = 1e-9  # rad: rounding of two motions to one posture
 
-    # Search strategy: (transfer, None for the chosen one; first radius) tried in turn before a restart
+    # Search strategy: (transfer, first radius) of each rung, tried in turn before a restart; None: the chosen transfer
     ladder: tuple[tuple[str | None, float], ...] = (
         (None, _deg(25.0)),
-        ("linear", _deg(25.0)),  # its E has other local minima
-        (None, _deg(12.0)),
+        ("linear", _deg(25.0)),  # its E has other local minima, so it may lead out of one
+        (None, _deg(12.0)),  # from where the second rung led; nearer visits predict images better
     )
     restart_candidates: int = 200  # random postures, of which the one farthest from all visits is taken
 
     # Kinematics
-    fit_kinematics_at: tuple[int, ...] = (1, 2, 3, 5, 8, 13, 21, 34, 55)  # visits beyond the joints; fits are costly
+    # Numbers of visits, minus the number of joints, at which a fit is tried; 1 is after all probes. A fit is costly.
+    fit_kinematics_at: tuple[int, ...] = (1, 2, 3, 5, 8, 13, 21, 34, 55)
 
-    # Correspondences
-    match_at: tuple[int, ...] = (1, 5, 10, 16, 24)  # visits beyond the joints; the first needs kinematics
+    # Swapped points
+    # Numbers of visits, minus the number of joints, from which each search is due. The first is left out without
+    # kinematics.
+    swap_search_at: tuple[int, ...] = (1, 5, 10, 16, 24)
     floor_image_share: float = 1e-3  # of the mean square extent of the own image: E that is small
     floor_noise_ratio: float = 25.0  # times the noise variance: E that is small
-    match_grid: int = 12  # postures per joint, for one swapped pair
-    match_grid_two: int = 8  # postures per joint, for two swapped pairs: there are many more hypotheses
-    match_first_pairs: int = 6  # best single pairs that are extended by a second one
-    match_refined: int = 3  # best postures that are refined by least squares
-    match_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
+    swap_grid: int = 12  # postures per joint, for one swapped pair
+    swap_grid_two: int = 8  # postures per joint, for two swapped pairs: there are many more hypotheses
+    swap_first_pairs: int = 6  # best single pairs that are extended by a second one
+    swap_refined: int = 3  # best postures that are refined by least squares
+    swap_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
 
     # Subproblem
     grid: int = 7  # candidates per joint, for one or two joints
@@ -71,7 +74,8 @@ class TrustRegionOptions:
     # Convergence test
     noise_sigmas: float = 3.0  # standard deviations of E above its mean, up to which E is noise
     noise_slack: float = 1.2  # times the noise, which is measured itself
-    max_verifications: int = 3  # motions per joint, from one restart to the next
+    max_verifications: int = 3  # verification motions per joint, from one restart to the next
+    max_early_verifications: int = 3  # of all joints together, while E leaves more than xtol_converged possible
     overshoot_below: float = _deg(5.0)  # rad: a last step shorter than that may go beyond its target, to verify
     verification_step: float = _deg(2.0)  # rad, without noise
     verification_step_noisy: float = _deg(8.0)  # rad, the shortest with noise

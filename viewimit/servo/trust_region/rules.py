@@ -1,4 +1,8 @@
-"""The rules by which the phases of the trust region decide, and the motions that they make."""
+"""The conditions on which the phases of the trust region decide, and the motions that they make.
+
+Functions take the state and the context of the step. Those that return a state return a new one; only the context is
+changed in place.
+"""
 
 from dataclasses import dataclass, field, replace
 
@@ -11,38 +15,38 @@ from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
-from .correspondences import with_swapped
+from .correspondences import find_swaps, with_swaps
 from .image_models import ImageData
 from .local_model import degrees_of_freedom
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .options import TrustRegionOptions
-from .state import Destination, Region, Search, TrustRegionState
+from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
 
 Displacement = NDArray[np.float64]
 
 
 @dataclass
-class Look:
-    """What the phases share during one call of `step`."""
+class StepContext:
+    """What the phases of one call of `step` share, and pass on to each other."""
 
-    observation: Observation  # in image units, relative to where the arm is by its images
-    residuals: ResidualFunction  # in image units; the phases change which points it uses
+    observation: Observation  # in image units; displacement and limits are relative to where the arm really is
+    residuals: ResidualFunction  # in image units; phases swap points in it, and include partially visible ones
     images: ImageData  # predicts the own images from all visits
     tracking: bool  # whether the demonstrator keeps moving
     options: TrustRegionOptions
-    plan: StepPlan = field(init=False)  # made by MATCH
-    place: Displacement = field(init=False)  # (m,) rad, where to rest; chosen by VERIFY
-    status: ServoStatus = ServoStatus.MOVING  # to report there
+    plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
+    place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
+    status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
 
 
-def with_plan(state: TrustRegionState, look: Look) -> TrustRegionState:
+def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Evaluate E at all visits, update the radius, and solve the subproblem."""
-    options, transfer = look.options, current_transfer(state, look)
-    visited = evaluate_visits(look.images, look.residuals, transfer, state.search.min_points, options)
+    options, transfer = context.options, current_transfer(state, context)
+    visited = evaluate_visits(context.images, context.residuals, transfer, state.search.min_points, options)
     state = replace(state, region=updated_region(state, visited.E, options))
-    look.plan = solve_subproblem(
-        look.images, visited, state.effective_radius, look.observation, look.residuals, transfer, options
+    context.plan = solve_subproblem(
+        context.images, visited, state.effective_radius, context.observation, context.residuals, transfer, options
     )
     return state
 
@@ -53,11 +57,11 @@ def updated_region(state: TrustRegionState, E: NDArray[np.float64], options: Tru
     if state.region.predicted_reduction is None or len(E) < 2:
         return region
     best = argmin_last(E[:-1])
-    if np.isinf(E[best]):  # too few points at all earlier visits: nothing could be predicted
+    if np.isinf(E[best]):  # No earlier visit showed enough points, so no reduction was predicted.
         return region
     rho = float(E[best] - E[-1]) / max(state.region.predicted_reduction, 1e-12)
     step = np.abs(state.known[-1].displacement - state.known[best].displacement).max()
-    step = min(step, region.radius)  # it is longer, if later images have made another visit the best
+    step = min(step, region.radius)  # It is longer if later images have made another visit the best.
     radius, n_rejected = region.radius, 0
     if rho < options.shrink_below:
         radius = max(options.shrink_factor * step, options.min_radius)
@@ -67,107 +71,141 @@ def updated_region(state: TrustRegionState, E: NDArray[np.float64], options: Tru
     return Region(float(radius), None, n_rejected)
 
 
-def accepts_step(state: TrustRegionState, look: Look) -> bool:
-    """Whether the planned step is worth a motion: a short one only for the certainty that it promises."""
-    plan, options = look.plan, look.options
-    certainty = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
-    long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and certainty)
-    is_there = np.abs(plan.minimum.theta - look.observation.displacement).max() < options.min_step
-    reducible = plan.E > PREDICTION_TOL_PX**2 and state.region.n_rejected < options.max_rejections
-    return bool(long_enough and not is_there and reducible)
+def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether the planned step is worth a motion.
+
+    It must be `xtol` long. A shorter one down to `min_step` is worth a motion if it decides: if E leaves no room at its
+    end, and room where the arm is.
+    """
+    plan, region, options = context.plan, state.region, context.options
+    decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
+    long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and decides)
+    model_reduces_E = region.descend_allowed and region.n_rejected < options.max_rejections
+    return bool(long_enough and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
 
 
-def take_step(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:
-    """Move to the predicted minimum; the last short steps go a little beyond it, where evidence is missing."""
-    plan, options = look.plan, look.options
+def take_step(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Move to the predicted minimum, or beyond it if that saves a verification motion.
+
+    Without noise, a last step may pass the minimum by a verification step. The visit there shows how E rises, so the
+    step back to the minimum can be the last motion.
+    """
+    plan, options = context.plan, context.options
     short = plan.step_length < options.overshoot_below or state.has_global_model
     last = short and plan.max_displacement_at_minimum < options.xtol_converged
     unverified = state.search.n_verifications < len(plan.minimum.theta) and plan.noise_reference is None
-    if plan.certify is not None and last and unverified and not look.tracking:
+    if plan.can_certify and last and unverified and not context.tracking:
         offset = plan.certify(plan.minimum.theta).verification_step
-        beyond = offset_inside_limits(look.observation, plan.minimum.theta, offset)
+        beyond = offset_inside_limits(context.observation, plan.minimum.theta, offset)
         if offset.any() and distance_to_visits(state.known, beyond[None])[0] > options.min_step:
-            return move(with_verification(state), look, beyond)
+            return move(with_verification(state), context, beyond)
     region = replace(state.region, predicted_reduction=float(plan.E - plan.minimum.E))
-    return move(replace(state, region=region), look, plan.minimum.theta)
+    return move(replace(state, region=region), context, plan.minimum.theta)
 
 
-def next_attempt(state: TrustRegionState) -> int:
-    """Return the number of the next search for swapped matches; the first one needs kinematics, or is left out."""
-    return state.matching.n_attempts if state.kinematics is not None else max(state.matching.n_attempts, 1)
+def next_swap_search(state: TrustRegionState) -> int:
+    """Return the index of the next search for swaps in `swap_search_at`; the first is made with kinematics only."""
+    return state.swaps.n_searches if state.kinematics is not None else max(state.swaps.n_searches, 1)
 
 
-def objective_floor(look: Look) -> float:
-    """Return E below which no swapped correspondence is suspected, px²."""
-    observation, options = look.observation, look.options
+def objective_floor(context: StepContext) -> float:
+    """Return E below which no swapped points are suspected, px²."""
+    observation, options = context.observation, context.options
     extent = float(observation.own[observation.seen.all(-1)].var(0).sum())
     return max(options.floor_image_share * extent, options.floor_noise_ratio * observation.noise_px**2)
 
 
-def mismatch_suspected(state: TrustRegionState, look: Look) -> bool:
-    """Whether to search for swapped matches: at some visits, while E is large and not predicted to become small."""
-    attempt, plan, at = next_attempt(state), look.plan, look.options.match_at
-    if state.exchanged or attempt >= len(at) or len(state.known) < at[attempt] + len(plan.minimum.theta):
+def swap_suspected(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether to search for swapped points: while E is large, at a few numbers of visits, as the search is costly."""
+    index, plan, at = next_swap_search(state), context.plan, context.options.swap_search_at
+    if state.swaps.pairs or index >= len(at) or len(state.known) < at[index] + len(plan.minimum.theta):
         return False
-    predicted = plan.minimum.E if state.kinematics is not None and plan.certify is not None else np.inf
-    E = look.observation.E if plan.noise_reference is None else plan.E
-    return bool(np.isfinite(E) and min(E, predicted) > objective_floor(look))
+    E = context.observation.E if plan.noise_reference is None else plan.E
+    return bool(objective_floor(context) < E < np.inf)
 
 
-def current_transfer(state: TrustRegionState, look: Look) -> str | None:
+def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Search for swapped points. If some are found, begin the search for the minimum again with them swapped back."""
+    observation, options = context.observation, context.options
+    predict, floor = context.images.fit().predict, objective_floor(context)
+    pairs = find_swaps(predict, context.residuals, observation.lower, observation.upper, floor, options)
+    state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
+    if not pairs:
+        return state
+    context.residuals = with_swaps(context.residuals, pairs)
+    return replace(state, search=replace(state.search, rung=0), region=first_region(state.calibration, options))
+
+
+def current_transfer(state: TrustRegionState, context: StepContext) -> str | None:
     """Return the transfer in use; None for the chosen one."""
-    return look.options.ladder[state.search.rung][0]
+    return context.options.ladder[state.search.rung][0]
 
 
-def current_certificate(state: TrustRegionState, look: Look) -> Certificate | None:
-    """Return the certificate made at this look; None if E is another transfer's, or of too few points."""
-    return state.certificate if current_transfer(state, look) is None else None
+def current_certificate(state: TrustRegionState, context: StepContext) -> Certificate | None:
+    """Return the certificate of this step; None if E is another transfer's, or too few points determine it."""
+    return state.certificate if current_transfer(state, context) is None else None
 
 
-def noise_floor(look: Look) -> float:
-    """Return E up to which noise explains it, px²."""
-    points, options = look.plan.n_points, look.options
-    freedom = degrees_of_freedom(points, len(look.observation.displacement))
-    return conflict_quantile(points, freedom, options.noise_slack * look.observation.noise_px, options.noise_sigmas)
+def e_leaves_no_room(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether E leaves no displacement worth a motion possible, or noise explains E.
 
-
-def rest_candidate(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:
-    """Choose the posture to rest at, (m,) rad, and test it.
-
-    With noise it is the predicted minimum, without noise the best visit. An arm that does not reach the postures that
-    it is sent to rests at the best visit, or where it is if no motion leads there.
+    An arm that is not where it was sent may never reach the predicted minimum. For it, the E predicted there counts.
     """
-    plan, best = look.plan, look.plan.model.centre
+    plan, bound = context.plan, context.options.xtol_converged
+    cannot_get_nearer = state.mismatch is not None and plan.max_displacement_at_minimum < bound
+    return plan.max_displacement < bound or plan.E < noise_floor(context) or cannot_get_nearer
+
+
+def noise_floor(context: StepContext) -> float:
+    """Return E up to which noise explains it, px²."""
+    points, options = context.plan.n_points, context.options
+    freedom = degrees_of_freedom(points, len(context.observation.displacement))
+    return conflict_quantile(points, freedom, options.noise_slack * context.observation.noise_px, options.noise_sigmas)
+
+
+def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Choose the posture to rest at, (m,) rad, and test it for convergence.
+
+    With noise it is the predicted minimum, because that averages the noise of all visits. Without noise it is the best
+    visit, because E was measured there. So it is for an arm that is not where it was sent, as it may never reach the
+    minimum. If such an arm does not reach its best visit either, it rests where it is.
+    """
+    plan, best = context.plan, context.plan.model.centre
     place = best if plan.noise_reference is None or state.mismatch is not None else plan.minimum.theta
-    if state.mismatch is not None and state.destination.status is not None:
-        if state.mismatch.stuck or is_cycling(state, look):
-            place = look.observation.displacement
-    state = replace(state, region=replace(state.region, n_rejected=0))
-    if plan.certify is None:
-        return (replace(state, certificate=None) if current_transfer(state, look) is None else state), place
+    if state.mismatch is not None and state.destination.status is not None and is_cycling(state, context):
+        place = context.observation.displacement
+    state = replace(state, region=replace(state.region, n_rejected=0, descend_allowed=True))
+    if not plan.can_certify:
+        return (replace(state, certificate=None) if current_transfer(state, context) is None else state), place
     certificate = plan.certify(place).per_pixel(state.unit_px)
     if state.mismatch is not None and not np.array_equal(place, best):
-        certificate = replace(certificate, verified=False)
+        certificate = replace(certificate, verified=False)  # E was measured to rise about the best visit, not here.
     return replace(state, certificate=certificate), place
 
 
-def may_verify(certificate: Certificate, state: TrustRegionState, look: Look) -> bool:
+def may_verify(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:
     """Whether the certificate asks for a verification motion, and some are left."""
-    most = look.options.max_verifications * len(look.observation.displacement)
+    most = context.options.max_verifications * len(context.observation.displacement)
     return bool(certificate.verification_step.any() and state.search.n_verifications < most)
 
 
+def may_verify_early(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether E leaves too much room to rest, but so little that a verification motion may show the way."""
+    near, most = context.options.xtol_verify, context.options.max_early_verifications
+    return context.plan.max_displacement < near and state.search.n_verifications < most
+
+
 def verification_motion(
-    state: TrustRegionState, look: Look, offset: Displacement
+    state: TrustRegionState, context: StepContext, offset: Displacement
 ) -> tuple[TrustRegionState, Displacement]:
-    """Move to one side of the posture to rest at."""
-    noisy = look.observation.noise_px > 0
+    """Move to one side of the posture to rest at, (m,) rad offset from it."""
+    noisy = context.observation.noise_px > 0
     target = (
-        farthest_offset(state.known, look.observation, look.place, offset)
+        farthest_offset(state.known, context.observation, context.place, offset)
         if noisy
-        else offset_inside_limits(look.observation, look.place, offset)
+        else offset_inside_limits(context.observation, context.place, offset)
     )
-    return move(with_verification(state), look, target)
+    return move(with_verification(state), context, target)
 
 
 def with_verification(state: TrustRegionState) -> TrustRegionState:
@@ -175,71 +213,89 @@ def with_verification(state: TrustRegionState) -> TrustRegionState:
     return replace(state, search=replace(state.search, n_verifications=state.search.n_verifications + 1))
 
 
-def partial_points_help(certificate: Certificate, state: TrustRegionState, look: Look) -> bool:
+def partial_points_help(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:
     """Whether points that one camera alone sees may determine a joint that the others do not."""
-    return bool(
-        certificate.unobservable_at_minimum and not state.search.partial_points and look.observation.n_partial > 0
-    )
+    unused = context.observation.n_partial > 0 and not state.search.partial_points
+    return certificate.unobservable_at_minimum and unused
 
 
-def more_points_elsewhere(state: TrustRegionState, look: Look) -> bool:
+def with_partial_points(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Use points that one camera alone sees, too, and begin the search for the minimum again with them."""
+    context.residuals = context.residuals.with_partially_visible()
+    search, region = replace(state.search, partial_points=True), first_region(state.calibration, context.options)
+    return replace(state, search=search, region=region)
+
+
+def more_points_elsewhere(state: TrustRegionState, context: StepContext) -> bool:
     """Whether more points may be visible elsewhere, where these leave a joint unobservable."""
-    certificate, observation = current_certificate(state, look), look.observation
+    certificate, observation = current_certificate(state, context), context.observation
     if certificate is None or not certificate.unobservable_at_minimum:
         return False
     visible = observation.n_visible + (observation.n_partial if state.search.partial_points else 0)
-    learns = certificate.needs_more_data and may_verify(certificate, state, look)
-    return not learns and look.plan.n_points < visible and state.search.n_restarts < observation.max_restarts
+    learns_here = certificate.needs_more_data and may_verify(certificate, state, context)
+    return not learns_here and context.plan.n_points < visible and not search_exhausted(state, context)
 
 
-def goal_with_other_points(state: TrustRegionState, look: Look) -> Displacement:
-    """Return a posture far away on the line that these points leave open; if it is all visited, one anywhere."""
-    observation, count = look.observation, look.options.restart_candidates
-    goal = maximin(state.known, sample_line(observation, look.place, look.plan.flattest_direction, count))
-    if distance_to_visits(state.known, goal[None])[0] < look.options.first_radius:
+def search_exhausted(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether no restart is left."""
+    return state.search.n_restarts >= context.observation.max_restarts
+
+
+def goal_with_other_points(state: TrustRegionState, context: StepContext) -> Displacement:
+    """Return a posture to restart from, (m,) rad, where other points may be visible.
+
+    It is far from all visits on the line along which E hardly rises: there E stays small. If visits cover that line, it
+    is anywhere.
+    """
+    observation, count = context.observation, context.options.restart_candidates
+    goal = maximin(state.known, sample_line(observation, context.place, context.plan.flattest_direction, count))
+    if distance_to_visits(state.known, goal[None])[0] < context.options.first_radius:
         goal = maximin(state.known, sample_box(observation, count))
     return goal
 
 
-def on_rung(state: TrustRegionState, look: Look, rung: int) -> TrustRegionState:
-    """Begin a rung of the ladder; swapped matches that did not make E small are dropped."""
-    look.residuals = with_swapped(look.residuals, state.exchanged)
+def on_rung(state: TrustRegionState, context: StepContext, rung: int) -> TrustRegionState:
+    """Begin a rung of the ladder, with no points swapped."""
+    context.residuals = with_swaps(context.residuals, state.swaps.pairs)
     return replace(
         state,
         search=replace(state.search, rung=rung),
-        region=Region(look.options.ladder[rung][1]),
-        matching=replace(state.matching, pairs=()),
+        region=Region(context.options.ladder[rung][1]),
+        swaps=replace(state.swaps, pairs=()),
         target_moved=(state.target_moved[0], False),
     )
 
 
 def restart(
-    state: TrustRegionState, look: Look, goal: Displacement, min_points: int
+    state: TrustRegionState, context: StepContext, goal: Displacement, min_points: int
 ) -> tuple[TrustRegionState, Displacement]:
-    """Begin the search again at a goal, (m,) rad; min_points: that must determine E there."""
+    """Begin the search again at a goal, (m,) rad, with visits where at least `min_points` points determine E."""
     search = Search(n_restarts=state.search.n_restarts + 1, min_points=min_points)
-    region = Region(look.options.first_radius)
-    return travel(replace(state, search=search, region=region, destination=Destination(goal)), look)
+    region = Region(context.options.first_radius)
+    return travel(replace(state, search=search, region=region, destination=Destination(goal)), context)
 
 
-def move(state: TrustRegionState, look: Look, target: Displacement) -> tuple[TrustRegionState, Displacement]:
-    """Move to the target, or towards it by `max_step`, where images are predicted near visits only."""
-    step = target - look.observation.displacement
+def move(state: TrustRegionState, context: StepContext, target: Displacement) -> tuple[TrustRegionState, Displacement]:
+    """Move to the target, (m,) rad, or towards it by `max_step` if images are predicted near visits only."""
+    step = target - context.observation.displacement
     longest = np.abs(step).max()
-    if longest > look.options.max_step and not state.has_global_model:
-        step = step * (look.options.max_step / longest)
+    if longest > context.options.max_step and not state.has_global_model:
+        step = step * (context.options.max_step / longest)
         state = replace(state, region=replace(state.region, predicted_reduction=None))
     return replace(state, status=ServoStatus.MOVING), step
 
 
-def travel(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displacement]:
-    """Move on to the destination. If the arm is there already, and was to rest there, stop."""
-    destination, observation, options = state.destination, look.observation, look.options
+def travel(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Move on to the destination. If the arm is there already and is to rest there, stop.
+
+    It counts as there within a small share of the expected error: a return by less would not improve the result.
+    """
+    destination, observation, options = state.destination, context.observation, context.options
     goal = observation.displacement if destination.displacement is None else destination.displacement
-    if state.mismatch is not None:  # the limits, relative to where the arm is, have changed on the way
+    if state.mismatch is not None:  # The limits are relative to where the arm is, and have changed on the way.
         goal = np.clip(goal, observation.lower, observation.upper)
     arrives = state.has_global_model or np.abs(goal - observation.displacement).max() <= options.max_step
-    state, step = move(state, look, goal)
+    state, step = move(state, context, goal)
     state = replace(state, destination=replace(destination, displacement=None if arrives else goal))
     error = 0.0 if state.certificate is None else float(state.certificate.std_error.max())
     tolerance = np.clip(options.arrival_tolerance * error, options.xtol / 10, options.xtol)
@@ -249,18 +305,18 @@ def travel(state: TrustRegionState, look: Look) -> tuple[TrustRegionState, Displ
 
 
 def stopped(state: TrustRegionState, status: ServoStatus) -> TrustRegionState:
-    """Rest with a status."""
+    """Return the state at rest, with a status to report."""
     return replace(state, status=status, destination=replace(state.destination, displacement=None, status=None))
 
 
-def is_cycling(state: TrustRegionState, look: Look) -> bool:
-    """Whether the arm is at one posture for the third time."""
-    here = look.observation.displacement[None]
-    return bool(distance_to_visits(state.visits, here, 3)[0] < look.options.same_posture)
+def is_cycling(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether the arm is at one posture for the third time: two postures may be the best by turns, by noise."""
+    here = context.observation.displacement[None]
+    return bool(distance_to_visits(state.visits, here, 3)[0] < context.options.same_posture)
 
 
-def at_joint_limit(look: Look) -> bool:
+def at_joint_limit(context: StepContext) -> bool:
     """Whether the predicted minimum is at a joint limit."""
-    theta, observation = look.plan.minimum.theta, look.observation
+    theta, observation = context.plan.minimum.theta, context.observation
     room = np.minimum(theta - observation.lower, observation.upper - theta)
-    return bool((room < look.options.same_posture).any())
+    return bool((room < context.options.same_posture).any())

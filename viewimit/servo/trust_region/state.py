@@ -1,4 +1,4 @@
-"""What the trust region remembers from one motion to the next, and how a look is recorded in it."""
+"""What the trust region remembers from one motion to the next, and how a visit is recorded in it."""
 
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -18,10 +18,10 @@ from .options import TrustRegionOptions
 
 
 class Phase(str, Enum):
-    """What the trust region does at a look."""
+    """What the trust region does before a motion: see `algorithm`."""
 
     PROBE = "probe"
-    MATCH = "match"
+    PLAN = "plan"
     DESCEND = "descend"
     VERIFY = "verify"
     SEARCH = "search"
@@ -33,8 +33,9 @@ class Region:
     """The trust region about the best posture, as of Nocedal and Wright, Algorithm 4.1."""
 
     radius: float  # rad per joint; inf: the whole range
-    predicted_reduction: float | None = None  # px² of E, for the step just made; None: it was made for something else
+    predicted_reduction: float | None = None  # px² of E, by the last motion; None: it was no step of DESCEND
     n_rejected: int = 0  # short steps in a row that did not reduce E
+    descend_allowed: bool = True  # False at a posture to rest at, and where a step led to a posture visited before
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Search:
     rung: int = 0  # index into `TrustRegionOptions.ladder`
     n_restarts: int = 0
     n_verifications: int = 0  # verification motions since the last restart
-    min_points: int = 0  # that must determine E at the best posture, as fewer left a joint unobservable
+    min_points: int = 0  # points that must determine E at the best visit: fewer left a joint unobservable
     partial_points: bool = False  # whether points that one camera alone sees are used
 
 
@@ -52,25 +53,17 @@ class Search:
 class Destination:
     """A posture that several motions lead to: where a restart begins, or where the arm is to rest."""
 
-    displacement: NDArray[np.float64] | None = None  # (m,) rad; None: the last motion to it was made, or there is none
-    status: ServoStatus | None = None  # to report on arrival; None: look around there
+    displacement: NDArray[np.float64] | None = None  # (m,) rad; None after the last motion to it, and without one
+    status: ServoStatus | None = None  # to report on arrival; None if a restart begins there
     at_joint_limit: bool = False  # whether the predicted minimum is at a joint limit
 
 
 @dataclass(frozen=True)
-class Matching:
-    """Correspondences of the demonstrator's points that seem to be swapped."""
+class Swaps:
+    """Points of the demonstrator that seem to be swapped."""
 
-    pairs: Pairs = ()  # indices of the points
-    n_attempts: int = 0  # searches made
-
-
-@dataclass(frozen=True)
-class Mismatch:
-    """An arm that is not where it was sent: it has backlash, moves in steps, or meets an obstacle."""
-
-    offset: NDArray[np.float64]  # (m,) rad, where it was sent, minus where it is by its images
-    stuck: bool = False  # whether the last motion did not move it
+    pairs: Pairs = ()  # indices of the points that are swapped back
+    n_searches: int = 0  # searches made
 
 
 @dataclass(frozen=True)
@@ -81,16 +74,20 @@ class TrustRegionState:
     joints_to_probe: tuple[int, ...]  # indices
     region: Region
     unit_px: float  # pixels per image unit
-    phase: Phase = Phase.MATCH  # in which the last motion was made
+    phase: Phase = Phase.PLAN  # in which the last motion was made; PLAN before the first
     search: Search = Search()
     destination: Destination = Destination()
-    matching: Matching = Matching()
+    swaps: Swaps = Swaps()
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
-    target_moved: tuple[bool, bool] = (False, False)  # the demonstrator, since the last motion, and before that one
+    target_moved: tuple[bool, bool] = (
+        False,
+        False,
+    )  # whether the demonstrator moved since the last motion, and before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, while they agree with the images
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
-    mismatch: Mismatch | None = None  # None: the arm is where it was sent
+    mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
+    # with backlash, steps or an obstacle; None: it is where it was sent
 
     @property
     def probe(self) -> bool:
@@ -99,8 +96,8 @@ class TrustRegionState:
 
     @property
     def exchanged(self) -> Pairs:
-        """Pairs of the demonstrator's points that are to be swapped back."""
-        return self.matching.pairs
+        """Pairs of swapped points, as `ServoState.exchanged`."""
+        return self.swaps.pairs
 
     @property
     def known(self) -> tuple[Visit, ...]:
@@ -192,36 +189,30 @@ def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptio
         first_region((), options),
         state.unit_px,
         search=Search(n_restarts=state.search.n_restarts),
-        matching=state.matching,
+        swaps=state.swaps,
         target_moved=(False, state.target_moved[1]),
-        mismatch=Mismatch(np.zeros(joints)),
+        mismatch=np.zeros(joints),
     )
 
 
 def _localise_from_images(
-    state: TrustRegionState, mismatch: Mismatch, observation: Observation, options: TrustRegionOptions
+    state: TrustRegionState, mismatch: NDArray[np.float64], observation: Observation, options: TrustRegionOptions
 ) -> tuple[TrustRegionState, Observation]:
     """Record a visit where the arm is by its images.
 
-    A step that led to a posture visited before gains nothing more: it is as if rejected.
+    After a step that led to a posture visited before, DESCEND is skipped: it would make the same step again.
     """
-    last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch.offset))
+    last, sent = state.visits[-1].displacement, visit_of(observation.with_origin(mismatch))
     if np.abs(sent.displacement - last).max() < options.same_posture:
         here, been = replace(sent, displacement=last), False
     else:
         here, been = localise(state.known, sent, observation.noise_px)
-    stuck = been and np.array_equal(here.displacement, last)
     region = state.region
     if been and region.predicted_reduction is not None:
-        region = replace(region, predicted_reduction=None, n_rejected=options.max_rejections)
+        region = replace(region, predicted_reduction=None, descend_allowed=False)
     before = state.visits[:-1] if np.array_equal(here.displacement, last) else state.visits
     offset = observation.displacement - here.displacement
-    state = replace(
-        state,
-        visits=(*before, here)[-options.max_visits :],
-        region=region,
-        mismatch=Mismatch(offset, stuck),
-    )
+    state = replace(state, visits=(*before, here)[-options.max_visits :], region=region, mismatch=offset)
     return state, replace(observation.with_origin(offset), displacement=here.displacement)
 
 

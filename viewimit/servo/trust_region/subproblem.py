@@ -43,13 +43,23 @@ class StepPlan:
     """Solution of the subproblem."""
 
     E: float  # px², at the best visit
-    n_points: int  # that determine it
-    model: ImageModel  # predicts images, about the best visit
+    n_points: int  # number of points that determine it
+    model: ImageModel  # predicts images; its centre is the best visit
     minimum: Minimum  # of the predicted E inside the region
     noise_reference: NoiseReference | None  # of whitened residuals; None without noise
-    certify: Callable[[NDArray[np.float64]], Certificate] | None  # convergence test at a posture; None if E is
-    # another transfer's, or of too few predicted points
+    data: EstimationData | None  # for the convergence test; None if E is another transfer's, or of too few points
     options: TrustRegionOptions
+
+    @property
+    def can_certify(self) -> bool:
+        """Whether the convergence test can be made: E is the chosen transfer's, and enough points determine it."""
+        return self.data is not None
+
+    def certify(self, place: NDArray[np.float64]) -> Certificate:
+        """Make the convergence test at a posture, (m,) rad. Raises ValueError where it cannot be made."""
+        if self.data is None:
+            raise ValueError("E is another transfer's, or of too few points")
+        return certify(local_model(self.data, self.minimum, place, self.options), self.options)
 
     @property
     def step_length(self) -> float:
@@ -98,8 +108,8 @@ def evaluate_visits(
 
     Notes
     -----
-    Hidden points are replaced by predictions. Where E is large, a prediction std of `max_prediction_std_px` will do.
-    Near the minimum it must not exceed the image noise.
+    Hidden points are replaced by predictions. While E is large, these may have a standard deviation of
+    `max_prediction_std_px`. Near the minimum it must not exceed the image noise.
     """
     loose, noise_px = options.max_prediction_std_px, images.noise_px
     found = _evaluate(loose, images, residuals, transfer, min_points, options)
@@ -131,10 +141,10 @@ def _evaluate(
 
 
 def _variance_ratio(images: ImageData, best: int, options: TrustRegionOptions) -> float:
-    """Return the variance of the compared own images, relative to a single image.
+    """Return the variance of the own images that are compared, relative to a single image.
 
-    Kinematics average the noise of many visits. Nothing does without them, nor if images repeat to the last bit at
-    other postures: then coordinates are rounded, always alike.
+    Kinematics average the noise of many visits; a Gaussian process does not. Images that repeat to the last bit at
+    other postures have rounded coordinates. Their errors are always the same, so they do not average out.
     """
     return 1.0 if images.kinematics is None or _repeats(images, best) else options.averaged_variance
 
@@ -252,7 +262,7 @@ def solve_subproblem(
         if reference is None
         else partial(residuals, transfer=None, noise_reference=replace(reference, own_variance_ratio=1.0)),
     )
-    return replace(plan, certify=lambda place: certify(local_model(data, minimum, place, options), options))
+    return replace(plan, data=data)
 
 
 def max_displacement(E: float, minimum: Minimum, options: TrustRegionOptions) -> float:
@@ -280,7 +290,8 @@ def _search(
     E = conflict(residual_at(candidates))
     starts = np.concatenate([centre[None], candidates[np.argsort(E)[: options.refined]]])
     found = minimise(residual_at, starts, low, high)
-    return replace(found, theta=found.theta + found.newton_step)  # expected errors are about the minimum itself
+    # The expected error is about the minimum itself, so the last step is made, too. It ends inside the limits as well.
+    return replace(found, theta=found.theta + found.newton_step)
 
 
 @cache

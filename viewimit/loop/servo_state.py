@@ -1,0 +1,90 @@
+"""What a session reads from a servo's state, which may be any object, and how it asks the servo for a motion."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.residuals import ResidualFunction
+from ..estimation.views import Pairs
+from ..servo import Certificate, Observation, ServoMethod, ServoStatus
+from ..servo.observation import Visit
+
+SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
+
+
+@dataclass(frozen=True)
+class StateAttributes:
+    """The attributes of `ServoState` that a state has, and defaults for those that it lacks."""
+
+    status: str | None = None
+    probe: bool = False
+    certificate: Certificate | None = None
+    exchanged: Pairs = ()
+    calibration: tuple[Visit, ...] = ()
+
+    @classmethod
+    def of(cls, servo_state: Any) -> "StateAttributes":
+        """Read a servo's state; None: the servo was not asked yet."""
+        return cls(**{name: getattr(servo_state, name) for name in _DECLARED if hasattr(servo_state, name)})
+
+    def status_or(self, usual: ServoStatus) -> ServoStatus:
+        """Return the status, or the usual one for a state without. Raise ValueError for an unknown status."""
+        if self.status is None:
+            return usual
+        try:
+            found = ServoStatus(self.status)
+        except ValueError:
+            found = None
+        if found not in SERVO_STATUSES:
+            raise ValueError(f"a servo's status must be one of {', '.join(SERVO_STATUSES)}, got {self.status!r}")
+        return found
+
+    @property
+    def status_at_rest(self) -> ServoStatus:
+        """The status of a servo that asks for no motion."""
+        status = self.status_or(ServoStatus.SETTLED)
+        return ServoStatus.NO_PROGRESS if status == ServoStatus.MOVING else status
+
+
+_DECLARED = [field.name for field in fields(StateAttributes)]
+
+
+def ask_servo(
+    servo: ServoMethod, servo_state: Any, observation: Observation, residuals: ResidualFunction
+) -> tuple[Any, NDArray[np.float64]]:
+    """Ask a servo for its next motion, and check the answer.
+
+    Parameters
+    ----------
+    servo : ServoMethod
+        Control law.
+    servo_state : any
+        Its last state; None: it starts.
+    observation : Observation
+        What the learner sees now.
+    residuals : ResidualFunction
+        Residuals of images that the servo predicts.
+
+    Returns
+    -------
+    servo_state : any
+        Its next state.
+    displacement : (m,) array
+        The motion [rad].
+
+    Raises
+    ------
+    TypeError, ValueError
+        For an answer that is no state and m finite angles.
+    """
+    state = servo.start(observation) if servo_state is None else servo_state
+    answer = servo.step(state, observation, residuals)
+    if not (isinstance(answer, tuple) and len(answer) == 2):
+        raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
+    state, displacement = answer[0], np.asarray(answer[1], float)
+    if displacement.shape != observation.displacement.shape or not np.isfinite(displacement).all():
+        expected = f"{len(observation.displacement)} finite angles in rad"
+        raise ValueError(f"the servo {servo.title!r} must return its state and {expected}, got {displacement}")
+    return state, displacement

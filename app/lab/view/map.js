@@ -8,7 +8,7 @@ const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2; // of a letter
-const PAD = {left: 42, top: 8, right: 12, bottom: 31};
+const PAD = {left: 46, top: 8, right: 12, bottom: 31};
 
 /**
  * Marching squares: where a grid of values crosses a level, in grid units.

@@ -32,7 +32,7 @@ class Duel:
         if self.opponent is None:
             if self._settings == self._session.settings:  # a race against itself
                 self.transfer, self.servo = Settings().transfer, Settings().servo
-            self.opponent = Session(self._settings, self._eyes, DENSE)
+            self.opponent = Session(self._settings, open_eyes=self._eyes, dense=DENSE)
             self._player.runners.append(Runner(self.opponent))
             self.begin_again()
             self._player.playing = True

@@ -55,7 +55,7 @@ class StepSession:
         if staging == self.staging:
             self.session.begin(settings)
         else:
-            self.staging, self.session = staging, Session(settings, staging.open_eyes)
+            self.staging, self.session = staging, Session(settings, open_eyes=staging.open_eyes)
         if dealt:
             start = deal_start(self.session.scene, self.session.snapshot.theta_demo, seed)
             self.session.begin(replace(settings, start_deg=start))

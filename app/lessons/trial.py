@@ -43,7 +43,7 @@ def _of_world(step: Step, session: Session, fields: dict[str, Any]) -> Faults:
         return
     if step.scene:
         try:
-            session = Session(session.settings, Staging(step.scene).open_eyes)
+            session = Session(session.settings, open_eyes=Staging(step.scene).open_eyes)
         except (ValueError, OSError) as error:
             yield ".scene", str(error)
             return

@@ -1,7 +1,7 @@
 """How far an experiment is, in a bar and a few words; and when it is done, what the paper says beside what is found."""
 
 from viewimit.drawing import svg
-from viewimit.estimation.equations import with_minus
+from viewimit.estimation.equations import MISSING, with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
 
@@ -15,7 +15,7 @@ MISS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><rect x="1.5" y="1.5" width="13" height="13" rx="2"'
     ' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>miss</b>'
 )
-MARKS = {True: PASS, False: MISS, None: svg.MISSING}
+MARKS = {True: PASS, False: MISS, None: MISSING}
 
 
 def draw_progress(run: Run | None, chosen: str) -> str:

@@ -42,7 +42,7 @@ def test_the_hand_draws_its_circle_from_where_it_is(world):
 
 def test_a_motion_comes_back_from_its_file(world, tmp_path):
     made = trajectory.sinusoid(world, np.radians([30.0, -60.0]), frames=12)
-    trajectory.save_motion(tmp_path / "wave.json", made)
+    (tmp_path / "wave.json").write_bytes(trajectory.encode_motion(made))
     assert trajectory.load_motion(tmp_path / "wave.json", world.scene) == made
 
 

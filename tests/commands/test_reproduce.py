@@ -78,7 +78,9 @@ def test_of_other_settings_what_the_paper_claims_in_general_is_judged(ask, too_s
 
 def test_a_recorded_motion_is_imitated(ask_json, tmp_path):
     path = tmp_path / "wave.json"
-    trajectory.save_motion(path, trajectory.sinusoid(World(load_scene("panda")), np.radians([40, -80]), frames=20))
+    path.write_bytes(
+        trajectory.encode_motion(trajectory.sinusoid(World(load_scene("panda")), np.radians([40, -80]), frames=20))
+    )
     status, _ = ask_json("reproduce", "fig10", "--motion", path, "--out", tmp_path)
     with (tmp_path / "fig10-frames.csv").open() as file:
         frames = [row for row in csv.DictReader(file) if row["run"] == fig10.CONVERGED]
@@ -88,7 +90,7 @@ def test_a_recorded_motion_is_imitated(ask_json, tmp_path):
 def test_a_recorded_motion_of_other_joints_is_imitated(ask_json, tmp_path):
     path, scene = tmp_path / "wave.json", load_scene("panda", joints=(2, 4, 6))
     rest = np.radians(scene.posture_deg)[scene.moving]
-    trajectory.save_motion(path, trajectory.sinusoid(World(scene, 16), rest, frames=5))
+    path.write_bytes(trajectory.encode_motion(trajectory.sinusoid(World(scene, 16), rest, frames=5)))
     asked = ("reproduce", "fig10", "--joints", "2,4,6", "--n-points", "16", "--motion", path)
     assert ask_json(*asked)[0] == 0
 

@@ -42,6 +42,7 @@ from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.images import panel
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.posture_plane import PosturePlane
+from viewimit.estimation.equations import MISSING
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
@@ -221,7 +222,7 @@ class TestImages:
         assert session.snapshot.transfer is None
         html = drawn(session, 1)
         text = " ".join(parsed(html).itertext())
-        assert text.count(svg.MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
+        assert text.count(MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
         assert not only(planes(html)["L"], "path", RESIDUALS)
 
     def test_conditions_are_told_by_shape_and_word(self, session, monkeypatch):

@@ -419,3 +419,26 @@ def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own)
     robot.look = lambda: seen().with_own(own)
     held = session(robot, settings)
     assert not held.step() and held.snapshot.status == "too-few-points" and np.isnan(held.snapshot.E)
+
+
+def test_cameras_that_turn_to_each_body_separately_are_named_as_the_cause_of_too_few_points():
+    class Verging(Robot):
+        def look(self):
+            views = super().look()
+            centre, (c, s) = views.demo_right.mean(0), (0.99, 0.14)
+            turned = (views.demo_right - centre) @ np.array([[c, s], [-s, c]]) + centre
+            return FourViews(np.hstack([views.demo_left, turned]), views.own, views.visible)
+
+    result = session(Verging()).run()
+    assert result.status == "too-few-points" and result.last.n_rejected == 10
+    assert result.message.endswith(": 10 points contradict the one epipolar geometry of a rigid stereo head")
+
+
+def test_a_learner_that_rests_without_seeing_anything_says_so():
+    robot = Robot()
+    learner = session(robot)
+    learner.run(3)
+    robot.hidden = range(10)
+    result = learner.run()
+    assert result.status.is_at_rest and not result.success and np.isnan(result.E)
+    assert result.message.endswith(": too few points are seen in all four images")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from viewimit.app.sessions import codec
 
-from viewimit import SERVOS, TRANSFERS, Session, Settings, replay
+from viewimit import SERVOS, TRANSFERS, Session, Settings, conflict, replay
 from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear
 from viewimit.loop.settings import OWN
@@ -236,3 +236,98 @@ def test_a_servo_that_describes_itself_as_in_earlier_versions_is_read_with_a_war
         method = servo_method(Described())
     assert (method.title, method.limitations, method.slow, method.assumes) == ("By itself", "Nowhere.", True, "")
     assert method.describe_status(None, "moving") == "is moving" and method.equations(None, None) == ()
+
+
+class Resting(Still):
+    """Rests at once with a state of one's own."""
+
+    def __init__(self, state):
+        self.state = state
+
+    def step(self, state, seen, residuals):
+        return self.state, np.zeros_like(seen.displacement)
+
+
+def test_a_servo_cannot_claim_to_have_converged_without_a_certificate():
+    converged = type("State", (), {"status": "converged"})()
+    with pytest.raises(ValueError, match="'converged', but its state has no certificate: report 'settled'"):
+        Session(Settings(**START), servo=Resting(converged)).step()
+
+
+@pytest.mark.parametrize("status, found", [("settled", "settled"), ("moving", "no-progress"), (None, "settled")])
+def test_a_servo_at_rest_has_the_status_that_its_state_reports(status, found):
+    state = {"status": "no-progress"} if status is None else type("State", (), {"status": status})()
+    assert Session(Settings.paper(**START), servo=Resting(state)).run().status == found
+
+
+def test_a_servo_without_memory_may_have_none_as_its_state_but_no_other_may():
+    class Stateless:
+        def start(self, seen):
+            return None
+
+        def step(self, state, seen, residuals):
+            return None, np.full(2, 0.01)
+
+    assert Session(Settings.paper(**START), servo=Stateless()).run(3).motions == 3
+    with pytest.raises(TypeError, match="'Resting' returned None as its next state; only stateless servos may"):
+        Session(Settings.paper(**START), servo=Resting(None)).step()
+
+
+class Asking:
+    """Goes to random postures, and keeps what it observes and the residuals of that."""
+
+    def __init__(self):
+        self.asked = []
+
+    def start(self, seen):
+        return 0
+
+    def step(self, state, seen, residuals):
+        self.asked.append((seen, residuals(seen.own), residuals(np.stack([seen.own, seen.own + 1]))))
+        goal = np.random.default_rng(state).uniform(seen.lower, seen.upper)
+        return state + 1, goal - seen.displacement
+
+
+@pytest.mark.parametrize("transfer, coordinates", [("projective", 4), ("epipolar", 4), ("rank3", 8)])
+@pytest.mark.parametrize("changes", [{}, {"missing": 0.1, "points": 16, "frames": 1}])
+def test_residuals_of_the_observed_images_have_one_shape_and_make_the_observed_E(transfer, coordinates, changes):
+    asking = Asking()
+    Session(Settings(transfer=transfer, **START, **changes), servo=asking).run(25)
+    for seen, e, batch in asking.asked:
+        assert np.isnan(seen.own).any() == (not seen.seen.all())
+        assert batch.shape == (2, *e.shape) and e.shape[1] == coordinates
+        assert conflict(e) == pytest.approx(seen.E, rel=1e-6)
+    assert len(asking.asked) > 9
+
+
+def test_a_servo_that_asks_for_degrees_is_warned():
+    class Degrees(Still):
+        def step(self, state, seen, residuals):
+            return state, np.array([20.0, 3.0])
+
+    with pytest.warns(UserWarning, match="asks for a motion of .* rad, a turn or more beyond the limits: are these"):
+        Session(Settings.paper(**START), servo=Degrees()).step()
+
+
+def test_a_transfer_that_gives_nan_and_a_class_that_does_not_fit_are_named():
+    class Nowhere:
+        def recover(self, demo_left, demo_right):
+            return np.full((len(demo_left), 4), np.nan)
+
+    with pytest.raises(ValueError, match="the transfer '<lambda>' maps visible points to NaN"):
+        Session(Settings(**START), transfer=lambda views: Nowhere())
+    with pytest.raises(TypeError, match=r"'Fitted' is a class, and Fitted\(views\) cannot recover points: give a func"):
+        Session(Settings(**START), transfer=Fitted)
+
+    class Fitting(Fitted):
+        def __init__(self, views):
+            super().__init__(affine_map(views).matrix)
+
+    assert Session(Settings.paper(**START), transfer=Fitting).step()
+
+
+def test_methods_are_given_by_name_and_an_unknown_setting_lists_the_known_ones():
+    with pytest.raises(TypeError, match="positional argument"):
+        Session(Settings(**START), affine_map)
+    with pytest.raises(TypeError, match="no setting 'frame'; the settings are .*frames"):
+        Settings(frame=9)

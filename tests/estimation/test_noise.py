@@ -6,8 +6,8 @@ from scipy.stats import chi2, norm
 
 from viewimit.estimation.noise import (
     MIN_GRID_COORDINATES,
-    DemonstratorResiduals,
     HomographyResiduals,
+    HomographyWeighting,
     affine_whitening,
     conflict_quantile,
     rounding_std,
@@ -140,7 +140,7 @@ def test_unweighted_residuals_count_the_row_that_both_images_share_once(world, r
 
 def test_weights_are_those_of_each_reference_variance_ratio_and_set_of_points(world, rectification):
     views = world.look(THERE, THERE)
-    residuals, every, first = DemonstratorResiduals(rectification, 0.1), np.ones(16, bool), np.arange(16) < 12
+    residuals, every, first = HomographyWeighting(rectification, 0.1), np.ones(16, bool), np.arange(16) < 12
     for own in (views.own, own_at(world, THERE + 0.005)):
         for points in (every, first):
             some = views.select(points)

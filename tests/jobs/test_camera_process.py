@@ -213,7 +213,8 @@ def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
     alone = Session(Settings.paper(**pictured))
     camera = CameraProcess()
     beside = [
-        Session(Settings.paper(**pictured, start_deg=start), SessionEyes(camera)) for start in ((25, -25), (60, -120))
+        Session(Settings.paper(**pictured, start_deg=start), open_eyes=SessionEyes(camera))
+        for start in ((25, -25), (60, -120))
     ]
     for _ in range(3):
         alone.step()

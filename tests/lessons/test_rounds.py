@@ -106,11 +106,15 @@ def test_the_rounds_are_what_sessions_of_their_own_come_to(few):
     made = page.stage.made["rounds"]
     fields, head = deal(STEP.dealt, SETTINGS, 1)
     for k, (yours, pages) in enumerate(zip(made.yours, made.pages, strict=True)):
-        scene = Session(msgspec.structs.replace(SETTINGS, **fields), Staging(head=head).open_eyes)
+        scene = Session(msgspec.structs.replace(SETTINGS, **fields), open_eyes=Staging(head=head).open_eyes)
         start = deal_start(scene.scene, scene.snapshot.theta_demo, [1, k])
         for run, transfer, servo in ((yours, "linear", "broyden"), (pages, Settings().transfer, Settings().servo)):
             changes = {**fields, "transfer": transfer, "servo": servo, "start_deg": start}
-            last = Session(msgspec.structs.replace(SETTINGS, **changes), Staging(head=head).open_eyes).run(6, 3).last
+            last = (
+                Session(msgspec.structs.replace(SETTINGS, **changes), open_eyes=Staging(head=head).open_eyes)
+                .run(6, 3)
+                .last
+            )
             assert (run.off_deg, run.motions) == (np.degrees(np.abs(last.theta - last.theta_demo)).max(), last.motion)
     assert page.given.outcomes[0].numbers == (
         sum(run.off_deg <= 1 for run in made.yours),

@@ -69,7 +69,7 @@ def with_points_moved(by_m):
 
 
 def test_where_points_have_moved_it_notices_and_probes():
-    elsewhere = Session(SETTINGS, with_points_moved(0.05))
+    elsewhere = Session(SETTINGS, open_eyes=with_points_moved(0.05))
     session = Session(SETTINGS)
     session.use_calibration(elsewhere.calibrate(12, seed=0))
     last = session.run(60).last

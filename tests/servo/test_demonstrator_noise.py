@@ -42,7 +42,7 @@ def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_fa
     now = session.snapshot
     noise_px = session.observer.image_noise_std(session.settings)
     ask = predicted_residuals(now, noise_px=noise_px, past=tuple(session.history))
-    assert ask.head is None
+    assert ask.head_rectification is None
     own = now.views.own
     weighed = ask(own, noise_reference=NoiseReference(own, 1.0))
     weights = np.linalg.lstsq(now.residual, weighed, rcond=None)[0]  # the same (4, 4) for all points, not one for each

@@ -19,7 +19,7 @@ def session_with(seed, **settings):
     def eyes(camera, scene, points):
         return SurfaceEyes(scene, *surface_points(scene.robot, range(8), 20, rng), -0.3)
 
-    while (session := Session(chosen, eyes)).snapshot.transfer is None:
+    while (session := Session(chosen, open_eyes=eyes)).snapshot.transfer is None:
         pass
     return session
 

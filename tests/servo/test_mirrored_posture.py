@@ -27,7 +27,7 @@ heads = pytest.mark.parametrize("scene", HEADS.values(), ids=HEADS)
 
 def session_of(scene, body, **settings):
     return Session(
-        Settings(scene=scene, **settings), lambda camera, scene, points: SurfaceEyes(scene, body(scene), None)
+        Settings(scene=scene, **settings), open_eyes=lambda camera, scene, points: SurfaceEyes(scene, body(scene), None)
     )
 
 

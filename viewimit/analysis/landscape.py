@@ -160,10 +160,11 @@ def landscape(
     ValueError
         For another number of joints, a bad step, an unknown transfer, or a session without a scene.
     TypeError
-        If `session` is no session; `landscape_over` takes a world.
+        If `session` is no session. `viewimit.analysis.landscape.landscape_over` is of a world.
     """
     if not isinstance(session, Session):
-        raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; landscape_over takes a world")
+        instead = "landscape_over takes a world (in viewimit.analysis.landscape)"
+        raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; {instead}")
     if by is not None and by not in TRANSFERS:
         raise ValueError(f"no transfer {by!r}; there are {', '.join(TRANSFERS)}")
     now, step = session.snapshot, STEP_DEG[session.settings.sensor] if step_deg is None else step_deg

@@ -181,15 +181,15 @@ class Convexity:
         within = np.logical_and.accumulate(self.worst <= MAX_RELATIVE_ERROR)
         return float(self.radius_deg[within][-1]) if within.any() else 0.0
 
-    def ring_deg(self, count: int = 73) -> NDArray[np.float64] | None:
+    def ring_deg(self) -> NDArray[np.float64] | None:
         """Return the level curve of the model through the farthest posture up to which it holds.
 
-        (count, 2) degrees from the minimum, a closed ellipse; None if the model holds nowhere.
+        (73, 2) degrees from the minimum, a closed ellipse; None if the model holds nowhere.
         """
         values, axes = np.linalg.eigh(self.Q)
         if not values[0] > 0 or not self.holds_to_deg:
             return None
-        angle = np.linspace(0, 2 * np.pi, count)
+        angle = np.linspace(0, 2 * np.pi, 73)
         half_axes = self.holds_to_deg * np.sqrt(values[0] / values)
         return (half_axes * np.stack([np.cos(angle), np.sin(angle)], -1)) @ axes.T
 

@@ -32,16 +32,16 @@ DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.2, 8.0  # initial, relativ
 
 
 def residual_jacobian(
-    residual_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], theta: ArrayLike, step: float = FD_STEP_RAD
+    residual_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], theta: ArrayLike
 ) -> NDArray[np.float64]:
     """Return J, (n, m) px/rad, by central differences at theta, (m,) rad.
 
     residual_at maps postures (K, m) rad to residuals (K, ...) px, n for each posture.
     """
     theta = np.asarray(theta, float)
-    offsets = step * np.eye(len(theta))
+    offsets = FD_STEP_RAD * np.eye(len(theta))
     e = residual_at(np.concatenate([theta + offsets, theta - offsets])).reshape(2, len(theta), -1)
-    return (e[0] - e[1]).T / (2 * step)
+    return (e[0] - e[1]).T / (2 * FD_STEP_RAD)
 
 
 def uncertainty(J: ArrayLike) -> NDArray[np.float64]:
@@ -148,7 +148,7 @@ def best_next(world: World, moment: Snapshot, candidates: BodyPoints) -> Proposa
     without candidates.
     """
     if not len(candidates):
-        raise ValueError("no place on the arm is seen in all four images in this posture: pose the demonstrator anew")
+        raise ValueError("no place on the arm is seen in all four images in this posture: move the demonstrator")
     before = point_information(world, moment)
     distance = _distance_to_points(world, candidates, moment.theta_demo)
     found = [point_information(with_point(world, candidates, k), moment) for k in range(len(candidates))]
@@ -169,10 +169,7 @@ def _errors_descending(information: PointInformation) -> tuple[float, ...]:
 
 def _distance_to_points(world: World, candidates: BodyPoints, theta: NDArray) -> NDArray:
     """(K,) m from each candidate to the nearest body point, in this posture."""
-    frames = world.link_frames(theta, np.eye(4))
-    T = frames[candidates.link]
-    places = np.einsum("kij,kj->ki", T[:, :3, :3], candidates.local) + T[:, :3, 3]
-    points = world.points_world(theta, np.eye(4))
+    places, points = candidates.at(world.link_frames(theta, np.eye(4))), world.points_world(theta, np.eye(4))
     return np.linalg.norm(places[:, None] - points, axis=-1).min(1, initial=np.inf)
 
 
@@ -280,8 +277,7 @@ def _is_unhidden(
     found = np.ones(len(points), bool)
     for T_world_base, cameras in ((world.T_world_demo, world.demo_cameras), (world.T_world_own, world.own_cameras)):
         frames = world.link_frames(theta, T_world_base)
-        T = frames[points.link]
-        places = np.einsum("kij,kj->ki", T[:, :3, :3], points.local) + T[:, :3, 3]
+        places = points.at(frames)
         for camera in cameras:
             eye = camera.T_world_camera[:3, 3]
             for k in np.flatnonzero(found):

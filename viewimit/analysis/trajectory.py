@@ -93,11 +93,6 @@ MOTIONS = {"sinusoid": sinusoid, "circle": hand_circle}
 TITLES = {"circle": "circle of the hand"}  # where the name alone does not say it
 
 
-def save_motion(path: str | Path, saved: Motion) -> None:
-    """Write JSON. Raises OSError."""
-    Path(path).write_bytes(encode_motion(saved))
-
-
 def load_motion(path: str | Path, scene: Scene) -> Motion:
     """Read JSON. Raises OSError, or ValueError that names the file and its fault."""
     try:

@@ -48,7 +48,6 @@ SCENE = ("scene", "robot", "joints", "points")  # fields that select the bodies
 SIGHT = (*disturbances(SightDisturbance), "frames", "seed")  # how well it is seen
 ARM = ("start_deg", *disturbances(ArmDisturbance))  # where the arm starts, and how well it moves
 DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar below"  # `default_transfer` in words
-USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 
 
 def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Settings = PAPER, **helps: str | None) -> None:

@@ -203,7 +203,7 @@ def _widest_gap(places: list[float]) -> float:
 
 
 class _PathEnd(NamedTuple):
-    n_moments: int
+    n_snapshots: int
     cursor: int  # index of the shown moment
     theta: NDArray[np.float64]  # (m,) rad, the learner's posture there
 

@@ -13,7 +13,6 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.equations import MISSING as MISSING
 from ..estimation.equations import number
 
 UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict

@@ -1,6 +1,7 @@
-"""Equations with live numbers, as plain data: LaTeX with holes, and the numbers to fill in.
+"""How equations are written for the page and for files: LaTeX with holes, and the numbers that fill them.
 
-The registries of transfers and servos build equations; `drawing.equations` renders them.
+The method's mathematics is in the other modules. The registries of transfers and servos build equations, and
+`drawing.equations` renders them.
 """
 
 import re

@@ -4,9 +4,10 @@ Theory
 ------
 Let the noise of every image coordinate be independent and normal, with standard deviation σ in the demonstrator's
 images and √κ σ in the own ones; κ is `own_variance_ratio`. To first order the residual e_i of point i at the true
-posture is normal with covariance σ² Σ_i. With C Cᵀ = Σ_i⁻¹, the whitened residual e_i C has covariance σ² I, and its
-squared length is the squared Mahalanobis distance e_i Σ_i⁻¹ e_iᵀ. A fit removes as many combinations of residuals as it
-has parameters, so Σ|e_i C|² = 2N E is σ² χ²_f with f residual coordinates minus parameters.
+posture is normal with covariance σ² Σ_i. Residuals are rows. With C Cᵀ = Σ_i⁻¹, the whitened residual e_i C has
+covariance σ² I, and its squared length is the squared Mahalanobis distance e_i Σ_i⁻¹ e_iᵀ. A fit removes as many
+combinations of residuals as it has parameters, so Σ|e_i C|² = 2N E is σ² χ²_f, where f is the number of residual
+coordinates minus that of the parameters.
 
 Two models of Σ_i are in use, and only here:
 
@@ -51,10 +52,8 @@ NEAR_VARIANCES = 400.0  # E over the noise's variance, up to which own images ar
 
 GRID_PARTS = 5040  # of a px: halves to tenths are whole numbers of these, and sixteenths, as of images scaled to 256 px
 MIN_GRID_COORDINATES = 5  # different coordinates that show a grid; off any grid, 1 in 10⁸ has a step of MIN_STEP_PX
-GRID_SCALES, MAX_EXTENT_PX = (
-    (1.0, 10.0, 100.0, 1000.0),
-    50.0,
-)  # coordinates in less than that may be in such units of px
+GRID_SCALES = 1.0, 10.0, 100.0, 1000.0  # px per unit of the coordinates, which may be normalised: tried in turn
+MAX_EXTENT_PX = 50.0  # the next scale is tried only while the scaled points extend over less than this
 MIN_STEP_PX, MAX_STEP_PX = 0.1, 8.0  # grid steps: finer ones are harmless; coarser ones are an order of the points
 
 
@@ -106,7 +105,7 @@ class HomographyResiduals:
 
     rectification: Rectification  # of all images
     frame: "_Frame"  # in which the homography is fitted
-    weight: Array  # (N, 4, 4): Cᵀ with C Cᵀ = Σ_i⁻¹, 0 for invisible coordinates
+    weight: Array  # (N, 4, 4): Cᵀ, which whitens residuals as columns; C Cᵀ = Σ_i⁻¹, 0 for invisible coordinates
 
     @classmethod
     def whitened_at(
@@ -137,7 +136,10 @@ class HomographyResiduals:
 
     @classmethod
     def unweighted(cls, views: FourViews, rectification: Rectification) -> "HomographyResiduals":
-        """Weigh all points alike: the row of a point, which both images share, counts once."""
+        """Give all points equal weights.
+
+        Both images of a point have the same row y. Where both are visible, each y has half the weight.
+        """
         n_images, ones = views.visible[:, :2].sum(1), np.ones(len(views.demo))
         covariance = np.stack([ones, n_images, ones, n_images], 1)[:, None] * np.eye(4)
         frame = _Frame.of(_demo(rectification, views), _triples(rectification, views.own.reshape(-1, 4)))
@@ -150,11 +152,11 @@ class HomographyResiduals:
         return np.einsum("nij,...nj->...ni", self.weight, e)
 
 
-class DemonstratorResiduals:
+class HomographyWeighting:
     """Chooses the weights of `HomographyResiduals` for one demonstrator and one geometry of the stereo head.
 
-    Near the demonstrator's posture residuals are whitened about the reference. Elsewhere, and without a reference, all
-    points weigh alike.
+    Near the demonstrator's posture they are those of the noise about the reference. Elsewhere, and for a reference
+    without images, all points have equal weights.
     """
 
     def __init__(self, rectification: Rectification, noise_px: float):

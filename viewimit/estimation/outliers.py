@@ -1,8 +1,8 @@
 """Outliers among image points, found from image points alone: without a body, a camera or a posture.
 
-Misplaced points. One stereo head makes all pairs of views, so all matches of left and right, of both bodies and of all
-looks, share one epipolar geometry. A match that contradicts it is an outlier. The loop rejects those of each look
-(`reject_outliers`); tracked images are searched as a whole (`find_outliers`).
+Misplaced points. One rigid stereo head makes all pairs of images, so all matches of left and right, of both bodies and
+of all looks, share one epipolar geometry. A match that contradicts it is an outlier. The loop rejects the outliers of
+each look (`reject_outliers`). Tracked images are searched as a whole (`find_outliers`).
 
 Swapped points. Two points are swapped if the demonstrator's images explain the learner's once both are permuted, and do
 not before. That needs both arms in about one posture: elsewhere E is large for every permutation.

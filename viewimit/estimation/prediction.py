@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..geometry.affine import MIN_POINTS, image_unit
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import AFFINE_DEGREES_OF_FREEDOM, Rectification, affine_squared_error, rectify_affine
-from .noise import DemonstratorResiduals, affine_whitening
+from .noise import HomographyWeighting, affine_whitening
 from .rectification import fit_transfer
 from .residuals import NoiseReference, ResidualFunction, with_earlier_arguments
 from .transfers.registry import TRANSFERS, TransferMethod
@@ -48,10 +48,12 @@ def target_velocity(looks: Sequence[FourViews]) -> NDArray[np.float64]:
 class PredictedResiduals:
     """A `ResidualFunction`: residuals of own images against the demonstrator of one look.
 
-    Residuals are whitened as `DemonstratorResiduals` if the head's geometry is known, and otherwise as affine cameras
-    propagate noise. Own images that fit only a mirror image of the demonstrator have further columns: what a fit that
-    may not reflect would leave. Behind a demonstrator that moves and is seen with noise, the transfer of the last
-    convergence is used (Section 5.4): refitted at distant postures, it would add its own noise to theirs.
+    Without a reference they are those of the transfer, and E of the own images as seen is `Observation.E`. With one,
+    `HomographyWeighting` whitens them if the geometry of the stereo head is known and the transfer is a homography of
+    space. Otherwise they are whitened as affine cameras propagate noise.
+
+    Behind a demonstrator that moves and is seen with noise, the transfer of the last convergence is used (Section 5.4
+    of the paper). A transfer that was fitted again at each distant posture would add its own noise.
 
     Parameters
     ----------
@@ -72,6 +74,9 @@ class PredictedResiduals:
     computed : iterable of pairs of arrays
         Own images (N, 4) px and their residuals, computed before from the same demonstrator, transfer and
         rectification. It is read when first needed: a servo asks about all its visits at every motion.
+    mirror_columns : bool
+        Whether own images that fit only a mirror image of the demonstrator have three further columns, as
+        `ServoMethod.mirror_columns` says. They hold the additional residuals of the best fit that does not reflect.
     """
 
     def __init__(
@@ -85,6 +90,7 @@ class PredictedResiduals:
         converged: FittedTransfer | None = None,
         past: Sequence[FourViews] = (),
         computed: Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]] = (),
+        mirror_columns: bool = True,
     ):
         self.views: FourViews = views
         self.method: TransferMethod = method
@@ -92,7 +98,7 @@ class PredictedResiduals:
         self.noise_px: float = noise_px
         self.demo: NDArray[np.float64] = views.demo + velocity
         self._in_both = np.asarray(views.visible[:, :2].all(-1))
-        self._velocity, self._past = velocity, past
+        self._velocity, self._past, self._mirror_columns = velocity, past, mirror_columns
         self._converged = converged if noise_px > 0 and velocity.any() else None
         self._computed = () if velocity.any() else computed
         self._affine_weights: dict[tuple[bytes, float, bytes], NDArray[np.float64]] = {}
@@ -124,8 +130,12 @@ class PredictedResiduals:
         return PartialPointResiduals(self)
 
     def mirror_residual(self, own: NDArray[np.float64], points: NDArray[np.bool_]) -> NDArray[np.float64] | None:
-        """Compute `Handedness.mirror_residual` of own images (..., n, 4) px of the points (N,) bool, which both cameras
-        see."""
+        """Compute `Handedness.mirror_residual` of own images (..., n, 4) px; None without such columns.
+
+        points: (N,) bool, the n points; both cameras see them.
+        """
+        if not self._mirror_columns:
+            return None
         key = points.tobytes()
         if key not in self._handedness:
             axes = principal_axes(self._rectified(np.concatenate(self.views.matches)))
@@ -134,9 +144,8 @@ class PredictedResiduals:
         return None if handedness is None else handedness.mirror_residual(self._rectified(own))
 
     @cached_property
-    def head(self) -> Rectification | None:
-        """Geometry of the stereo head: the rectification if images ask for it, otherwise that of the affine geometry
-        that all matches fit; None if they fit none."""
+    def head_rectification(self) -> Rectification | None:
+        """The rectification in use, else that of the affine geometry of all matches; None if they have none."""
         if self.rectification is not None:
             return self.rectification
         matches = unique_matches([*self._past, self.views])
@@ -184,11 +193,11 @@ class PredictedResiduals:
         return np.array(found) if found else None
 
     @cached_property
-    def _by_homography(self) -> DemonstratorResiduals | None:
-        """None if the transfer is no homography of space, or the head's geometry is unknown."""
-        if not self.method.homography_of_space or self.head is None:
+    def _by_homography(self) -> HomographyWeighting | None:
+        """None if the transfer is no homography of space, or the geometry of the stereo head is unknown."""
+        if not self.method.homography_of_space or self.head_rectification is None:
             return None
-        return DemonstratorResiduals(self.head, self.noise_px)
+        return HomographyWeighting(self.head_rectification, self.noise_px)
 
     def _affine_weight(self, views: FourViews, own_variance_ratio: float) -> NDArray[np.float64]:
         key = views.own.tobytes(), own_variance_ratio, views.demo.tobytes()
@@ -209,6 +218,7 @@ class PredictedResiduals:
                 noise_px=self.noise_px,
                 velocity=self._velocity,
                 converged=self._converged,
+                mirror_columns=self._mirror_columns,
             )
         return self._rigs[rig]
 
@@ -223,7 +233,7 @@ class PartialPointResiduals:
     def __init__(self, complete: PredictedResiduals):
         self._complete, self._visible = complete, complete.views.visible
         head = complete.rectification or rectify_affine(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
-        self._by_rig = [DemonstratorResiduals(one, complete.noise_px) for one in (head, *head.perturbed)]
+        self._by_rig = [HomographyWeighting(one, complete.noise_px) for one in (head, *head.perturbed)]
 
     @with_earlier_arguments
     def __call__(

@@ -28,7 +28,7 @@ class RectifiedTransfer(FittedTransfer):
     they are those of the rectified images, whose pixels are as large in the middle of the images.
     """
 
-    between: FittedTransfer  # fitted to the rectified images
+    between: FittedTransfer  # maps rectified images, between the rectification and its inverse
     rectification: Rectification
 
     @property

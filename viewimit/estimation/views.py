@@ -22,9 +22,9 @@ class FourViews:
     Coordinates of invisible points mean nothing: transfers take `used`.
     """
 
-    demo: NDArray[np.float64]  #: (..., N, 4) px, the demonstrator's points [l, r] as x_l, y_l, x_r, y_r
-    own: NDArray[np.float64]  #: (..., N, 4) px, the learner's own points [L, R]
-    visible: NDArray[np.bool_]  #: (..., N, 4), visible in l, r, L, R
+    demo: NDArray[np.float64]  #: (..., N, 4) px, the demonstrator's points: 4 coordinates x_l, y_l, x_r, y_r
+    own: NDArray[np.float64]  #: (..., N, 4) px, the learner's own points: 4 coordinates x_L, y_L, x_R, y_R
+    visible: NDArray[np.bool_]  #: (..., N, 4), whether a point is visible, in each of the 4 views l, r, L, R
 
     @classmethod
     def from_images(

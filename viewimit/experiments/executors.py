@@ -32,7 +32,7 @@ import zstandard
 from .. import __version__
 from ..assets import ROOT
 
-Batch = Sequence[tuple]  # of tasks, each the arguments of one call
+Batch = Sequence[tuple[Any, ...]]  # of tasks, each the arguments of one call
 
 QUEUED_BATCHES = 2  # for each process, so that it never waits for the next
 
@@ -70,7 +70,7 @@ class Executor(Protocol):
         Raises
         ------
         StudyError
-            If the batches cannot be carried out.
+            If the batches cannot be run.
         """
         ...
 

@@ -140,7 +140,7 @@ class PairGeometry(NamedTuple):
         return np.array(of_p + of_q)
 
 
-def fit_pairs(points: NDArray[np.float64], others: NDArray[np.float64] | None = None) -> PairGeometry | None:
+def fit_pairs(points: NDArray[np.float64], others: NDArray[np.float64] | None) -> PairGeometry | None:
     """Fit the affine fundamental matrices of all VIEW_PAIRS; None with too few points.
 
     points: (N, 8) px in l, r, L, R, of points visible in all four; others: (5, 4), f of all pairs but DEMO_PAIR, if

@@ -56,15 +56,15 @@ def rigid_transform(rotation: ArrayLike, translation: ArrayLike = (0, 0, 0)) -> 
     return T
 
 
-def look_rotation(direction: ArrayLike, up: ArrayLike = (0, 0, 1)) -> NDArray[np.float64]:
+def look_rotation(direction: ArrayLike) -> NDArray[np.float64]:
     """R_world_camera, (3, 3), of a camera that looks along `direction` with its image upright.
 
-    Raises ValueError if the direction is zero or parallel to `up`.
+    Raises ValueError if the direction is zero or vertical.
     """
     forward = np.asarray(direction, float)
-    right = np.cross(forward, np.asarray(up, float))
+    right = np.cross(forward, [0.0, 0.0, 1.0])
     if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(forward)), 1e-300):
-        raise ValueError(f"cannot look along {direction!r}: it is zero or parallel to up {up!r}")
+        raise ValueError(f"cannot look along {direction!r}: it is zero or parallel to up, the z axis")
     right /= np.linalg.norm(right)
     forward = forward / np.linalg.norm(forward)
     return np.stack([right, np.cross(forward, right), forward], axis=1)

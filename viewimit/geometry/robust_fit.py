@@ -116,9 +116,7 @@ def fit_geometry(left: NDArray[np.float64], right: NDArray[np.float64], rounding
     return GeometryFit(lambda l, r: distance(left, right, l, r), std, _threshold(count))
 
 
-def fit_row_geometry(
-    left: NDArray[np.float64], right: NDArray[np.float64], rounding_px: float = 0.0
-) -> GeometryFit | None:
+def fit_row_geometry(left: NDArray[np.float64], right: NDArray[np.float64], rounding_px: float) -> GeometryFit | None:
     """Fit equal rows with an offset, as of parallel cameras: the one geometry that few matches determine.
 
     left, right: (M, 2) px; rounding_px: as of `fit_geometry`. None if most matches do not lie in equal rows.

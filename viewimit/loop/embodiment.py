@@ -55,7 +55,13 @@ class Arm(Protocol):
 
 
 class Eyes(Protocol):
-    """Two cameras, or one pair of pictures for each body, in which N points are found. For `Session.of`."""
+    """A stereo head of two cameras, in whose images N points are found. For `Session.of`.
+
+    The head is rigid: the cameras keep their positions and directions to each other in all looks, and towards both
+    bodies. As a whole it may turn from one body to the other. The loop relies on this: points whose left and right
+    images contradict the one epipolar geometry of the head are rejected as outliers. So cameras that turn towards
+    each body separately lose most points, and the run ends with too few (`RunResult.message` says so).
+    """
 
     @property
     def noise_px(self) -> float:
@@ -67,6 +73,10 @@ class Eyes(Protocol):
 
     def look(self) -> FourViews:
         """Take one picture of each view now, and find N points in them.
+
+        Called `Settings.frames` times for each look, by default 25, and at the start a few times more to measure the
+        noise. The demonstrator's points of a look are kept until it moves, or until more of them are visible: also
+        while it is hidden.
 
         Returns
         -------

@@ -130,7 +130,7 @@ class Learner:
         if now.target is not None:
             status = StateAttributes.of(now.servo_state).status_or(ServoStatus.MOVING)
             return self._advance(now, self._moved(now, now.target, probe=now.probe, status=status))
-        seen, residuals = self.observation(now), self.predicted_residuals(now)
+        seen, residuals = self.observation(now), self.predicted_residuals(now, now.servo.mirror_columns)
         state, displacement = ask_servo(now.servo, now.servo_state, seen, residuals)  # residual e, E → servo
         read = StateAttributes.of(state)
         if read.exchanged != now.exchanged:
@@ -155,21 +155,29 @@ class Learner:
 
     def _seen(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> Snapshot:
         """Look with the arm at theta, (m,) rad, and evaluate E. Other fields are those of `like`, or `changes`."""
-        views = self._four_views(theta, like, **changes)  # posture → body points in 3-D → four views l, r, L, R
+        # posture → body points in 3-D → four views l, r, L, R
+        views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
-        seen = like.with_fields(theta=theta, views=views, rectification=rectification, **changes)
+        seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
         if seen.transfer is None:  # → transfer: fundamental matrices
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
-        return seen.with_fields(E=seen.evaluation.E)  # → recovered points → residual e → E
+        E = seen.evaluation.E  # → recovered points → residual e → E
+        if np.isnan(E):
+            raise ValueError(f"the transfer {seen.method.title!r} maps visible points to NaN")
+        return seen.with_fields(E=E)
 
-    def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> FourViews:
-        """The image points of both bodies, without outliers. The servo's correction of swapped points is applied."""
+    def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> tuple[FourViews, int]:
+        """The image points of both bodies without outliers, and how many points became unusable by that.
+
+        The servo's correction of swapped points is applied.
+        """
         settings, look = changes.get("settings", like.settings), changes.get("look", like.look)
         views = self.observer.four_views(settings, theta, changes.get("theta_demo", like.theta_demo), look)
         views = views.permuted(StateAttributes.of(changes.get("servo_state", like.servo_state)).exchanged)
         past, last = self.history.recent(MAX_LOOKS), self.history.present
         noise_px = self.observer.image_noise_std(settings)
-        return reject_outliers(views, [one.views for one in past], last.rectification, noise_px, look)
+        inliers = reject_outliers(views, [one.views for one in past], last.rectification, noise_px, look)
+        return inliers, int(np.count_nonzero(views.usable & ~inliers.usable))
 
     def _rectification(self, views: FourViews, settings: Settings) -> Rectification | None:
         """Rectify the images where their matches show that the cameras are not parallel; None where they are."""
@@ -269,13 +277,15 @@ class Learner:
         noise_px = self.observer.image_noise_std(now.settings)
         return observation(now, self.workspace, self.embodiment.lower, noise_px)
 
-    def predicted_residuals(self, now: Snapshot) -> ResidualFunction:
+    def predicted_residuals(self, now: Snapshot, mirror_columns: bool = True) -> ResidualFunction:
         """Make the function that a servo calls for the residuals of images that it predicts.
 
         Parameters
         ----------
         now : Snapshot
             Gives the demonstrator's images.
+        mirror_columns : bool
+            As of `PredictedResiduals`.
 
         Returns
         -------
@@ -284,4 +294,4 @@ class Learner:
         """
         recent, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
         velocity = target_velocity([one.views for one in recent[-VELOCITY_LOOKS:]])
-        return predicted_residuals(now, velocity, noise_px, recent)
+        return predicted_residuals(now, velocity, noise_px, recent, mirror_columns)

@@ -1,5 +1,6 @@
 """What a session reads from a servo's state, which may be any object, and how it asks the servo for a motion."""
 
+import warnings
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
+from ..sensing.renamed import level_outside
 from ..servo import Certificate, Observation, ServoMethod, ServoStatus
 from ..servo.observation import Visit
 
@@ -30,7 +32,10 @@ class StateAttributes:
         return cls(**{name: getattr(servo_state, name) for name in _DECLARED if hasattr(servo_state, name)})
 
     def status_or(self, usual: ServoStatus) -> ServoStatus:
-        """Return the status, or the usual one for a state without. Raise ValueError for an unknown status."""
+        """Return the status, or the usual one for a state without.
+
+        Raise ValueError for an unknown status, and for a claim of convergence without a certificate.
+        """
         if self.status is None:
             return usual
         try:
@@ -39,6 +44,8 @@ class StateAttributes:
             found = None
         if found not in SERVO_STATUSES:
             raise ValueError(f"a servo's status must be one of {', '.join(SERVO_STATUSES)}, got {self.status!r}")
+        if found.is_claim and self.certificate is None:
+            raise ValueError("a servo's status is 'converged', but its state has no certificate: report 'settled'")
         return found
 
     @property
@@ -77,14 +84,20 @@ def ask_servo(
     Raises
     ------
     TypeError, ValueError
-        For an answer that is no state and m finite angles.
+        For an answer that is no state and m finite angles, and for None as the next of a state that is not None.
     """
     state = servo.start(observation) if servo_state is None else servo_state
     answer = servo.step(state, observation, residuals)
     if not (isinstance(answer, tuple) and len(answer) == 2):
         raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
+    if answer[0] is None and state is not None:
+        raise TypeError(f"the servo {servo.title!r} returned None as its next state; only stateless servos may")
     state, displacement = answer[0], np.asarray(answer[1], float)
     if displacement.shape != observation.displacement.shape or not np.isfinite(displacement).all():
         expected = f"{len(observation.displacement)} finite angles in rad"
         raise ValueError(f"the servo {servo.title!r} must return its state and {expected}, got {displacement}")
+    target = observation.displacement + displacement
+    if (np.abs(target - target.clip(observation.lower, observation.upper)) >= 2 * np.pi).any():
+        asked = f"the servo {servo.title!r} asks for a motion of {displacement} rad"
+        warnings.warn(f"{asked}, a turn or more beyond the limits: are these degrees?", stacklevel=level_outside())
     return state, displacement

@@ -73,6 +73,7 @@ class Session(Learner):
     def __init__(
         self,
         settings: Settings | None = None,
+        *,
         open_eyes: OpenEyes = open_eyes,
         dense: int | None = None,
         transfer: CustomTransfer | None = None,

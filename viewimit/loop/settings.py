@@ -56,7 +56,11 @@ class _RenamedFields(msgspec.StructMeta):
     if not TYPE_CHECKING:
 
         def __call__(cls, *args, **fields):
-            return super().__call__(*args, **current_settings(fields))
+            fields = current_settings(fields)
+            for name in fields:
+                if name not in cls.__struct_fields__:
+                    raise TypeError(f"no setting {name!r}; the settings are {', '.join(cls.__struct_fields__)}")
+            return super().__call__(*args, **fields)
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_RenamedFields):

@@ -15,6 +15,7 @@ from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Observation, ServoMethod, ServoStatus
+from ..servo.observation import repeat_xy
 from .evaluation import Evaluation
 from .self_calibration import MIN_POSTURES, SelfCalibration
 from .servo_state import StateAttributes
@@ -50,6 +51,7 @@ class Snapshot:
     target: NDArray[np.float64] | None = None  # (m,) rad, where an arm is going that is still on its way
     custom_transfer: TransferMethod | None = None  # given to the session itself; settings call it OWN
     custom_servo: ServoMethod | None = None  # given to the session itself; settings call it OWN
+    n_rejected: int = 0  # points that all images show and that contradict the epipolar geometry of one rigid head
 
     @property
     def method(self) -> TransferMethod:
@@ -327,11 +329,11 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
     workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
     limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
     """
-    start = now.settings.start_rad
+    start, seen = now.settings.start_rad, now.views.visible[:, 2:]
     known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
     return Observation(
-        own=now.views.own,
-        seen=now.views.visible[:, 2:],
+        own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
+        seen=seen,
         E=now.E,
         displacement=now.commanded - start,
         lower=workspace[0] - start,
@@ -349,12 +351,16 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
 
 
 def predicted_residuals(
-    now: Snapshot, velocity: NDArray[np.float64] = AT_REST, noise_px: float = 0.0, past: Sequence[Snapshot] = ()
+    now: Snapshot,
+    velocity: NDArray[np.float64] = AT_REST,
+    noise_px: float = 0.0,
+    past: Sequence[Snapshot] = (),
+    mirror_columns: bool = True,
 ) -> PredictedResiduals:
     """The residuals of predicted images against a snapshot's demonstrator.
 
     velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate; past:
-    earlier snapshots, whose matches and residuals are reused.
+    earlier snapshots, whose matches and residuals are reused; mirror_columns: as of `PredictedResiduals`.
     """
     return PredictedResiduals(
         now.views,
@@ -365,6 +371,7 @@ def predicted_residuals(
         converged=now.converged_transfer,
         past=[one.views for one in past],
         computed=_computed(now, past),
+        mirror_columns=mirror_columns,
     )
 
 
@@ -426,8 +433,14 @@ class RunResult:
         """Why the run ended, in a sentence."""
         status, last = self.status, self.last
         why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        says = last.servo.describe_status(last.servo_state, last.status) if status == ServoStatus.NO_PROGRESS else ""
-        return f"{why}: {says}" if says else why
+        reasons = [why]
+        if status == ServoStatus.NO_PROGRESS:
+            reasons.append(last.servo.describe_status(last.servo_state, last.status))
+        if last.transfer is None and status != ServoStatus.TOO_FEW_POINTS:
+            reasons.append(WHY[ServoStatus.TOO_FEW_POINTS])
+        if last.transfer is None and last.n_rejected:
+            reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head")
+        return ": ".join(filter(None, reasons))
 
     @property
     def travel_deg(self) -> float:

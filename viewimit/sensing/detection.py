@@ -174,7 +174,7 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
 
 
 def _marker_by_hue(hue_deg: Floats) -> NDArray[np.int_]:
-    """Index of the marker of the nearest hue, -1 if none is near, for the hues 0°, 1°/HUES_PER_DEGREE … 360°."""
+    """Index of the marker of the nearest hue, or -1 without a near one, for the hues 0°, 1°/HUES_PER_DEGREE … 360°."""
     hue = np.arange(360 * HUES_PER_DEGREE) / HUES_PER_DEGREE
     difference = np.abs((hue[..., None] - hue_deg + 180) % 360 - 180)
     separation = np.abs((hue_deg[:, None] - hue_deg + 180) % 360 - 180)

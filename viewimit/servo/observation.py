@@ -49,18 +49,18 @@ def repeat_xy(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 class Observation:
     """The input of a servo: image points and its own displacements, never a posture, a body or a camera."""
 
-    own: NDArray[np.float64]  # (N, 4) px, the learner's points in [L, R]
+    own: NDArray[np.float64]  # (N, 4) px, the learner's points in [L, R]; NaN where a point is not visible
     seen: NDArray[np.bool_]  # (N, 2), which of them are visible in L, in R
-    E: float  # px², the conflict
-    displacement: NDArray[np.float64]  # (m,) rad, commanded since the start
+    E: float  # px², the conflict; NaN with too few points
+    displacement: NDArray[np.float64]  # (m,) rad, where the arm was sent, from the session's start posture
     lower: NDArray[np.float64]  # (m,) rad, joint limits of the displacement
     upper: NDArray[np.float64]  # (m,) rad
     motion: int  # number of motions made
     noise_px: float = 0.0  # px, standard deviation of an image coordinate, as measured at rest
-    calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, with nobody to imitate
+    calibration: tuple[Visit, ...] = ()  # visits of a rehearsal, before there was a demonstrator
     n_visible: int = 0  # points of the demonstrator that both cameras see
     n_partial: int = 0  # further ones that one camera alone sees, and that residuals can use
-    n_rig_hypotheses: int = 0  # other stereo heads that fit the matches: each one standard deviation off
+    n_rig_hypotheses: int = 0  # geometries of the stereo head that differ from the estimate by a standard deviation
     rectification: Rectification | None = None  # of the images; None: they need none
     max_step: float = np.inf  # rad per joint: a longer motion is made in several, and the servo asked after the last
     max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits

@@ -54,6 +54,7 @@ class ServoMethod:
     limitations: str = ""  # one sentence: where it fails
     slow: bool = False  # whether it makes hundreds of motions
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
+    mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
     stored: tuple[type, ...] = ()  # dataclasses of its state, nested ones too, of arrays, scalars, strings and tuples
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
     describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
@@ -221,6 +222,7 @@ def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str
         assumes=assumes,
         limitations=limitations,
         slow=True,
+        mirror_columns=True,
         stored=(GradientState,),
         equations=lambda state, motion: _gradient_equations(servo.options, state, motion),
         describe_status=_describe_gradient,
@@ -235,6 +237,7 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         assumes="That joints turn points as rigid bodies; or else that the images follow the joints smoothly.",
         limitations="Where two postures give the same images, or every transfer misleads: it reports no progress.",
         predicts=True,
+        mirror_columns=True,
         stored=(
             *(TrustRegionState, Region, Search, Destination, Swaps, Phase),
             *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
@@ -263,6 +266,7 @@ SERVOS = Servos(
             title="Broyden on images",
             assumes="That the images follow the joints nearly linearly; E is predicted, not tried.",
             limitations="Flat valleys and missing points: it may stop degrees away, and cannot tell if it arrived.",
+            mirror_columns=True,
             stored=(BroydenState, BroydenModel, Visit),
             equations=_broyden_equations,
             describe_status=_describe_broyden,
@@ -272,6 +276,7 @@ SERVOS = Servos(
             title="Kalman filter",
             assumes="That the image Jacobian changes little from motion to motion, and e is small enough to be linear.",
             limitations="Far from the goal: long motions change the Jacobian more than its filter allows, unchecked.",
+            mirror_columns=True,
             stored=(RecursiveState, RecursiveJacobian, Visit),
             equations=_kalman_equations,
             describe_status=_describe_recursive,
@@ -281,6 +286,7 @@ SERVOS = Servos(
             title="Damped Gauss-Newton",
             assumes="That the images are linear in the joints over the last few motions, and E in one valley.",
             limitations="Where the Jacobian of some motions ago misleads: it damps its motions until it stands still.",
+            mirror_columns=True,
             stored=(GaussNewtonState, RecursiveJacobian, Visit),
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,

@@ -22,7 +22,8 @@ class Servo(Protocol):
     """A servo: an object with `start` and `step`.
 
     States are passed back unchanged, and may be any objects. If a state has the attributes of `ServoState`, they are
-    used. A servo may also have the method of `Retargetable`.
+    used; keys of a dictionary are not. A servo without memory may use None: `start` is then called before each step.
+    A servo may also have the method of `Retargetable`.
     """
 
     def start(self, observation: Observation) -> Any:
@@ -57,9 +58,10 @@ class Servo(Protocol):
         Returns
         -------
         state : any
-            The next state.
+            The next state; None only if `start` returns None.
         displacement : (m,) array
-            Motion of each joint [rad]; all 0 to rest.
+            Motion of each joint [rad]; all 0 to rest. It is shortened to the joint limits. A motion that is not 0
+            counts as one, even if the limits leave nothing of it.
         """
         ...
 
@@ -91,20 +93,21 @@ class ServoState(Protocol):
 
     @property
     def status(self) -> str:
-        """Moving, or a `ServoStatus` of a servo at rest, as a member or its value; converged needs a certificate.
+        """Why the servo rests, as a `ServoStatus` or its value: converged, settled, unobservable or no-progress.
 
-        By default moving.
+        It is moving with a motion that is not 0. A servo that rests and still reports moving has found no way to a
+        smaller E: no-progress. Without this attribute a servo that rests has settled. Converged needs `certificate`.
         """
         ...
 
     @property
     def probe(self) -> bool:
-        """Whether the last motion was made to learn from it, and not to arrive. By default False."""
+        """Whether the motion is made to learn from it, and not to arrive. By default False."""
         ...
 
     @property
     def certificate(self) -> Certificate | None:
-        """Evidence of convergence at the posture where E is smallest. By default None."""
+        """Evidence of convergence at the posture where E is smallest. By default None: then it cannot be claimed."""
         ...
 
     @property

@@ -26,13 +26,17 @@ class ServoStatus(str, Enum):
     CONVERGED = "converged"
     """The learner claims to have arrived: a certificate says that E rises in every direction."""
     SETTLED = "settled"
-    """The next motion would be shorter than the tolerance. The servo has no evidence of having arrived."""
+    """The servo rests, mostly because its next motion would be short. It has no evidence of having arrived."""
     UNOBSERVABLE = "unobservable"
-    """E is as small as at arrival, but the points do not determine every joint."""
+    """The visible points do not determine every joint. E is as small as at arrival, or there are too few for E."""
     NO_PROGRESS = "no-progress"
     """The servo found no way to a smaller E."""
     TOO_FEW_POINTS = "too-few-points"
-    """The arm holds still: too few points are visible in all four images."""
+    """Too few points are visible in all four images to compute E.
+
+    The arm holds still until a later look shows more. Only a servo that predicts images may move on without E; the
+    status is the same after such a motion.
+    """
     MAX_MOTIONS = "max-motions"
     """The run made as many motions as it was allowed, or the history is full."""
 
@@ -55,7 +59,7 @@ class ServoStatus(str, Enum):
 
     @property
     def is_at_minimum(self) -> bool:
-        """Whether the servo rests where E is as small as it can make it."""
+        """Whether the servo rests, and not because it found no way to a smaller E."""
         return self.is_at_rest and self is not self.NO_PROGRESS
 
     @property

@@ -39,7 +39,7 @@ class SightDisturbance(Disturbance):
 class ImageDisturbance(SightDisturbance):
     """Disturbs the points of one image.
 
-    It draws the same random numbers whatever the amount. A larger amount enlarges the same noise, and loses the same
+    It draws the same random numbers for every amount. A larger amount enlarges the same noise, and loses the same
     points first.
     """
 

@@ -59,6 +59,11 @@ class BodyPoints:
     def __len__(self) -> int:
         return len(self.link)
 
+    def at(self, link_frames: Floats) -> Floats:
+        """Return the points, (N, 3) m, given the frames of all links, (n + 1, 4, 4)."""
+        T = link_frames[self.link]
+        return np.einsum("nij,nj->ni", T[:, :3, :3], self.local) + T[:, :3, 3]
+
 
 @dataclass(frozen=True)
 class BodyFrames:

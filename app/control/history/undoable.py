@@ -30,7 +30,7 @@ class UndoableSession:
     def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._in_new_world = in_new_world
-        self.session = Session(settings, self._eyes, DENSE)
+        self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.presets = Presets(settings)

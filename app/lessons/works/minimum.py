@@ -45,7 +45,9 @@ def _biases(task: Task) -> Biases | None:
     degrees: dict[str, list[float]] = {name: [] for name in TRANSFERS}
     moved = {name: value for name, value in task.sliders.items() if name in SLIDERS}
     for times in TIMES.tolist():
-        session = Session(task.settings, Staging(task.step.scene, sliders={**moved, "distance": times}).open_eyes)
+        session = Session(
+            task.settings, open_eyes=Staging(task.step.scene, sliders={**moved, "distance": times}).open_eyes
+        )
         moment = session.snapshot
         for name, found in degrees.items():
             at = smallest(session.world, moment, partial(moment.fit, by=name))

@@ -33,7 +33,7 @@ class Task:
 
     def session(self, **changes) -> Session:
         """A new one like the step's, but for changes of its settings."""
-        return Session(msgspec.structs.replace(self.settings, **changes), self.staging.open_eyes)
+        return Session(msgspec.structs.replace(self.settings, **changes), open_eyes=self.staging.open_eyes)
 
 
 @dataclass(frozen=True)

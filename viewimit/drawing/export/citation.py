@@ -64,11 +64,8 @@ def cite_experiment(name: str, settings: Settings, motion: object = None) -> Cit
             command = as_reproduction(name, settings, motion)
         except ValueError:
             pass
-    return Citation(_method_title(settings), _conditions(settings), _software(), command, None)
-
-
-def _method_title(settings: Settings) -> str:
-    return f"{TRANSFERS[settings.transfer].title}, {SERVOS[settings.servo].title}"
+    title = f"{TRANSFERS[settings.transfer].title}, {SERVOS[settings.servo].title}"
+    return Citation(title, _conditions(settings), _software(), command, None)
 
 
 def _conditions(settings: Settings) -> str:

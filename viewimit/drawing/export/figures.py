@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from ...assets import ROOT
-from ...estimation.equations import Equation
+from ...estimation.equations import MISSING, Equation
 from .. import svg
 from ..equations import filled
 from ..theme import DRAWING_CSS, ROLES
@@ -36,7 +36,7 @@ LARGE, SMALL = ("L", "R"), ("l", "r")
 SVG_NAMESPACE = "http://www.w3.org/2000/svg"
 COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # of the paper's claims: px, letters per line
 HEADS = ("", "paper", "here", "tolerance", "")
-WORDS = {True: "pass", False: "miss", None: svg.MISSING}
+WORDS = {True: "pass", False: "miss", None: MISSING}
 
 _ROOT = re.compile(r'<svg class="([^"]*)" viewBox="0 0 ([\d.]+) ([\d.]+)"[^>]*>(.*)</svg>', re.DOTALL)
 _COMMENT_OR_AT_RULE = re.compile(r"/\*.*?\*/|@[^{};]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", re.DOTALL)

@@ -36,7 +36,6 @@ def draw_images(
     windows: Windows,
     chosen: int | None = None,
     whole_frames: bool = False,
-    gain: float | None = None,
     pictures: Mapping[str, bytes] = NO_PICTURES,
     standing: Bodies | None = None,
     construction: Construction | None = None,
@@ -56,8 +55,6 @@ def draw_images(
         A body point with a ring and its construction; None for no point.
     whole_frames
         Whether the whole images are shown.
-    gain
-        How many times longer than they are the residual arrows are drawn; None for automatic.
     pictures
         JPEGs of the whole frames by view, drawn behind everything.
     standing
@@ -69,7 +66,7 @@ def draw_images(
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
-    gain = arrow_gain(lengths) if gain is None else gain
+    gain = arrow_gain(lengths)
     images = planes.image_points(snapshot.views)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])

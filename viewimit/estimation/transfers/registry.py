@@ -155,7 +155,7 @@ TRANSFERS = Transfers(
         "epipolar": TransferMethod(
             title="Epipolar (paper)",
             assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
-            limitations="Lines nearly parallel, and depth in the views: the minimum is degrees off the demonstrator.",
+            limitations="Lines nearly parallel, and depth in the views: E is least degrees off, and no claim is made.",
             fit=epipolar.fit,
             stored=(EpipolarTransfer,),
             equations=_epipolar_equations,
@@ -166,7 +166,7 @@ TRANSFERS = Transfers(
         "linear": TransferMethod(
             title="Linear combination",
             assumes="Affine cameras: each own image is an affine function of the demonstrator's shape.",
-            limitations="Depth in the views, as for the epipolar one. No lines are crossed, so none can be parallel.",
+            limitations="Depth in the views: E is least degrees off, and no claim is made. No lines are crossed.",
             fit=linear.fit,
             stored=(LinearTransfer,),
             equations=_affine_equations,
@@ -174,7 +174,7 @@ TRANSFERS = Transfers(
         "rank3": TransferMethod(
             title="Rank 3, all views",
             assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
-            limitations="Depth in the views: the largest bias of all without noise; the steadiest under much of it.",
+            limitations="Depth in the views: the largest bias without noise, so no claim; steady under much noise.",
             fit=rank3.fit,
             stored=(Rank3Transfer,),
             equations=_affine_equations,

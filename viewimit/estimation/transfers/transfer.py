@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import flatness
 from ..residuals import conflict, warn_renamed
-from ..views import FourViews
+from ..views import VIEWS, FourViews
 
 
 class FittedTransfer(Protocol):
@@ -142,10 +142,12 @@ def fit_function(function: TransferFunction, title: str, views: FourViews) -> Fi
     Raises
     ------
     TypeError
-        If the function returns an object without `recover`.
+        If the function returns an object without `recover`, or is a class whose objects cannot recover points.
     """
     batch = np.broadcast_shapes(views.demo.shape[:-2], views.own.shape[:-2])
     fitted = tuple(_with_defaults(function(posture), title, posture) for posture in _postures(views, batch))
+    if isinstance(function, type) and fitted:
+        _require_fitting(fitted[0], title, views)
     return _BatchTransfer(fitted, batch) if batch else fitted[0]
 
 
@@ -155,7 +157,7 @@ def _postures(views: FourViews, batch: tuple[int, ...]) -> list[FourViews]:
         np.broadcast_to(images, batch + images.shape[-2:]).reshape((-1,) + images.shape[-2:])
         for images in (views.demo, views.own)
     )
-    visible = np.ones(own.shape[-2:], bool)
+    visible = np.ones((own.shape[-2], len(VIEWS)), bool)
     return [FourViews(*images, visible) for images in zip(demo, own)]
 
 
@@ -166,6 +168,16 @@ def _with_defaults(fitted: Any, title: str, views: FourViews) -> FittedTransfer:
     if not callable(getattr(fitted, "recover", None)):
         raise TypeError(f"transfer {title!r} must return an object with recover(demo_left, demo_right), got {fitted!r}")
     return _FunctionTransfer(fitted, title, views.demo)
+
+
+def _require_fitting(fitted: FittedTransfer, title: str, views: FourViews) -> None:
+    """Raise TypeError for an object of a class that does not fit the views it is made of."""
+    demo = views.demo.reshape(-1, *views.demo.shape[-2:])[0]
+    try:
+        fitted.recover(demo[:, :2], demo[:, 2:])
+    except (AttributeError, IndexError, TypeError, ValueError) as error:
+        advice = f"give a function of FourViews that returns a fitted {title}"
+        raise TypeError(f"transfer {title!r} is a class, and {title}(views) cannot recover points: {advice}") from error
 
 
 @dataclass(frozen=True, eq=False)

@@ -143,7 +143,7 @@ def _project(camera: Camera, points: NDArray) -> NDArray:
 
 
 def opencv_unavailable(points: int) -> str | None:
-    """Return in a line why the OpenCV baseline cannot run with so many points; None if it can."""
+    """Return in a line why the OpenCV baseline cannot run with this number of points; None if it can."""
     if importlib.util.find_spec("cv2") is None:
         return "OpenCV is not installed: pip install 'viewimit[opencv]'"
     if points < MIN_OPENCV_POINTS:

@@ -271,7 +271,7 @@ def paired_difference(first: NDArray[np.bool_], second: NDArray[np.bool_]) -> In
 
 
 def table(columns: Sequence[tuple[str, int]], rows: Iterable[tuple[str, Sequence[object]]], names: int = 44) -> str:
-    """Lay out rows, each a name and its cells, below headings with their widths; None is a dash.
+    """Lay out rows, each a name and its cells, below headings with their widths; a dash stands for None.
 
     names: width of the names.
     """

@@ -178,7 +178,7 @@ def run_once(case: Case, seed: list[int], rehearsed: int = 0) -> Ending:
         fields["points"] = DISTANT_POINTS
     settings = Settings.best(scene=scene, **fields)
     for _ in range(MAX_BODIES):
-        session = Session(settings, lambda camera, scene, points: _eyes(case, marked, scene, points, rng))
+        session = Session(settings, open_eyes=lambda camera, scene, points: _eyes(case, marked, scene, points, rng))
         if session.snapshot.transfer is not None:
             break
     if rehearsed:

@@ -179,14 +179,14 @@ def _drawn(settings: Settings, case: Case, rng: np.random.Generator) -> Iterator
         drawn = draw_scene(rng, any_head=True)
         with scene_file(drawn) as path:
             settings = msgspec.structs.replace(settings, scene=path, points=drawn.points)
-            session = Session(settings, partial(open_resized, size=drawn.size))
+            session = Session(settings, open_eyes=partial(open_resized, size=drawn.size))
             yield session, _with_postures(settings, case, session.scene, rng)
     elif case.hidden is not None:
         scene = load_scene(settings.scene)
         begun = _with_postures(settings, case, scene, rng)
         for _ in range(MAX_BODIES):
             body = surface_points(scene.robot, range(len(scene.posture_deg) + 1), case.hidden, rng)
-            session = Session(begun, partial(_open_surface, body=body))
+            session = Session(begun, open_eyes=partial(_open_surface, body=body))
             if session.snapshot.transfer is not None:
                 break
         yield session, begun

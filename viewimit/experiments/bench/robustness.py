@@ -30,7 +30,6 @@ from .benchmark import (
     as_json,
     error_deg,
     expected_deg,
-    no_progress,
     option,
     rms,
     run_cases,
@@ -218,7 +217,7 @@ class PicturesBenchmark(SceneOptions, RunOptions, MethodOptions):
         return found, f"{detection_table(detected)}\n{heading}\n{robustness_table(outcomes)}"
 
 
-def run_detection(scene: str, pairs: int, seed: int = 0, progress: Progress = no_progress) -> Detection:
+def run_detection(scene: str, pairs: int, seed: int, progress: Progress) -> Detection:
     """Detect markers in four pictures for each pair of random postures, of demonstrator and learner."""
     from ...simulation.rendering import RenderedEyes  # loads pybullet and OpenCV
 

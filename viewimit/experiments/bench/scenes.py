@@ -166,7 +166,7 @@ def scene_file(drawn: DrawnScene) -> Iterator[str]:
 
 def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     """Run once, with a learner of this size, and compute both bounds."""
-    session = Session(settings, partial(open_resized, size=size))
+    session = Session(settings, open_eyes=partial(open_resized, size=size))
     last = session.run(max_motions, PATIENCE).last
     bound_of = partial(bound, session.world, last.theta_demo, session.observer.image_noise_std(settings))
     granted = bound_of()

@@ -42,7 +42,7 @@ MIN_E = 1e-3  # px²: smaller values are drawn as this
 
 @dataclass(frozen=True)
 class Run:
-    """One run of T moments."""
+    """One run of T snapshots."""
 
     law: str
     start_deg: tuple[float, ...]

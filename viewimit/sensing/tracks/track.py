@@ -84,7 +84,7 @@ class TrackedPoints:
         visible = {view: self._confident(view, min_confidence) & ~is_missing_value(self.image[view]) for view in VIEWS}
         return FourViews.from_arrays(*(np.where(visible[v][..., None], self.image[v], np.nan) for v in VIEWS))
 
-    def n_missing(self, min_confidence: float = 0.0) -> int:
+    def n_missing(self, min_confidence: float) -> int:
         """Count the points of sufficient confidence that a tracker marks as missing by their place."""
         found = (is_missing_value(self.image[view]) & self._confident(view, min_confidence) for view in VIEWS)
         return sum(int(one.sum()) for one in found)

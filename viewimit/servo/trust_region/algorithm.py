@@ -127,14 +127,14 @@ class TrustRegion:
         self, state: TrustRegionState, observation: Observation, residuals: ResidualFunction
     ) -> tuple[TrustRegionState, Displacement]:
         """Return the next state and the displacement to make, (m,) rad; 0 to rest."""
-        tracking, options = state.is_tracking, self.options
+        tracking, options = state.is_tracking, self.options  # read before `record_visit` shifts `target_moved`
         observation = in_units(replace(observation, calibration=()), state.unit_px)
         state, observation = record_visit(state, observation, options)
         residuals = ScaledResiduals(residuals, state.unit_px)
         residuals = residuals.with_partially_visible() if state.search.partial_points else residuals
-        outdated = state.calibration and state.kinematics is None
-        if outdated and not is_consistent(state.calibration, state.visits, observation.noise_px):
-            state = without_calibration(state, options)
+        if state.calibration and state.kinematics is None:  # Kinematics explain all visits, those of calibration, too.
+            if not is_consistent(state.calibration, state.visits, observation.noise_px):
+                state = without_calibration(state, options)
         images = ImageData(state.known, observation.noise_px, state.kinematics)
         context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state), None
@@ -219,7 +219,10 @@ def search(state: TrustRegionState, context: StepContext) -> Outcome:
 
 
 def rest(state: TrustRegionState, context: StepContext) -> Outcome:
-    """Return to the best posture, and stop there."""
+    """Return to the best posture, and stop there.
+
+    On arrival E is measured again. If that makes another posture the best, REST follows once more, but not for ever.
+    """
     if state.destination.displacement is None:
         has_rested = state.destination.status is not None
         state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))

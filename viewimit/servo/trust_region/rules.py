@@ -74,8 +74,8 @@ def updated_region(state: TrustRegionState, E: NDArray[np.float64], options: Tru
 def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     """Whether the planned step is worth a motion.
 
-    It must be `xtol` long. A shorter one down to `min_step` is worth a motion if it decides: if E leaves no room at its
-    end, and room where the arm is.
+    It must be `xtol` long. A shorter one of at least `min_step` is worth a motion only if it decides: if E leaves room
+    at the best visit, and no room at the predicted minimum.
     """
     plan, region, options = context.plan, state.region, context.options
     decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
@@ -87,14 +87,14 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
 def take_step(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
     """Move to the predicted minimum, or beyond it if that saves a verification motion.
 
-    Without noise, a last step may pass the minimum by a verification step. The visit there shows how E rises, so the
-    step back to the minimum can be the last motion.
+    Without noise, a step that is likely the last may pass the minimum by a verification step, once for each direction.
+    The visit there shows how E rises, so the step back to the minimum can be the last motion.
     """
     plan, options = context.plan, context.options
-    short = plan.step_length < options.overshoot_below or state.has_global_model
-    last = short and plan.max_displacement_at_minimum < options.xtol_converged
-    unverified = state.search.n_verifications < len(plan.minimum.theta) and plan.noise_reference is None
-    if plan.can_certify and last and unverified and not context.tracking:
+    reliable = plan.step_length < options.overshoot_below or state.has_global_model
+    likely_last = reliable and plan.max_displacement_at_minimum < options.xtol_converged
+    may_pass = state.search.n_verifications < len(plan.minimum.theta) and plan.noise_reference is None
+    if plan.can_certify and likely_last and may_pass and not context.tracking:
         offset = plan.certify(plan.minimum.theta).verification_step
         beyond = offset_inside_limits(context.observation, plan.minimum.theta, offset)
         if offset.any() and distance_to_visits(state.known, beyond[None])[0] > options.min_step:
@@ -166,9 +166,9 @@ def noise_floor(context: StepContext) -> float:
 def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
     """Choose the posture to rest at, (m,) rad, and test it for convergence.
 
-    With noise it is the predicted minimum, because that averages the noise of all visits. Without noise it is the best
-    visit, because E was measured there. So it is for an arm that is not where it was sent, as it may never reach the
-    minimum. If such an arm does not reach its best visit either, it rests where it is.
+    With noise it is the predicted minimum, which averages the noise of all visits. Without noise it is the best visit,
+    where E was measured. An arm that is not where it was sent may never reach the minimum, so it returns to the best
+    visit in both cases. If it does not reach that either, it rests where it is.
     """
     plan, best = context.plan, context.plan.model.centre
     place = best if plan.noise_reference is None or state.mismatch is not None else plan.minimum.theta
@@ -176,7 +176,9 @@ def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[Trust
         place = context.observation.displacement
     state = replace(state, region=replace(state.region, n_rejected=0, descend_allowed=True))
     if not plan.can_certify:
-        return (replace(state, certificate=None) if current_transfer(state, context) is None else state), place
+        if current_transfer(state, context) is None:  # Another transfer says nothing about the last certificate.
+            state = replace(state, certificate=None)
+        return state, place
     certificate = plan.certify(place).per_pixel(state.unit_px)
     if state.mismatch is not None and not np.array_equal(place, best):
         certificate = replace(certificate, verified=False)  # E was measured to rise about the best visit, not here.
@@ -198,13 +200,12 @@ def may_verify_early(state: TrustRegionState, context: StepContext) -> bool:
 def verification_motion(
     state: TrustRegionState, context: StepContext, offset: Displacement
 ) -> tuple[TrustRegionState, Displacement]:
-    """Move to one side of the posture to rest at, (m,) rad offset from it."""
-    noisy = context.observation.noise_px > 0
-    target = (
-        farthest_offset(state.known, context.observation, context.place, offset)
-        if noisy
-        else offset_inside_limits(context.observation, context.place, offset)
-    )
+    """Move to one side of the posture to rest at, by (m,) rad; with noise away from all visits, to average it."""
+    observation, place = context.observation, context.place
+    if observation.noise_px > 0:
+        target = farthest_offset(state.known, observation, place, offset)
+    else:
+        target = offset_inside_limits(observation, place, offset)
     return move(with_verification(state), context, target)
 
 
@@ -255,7 +256,10 @@ def goal_with_other_points(state: TrustRegionState, context: StepContext) -> Dis
 
 
 def on_rung(state: TrustRegionState, context: StepContext, rung: int) -> TrustRegionState:
-    """Begin a rung of the ladder, with no points swapped."""
+    """Begin a rung of the ladder, with no points swapped.
+
+    The demonstrator counts as moving again only after it has moved before two more motions.
+    """
     context.residuals = with_swaps(context.residuals, state.swaps.pairs)
     return replace(
         state,
@@ -276,7 +280,10 @@ def restart(
 
 
 def move(state: TrustRegionState, context: StepContext, target: Displacement) -> tuple[TrustRegionState, Displacement]:
-    """Move to the target, (m,) rad, or towards it by `max_step` if images are predicted near visits only."""
+    """Move to the target, (m,) rad, or towards it by `max_step` if images are predicted near visits only.
+
+    A step cut short has another reduction of E than predicted, so the radius is not updated by it.
+    """
     step = target - context.observation.displacement
     longest = np.abs(step).max()
     if longest > context.options.max_step and not state.has_global_model:

@@ -84,7 +84,7 @@ class TrustRegionState:
         False,
         False,
     )  # whether the demonstrator moved since the last motion, and before it
-    calibration: tuple[Visit, ...] = ()  # visits of an earlier rehearsal, while they agree with the images
+    calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
     # with backlash, steps or an obstacle; None: it is where it was sent
@@ -128,7 +128,7 @@ def initial_state(observation: Observation, unit_px: float, options: TrustRegion
 
 
 def first_region(calibration: tuple[Visit, ...], options: TrustRegionOptions) -> Region:
-    """Return the region of a new search; after a rehearsal it is the whole range."""
+    """Return the region of a new search: the whole range after a calibration."""
     return Region(np.inf if calibration else options.first_radius)
 
 
@@ -217,7 +217,7 @@ def _localise_from_images(
 
 
 def without_calibration(state: TrustRegionState, options: TrustRegionOptions) -> TrustRegionState:
-    """Forget a rehearsal that the images contradict: points, base or cameras have moved since."""
+    """Drop a calibration that the images contradict: points, base or cameras have moved since."""
     visits, joints = state.visits, len(state.visits[0].displacement)
     probes = tuple(range(joints)) if len(visits) <= joints else ()
     return TrustRegionState(

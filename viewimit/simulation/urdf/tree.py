@@ -134,7 +134,7 @@ def _parsed(path: Path, content: bytes) -> Tree:
     require_urdf_content(path, root)
     count = len(root.findall("joint"))
     if count > MAX_JOINTS:
-        raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: leave out what is no robot")
+        raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: keep those of the robot only")
     joints = _with_leaders(tuple(_read_joint(path, element) for element in root.findall("joint")))
     links = root.findall("link")
     _require_one_each(path, "joints", [joint.name for joint in joints])

@@ -150,13 +150,16 @@ def test_it_plays_to_where_the_library_comes_to_rest(opened):
     here = now(page)
     assert here["motion"] == session.snapshot.motion
     assert np.abs(np.degrees(np.array(here["theta"]) - session.snapshot.theta)).max() < 1e-6
-    wait_until(lambda: "At a local minimum" in page.inner_text("#outcome"))
-    assert "Hidden from the learner" in page.inner_text("#truth") and page.inner_text("#play") == "Pause"
+    wait_until(lambda: "Converged" in page.inner_text("#outcome"))
+    assert "Hidden from the learner" in page.inner_text("#truth") and page.inner_text("#play") == "Following"
+    assert page.locator("#step").is_disabled()
     page.evaluate("lab.pose([0.9, -1.2])")  # it wakes, and follows
     wait_until(lambda: now(page)["motion"] > here["motion"], 30)
     page.keyboard.press(" ")
     page.keyboard.press("r")
     assert now(page)["motion"] == 0 and degrees(now(page)["thetaDemo"]) == degrees([0.9, -1.2])
+    page.keyboard.press("r")  # again: back to the poses of the experiment
+    assert degrees(now(page)["thetaDemo"]) == [45, -90]
 
 
 @pytest.mark.browser
@@ -185,7 +188,7 @@ def test_everything_can_be_dragged(opened):
     drag(page, at_point("l", 9), (3, 12))
     moved = now(page)
     assert degrees(moved["thetaDemo"]) != degrees(after["thetaDemo"])
-    assert "point 9" in page.inner_text("#L")
+    assert "point 9" in page.inner_text("#missed")
     page.wait_for_timeout(900)
     drag(page, at_point("R", 8), (-10, 25))
     assert degrees(now(page)["theta"]) != degrees(moved["theta"])
@@ -258,6 +261,8 @@ def test_the_address_says_what_is_shown_and_leads_back(opened):
     assert np.abs(np.degrees(np.array(now(page)["theta"]) - library.snapshot.theta)).max() < 1e-6
     wrong = opened("#preset=nothing&demo=1,2,3&start=x&law=best&noise=-1&seed=1e99&points=7")
     assert degrees(now(wrong)["thetaDemo"]) == [45, -90]
+    assert "preset=nothing" in wrong.inner_text("#says") and "points=7" in wrong.inner_text("#says")
+    wait_until(lambda: wrong.evaluate("location.hash").startswith("#preset=paper"))
 
 
 @pytest.mark.browser
@@ -295,12 +300,12 @@ def test_it_works_in_a_frame_of_any_page_and_without_webgl(opened, lab):
 
 
 @pytest.mark.browser
-@pytest.mark.parametrize("width, height", [(390, 844), (820, 1180), (1100, 720), (1440, 900), (2560, 1440)])
+@pytest.mark.parametrize("width, height", [(390, 844), (820, 1180), (1200, 720), (1440, 900), (2560, 1440)])
 def test_nothing_is_cut_off_at_any_size(opened, width, height):
     page = opened(width=width, height=height, color_scheme="dark")
     assert page.evaluate("document.documentElement.dataset.scheme") == "dark"
     assert page.evaluate("document.documentElement.scrollWidth") == width
-    if width >= 1100:
+    if width >= 1200:
         assert page.evaluate("document.documentElement.scrollHeight") == height
         over = page.evaluate(
             "[...document.querySelectorAll('.right, .controls')].map(e => e.scrollHeight - e.clientHeight)"
@@ -315,6 +320,45 @@ def test_nothing_is_cut_off_at_any_size(opened, width, height):
 
 
 @pytest.mark.browser
+def test_each_scene_has_outlines_of_its_own(opened):
+    page, outline = opened(), "document.querySelector('#l .vi-hull').getAttribute('d')"
+    page.select_option("#preset", "far")
+    page.select_option("#preset", "near")
+    page.wait_for_timeout(900)
+    fresh = opened("#preset=near")
+    fresh.wait_for_timeout(900)
+    assert page.evaluate(outline) == fresh.evaluate(outline)
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("width, height", [(390, 844), (1024, 768), (1440, 900)])
+def test_larger_letters_cut_nothing_off(opened, width, height):
+    page = opened(width=width, height=height)
+    page.evaluate("""() => {
+        const {style} = document.documentElement;
+        style.fontSize = 1.5 * parseFloat(getComputedStyle(document.documentElement).fontSize) + "px";
+    }""")
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    for name in ("#play", "#reset"):
+        box = page.locator(name).bounding_box()
+        assert box["x"] + box["width"] <= width and box["y"] + box["height"] <= height
+
+
+@pytest.mark.browser
+def test_what_differs_from_the_experiment_is_said_and_a_run_that_cannot_go_on_stops(opened):
+    page = opened("#preset=paper&points=20&noise=4&lost=50&law=gradient")
+    said = page.inner_text("#says")
+    assert all(part in said for part in ("20 points", "4.0 px", "50 %", "Paper"))
+    page.keyboard.press(" ")
+    wait_until(lambda: page.inner_text("#play") == "Play" and "Too few points" in page.inner_text("#outcome"))
+    noisy = opened("#preset=noise&seed=7")
+    noisy.keyboard.press(" ")
+    wait_until(lambda: noisy.inner_text("#play") == "Following", 40)
+    assert "No lower E" in noisy.inner_text("#outcome") and noisy.locator("#step").is_disabled()
+
+
+@pytest.mark.browser
 def test_a_screen_reader_finds_a_name_for_everything(opened):
     page = opened()
     unnamed = page.evaluate(
@@ -325,9 +369,11 @@ def test_a_screen_reader_finds_a_name_for_everything(opened):
     elbow = page.get_by_role("slider", name="Elbow θ₄ of the demonstrator")
     assert elbow.get_attribute("aria-valuetext") == "-90.0 degrees"
     page.keyboard.press("ArrowRight")
-    wait_until(lambda: "1 step." in page.get_by_role("status").text_content())
-    page.locator("#help").click()
+    wait_until(lambda: "1 step" in page.get_by_role("status").text_content())
+    page.keyboard.press("?")
     assert page.locator("#keys").is_visible()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.closest('#keys') !== null || document.activeElement === document.body")
 
 
 @pytest.mark.browser

@@ -42,30 +42,35 @@ export function beginning(preset, scene) {
  * @param {string} hash
  * @param {Preset[]} presets
  * @param {Record<string, import("../engine/world.js").Scene>} scenes
+ * @param {string[]} [wrong] where what it says wrongly is added
  * @returns {State}
  */
-export function fromAddress(hash, presets, scenes) {
+export function fromAddress(hash, presets, scenes, wrong = []) {
   const asked = new URLSearchParams(hash.replace(/^#/, "")), preset = presets.find(({name}) => name === asked.get("preset")) ?? presets[0];
   const scene = scenes[preset.scene], state = beginning(preset, scene);
+  const checked = (/** @type {string} */ name, /** @type {boolean} */ isRight) => {
+    if (asked.has(name) && !isRight) wrong.push(`${name}=${asked.get(name)}`);
+    return isRight;
+  };
+  checked("preset", preset.name === asked.get("preset"));
   const number = (/** @type {string} */ name, /** @type {number} */ usual, /** @type {number} */ low, /** @type {number} */ high) => {
     const value = Number(asked.get(name) || NaN);
-    return Number.isFinite(value) ? clamp(value, low, high) : usual;
+    return checked(name, value >= low && value <= high) || Number.isFinite(value) ? clamp(value, low, high) : usual;
   };
   const posture = (/** @type {string} */ name, /** @type {number[]} */ usual) => {
     const angles = (asked.get(name) ?? "").split(",").map(text => text ? Number(text) * DEGREE : NaN);
-    return angles.length === usual.length && angles.every(Number.isFinite)
+    return checked(name, angles.length === usual.length && angles.every(Number.isFinite))
       ? angles.map((v, k) => clamp(v, scene.lower[k], scene.upper[k])) : usual;
   };
   const choice = (/** @type {string} */ name, /** @type {string} */ usual, /** @type {object} */ choices) => {
     const value = asked.get(name) ?? "";
-    return Object.hasOwn(choices, value) ? value : usual;
+    return checked(name, Object.hasOwn(choices, value)) ? value : usual;
   };
-  const points = number("points", state.points, 0, 1000);
   return {
     preset: preset.name,
     demonstrator: posture("demo", state.demonstrator),
     start: posture("start", state.start),
-    points: String(points) in scene.layouts ? points : state.points,
+    points: Number(choice("points", String(state.points), scene.layouts)),
     transfer: choice("transfer", state.transfer, TRANSFER_WORDS),
     servo: choice("law", state.servo, SERVO_WORDS),
     noisePx: number("noise", state.noisePx, 0, 20),

@@ -13,7 +13,7 @@
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {add, drawingUnit, fixed, px, say, set} from "./svg.js";
+import {add, drawingUnit, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18;
@@ -32,13 +32,14 @@ export class Images {
       const svg = add(boxes[view], "svg", {class: `vi${k < 2 ? " vi-demo" : ""}`, role: "img"});
       const plane = add(svg, "rect", {class: "vi-plane", x: .5, y: .5, rx: 5}), frame = add(svg, "rect", {class: "vi-rule"});
       const layers = LAYERS.map(name => add(svg, "path", {class: name}));
-      const name = add(svg, "text", {class: "vi-name vi-halo", x: 8, y: 18}), note = add(svg, "text", {class: "vi-chosen vi-halo vi-end"});
+      add(svg, "rect", {class: "vi-behind", x: 1, y: 1, width: 23, height: 23, rx: 5});
+      const name = add(svg, "text", {class: "vi-name", x: 8, y: 18});
       name.textContent = view;
       /** @type {Window} */
       const window = {x: 0, y: 0, scale: 0};
-      return {view, k, svg, box: boxes[view], plane, frame, layers, note, window, width: 1, height: 1};
+      return {view, k, svg, box: boxes[view], plane, frame, layers, window, width: 1, height: 1};
     });
-    /** @type {Record<string, {key: string, outlines: Outline[]}>} */
+    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
     this.known = {};
     /** px of a drawing's unit */
     this.unit = 1;
@@ -54,7 +55,6 @@ export class Images {
       view.height = Math.max(view.box.clientHeight, 40) / this.unit;
       set(view.svg, {viewBox: `0 0 ${view.width} ${view.height}`});
       set(view.plane, {width: view.width - 1, height: view.height - 1});
-      set(view.note, {x: view.width - 8, y: view.height - 9});
     }
     this.fresh = true;
   }
@@ -97,8 +97,8 @@ export class Images {
 
   /** Silhouettes of the links and the line through their origins, in both images. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {string} name @returns {Outline[]} */
   #outlines(world, who, theta, name) {
-    const key = `${world.scene.title} ${theta.join()}`;
-    if (this.known[name]?.key === key) return this.known[name].outlines;
+    const key = theta.join(), known = this.known[name];
+    if (known?.key === key && known.scene === world.scene) return known.outlines;
     const frames = world.arms[who].linkFrames(theta);
     const outlines = world.pairs[who].map(camera => ({
       hulls: this.hulls.map(({link, vertices}) => {
@@ -114,7 +114,7 @@ export class Images {
       }),
       bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
     }));
-    this.known[name] = {key, outlines};
+    this.known[name] = {scene: world.scene, key, outlines};
     return outlines;
   }
 
@@ -208,7 +208,6 @@ export class Images {
     view.layers.forEach((layer, k) => set(layer, {d: d[LAYERS[k]] ?? ""}));
     set(view.frame, {x: px(-x * scale), y: px(-y * scale), width: px(camera.width * scale), height: px(camera.height * scale)});
     const e = [recovered[4 * chosen + 2 * side] - at[0], recovered[4 * chosen + 2 * side + 1] - at[1]], length = Math.hypot(e[0], e[1]);
-    say(view.note, isDemo ? "" : Number.isFinite(length) ? `point ${chosen}: ${fixed(length)} px` : `point ${chosen}: not seen`);
     set(view.svg, {"aria-label": isDemo ? `Image ${view.view}: the demonstrator seen by the ${side ? "right" : "left"} eye`
       : `Image ${view.view}: the learner's own arm; residual of point ${chosen}: ${Number.isFinite(length) ? length.toFixed(1) : "no"} px`});
   }

@@ -10,7 +10,7 @@ import {byId as $, fault, unpacked} from "./page.js";
 import {Sliders} from "./sliders.js";
 import {openSpace} from "./space.js";
 import {energyText, fixed, say} from "./svg.js";
-import {outcome, SERVO_WORDS, TRANSFER_WORDS, truth} from "./words.js";
+import {missText, outcome, SERVO_WORDS, TRANSFER_WORDS, truth} from "./words.js";
 
 /**
  * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage, page: {scene: string, layouts: string[]}}} Scene
@@ -18,19 +18,23 @@ import {outcome, SERVO_WORDS, TRANSFER_WORDS, truth} from "./words.js";
  * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[], robot: import("./space.js").Common,
  *   hulls: Record<string, number[][]>}} Data
  * @typedef {import("../engine/session.js").Moment} Moment
+ * @typedef {import("./space.js").Vector} Vector
  */
 
 const DEGREE = Math.PI / 180, PLATE_M = 0.17; // m from a camera to its image plate
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps of the map: at rest, while something moves, for slow transfers
 const SLICE_MS = 7, REST_MS = 120;
-const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, GLIDE = 0.75; // share of a period in which the arm moves
-const GRIP_PX = 30, FINGER_PX = 34, MAX_PATH = 400; // postures drawn on the map
+const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, PROBE_MS = 1100, COPY_MS = 400, GLIDE = 0.75; // share of a period in which the arm moves
+const GRIP_PX = 30, FINGER_PX = 24, MAX_PATH = 400; // postures drawn on the map
 const HAND_OFFSET = [0, 0, 0.1]; // m, from the last link's frame to between its fingers
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {
   const still = matchMedia("(prefers-reduced-motion: reduce)"), space = opened(data, meshes);
-  let state = fromAddress(location.hash, data.presets, data.scenes);
+  /** @type {string[]} what the address says wrongly */
+  let misread = [];
+  let state = fromAddress(location.hash, data.presets, data.scenes, misread);
+  const preset = () => data.presets.find(({name}) => name === state.preset) ?? data.presets[0];
   let scene = data.scenes[data.presets[0].scene], world = new World(scene), session = /** @type {Session} */ (/** @type {unknown} */ (null));
   /** @type {Map<number, Landscape>} */
   let landscapes = new Map();
@@ -52,16 +56,15 @@ function begin(data, meshes) {
 
   /** @param {import("./address.js").State} target */
   function enter(target) {
-    const preset = data.presets.find(({name}) => name === target.preset) ?? data.presets[0];
     state = target;
-    scene = data.scenes[preset.scene];
+    scene = data.scenes[preset().scene];
     world = new World(scene, state.points);
     landscapes = new Map();
     shownLandscape = null;
-    if (shownScene !== preset.scene) {
+    if (shownScene !== preset().scene) {
       space?.setStage(scene.stage);
       images.fresh = true;
-      shownScene = preset.scene;
+      shownScene = preset().scene;
     }
     for (const each of Object.values(sliders)) each.build(scene.names, scene.lower, scene.upper);
     const {transfer, servo, demonstrator, start, noisePx, missing, seed} = state;
@@ -70,8 +73,7 @@ function begin(data, meshes) {
     while (session.now.motion < state.steps && session.step());
     chosen = farthestOff(session.now);
     glide = null;
-    $("preset").value = preset.name;
-    say($("says"), preset.says);
+    $("preset").value = state.preset;
     fillForm();
     updateMap();
     redraw();
@@ -80,6 +82,7 @@ function begin(data, meshes) {
   /** The same experiment with other fields, from the start. @param {Partial<import("./address.js").State>} changes */
   const restart = changes => {
     const isPlaying = playing;
+    misread = [];
     enter({...current(), steps: 0, ...changes});
     if (isPlaying) wake();
     remember();
@@ -116,9 +119,8 @@ function begin(data, meshes) {
   const remember = () => {
     clearTimeout(remembering);
     remembering = setTimeout(() => {
-      const preset = data.presets.find(({name}) => name === state.preset) ?? data.presets[0];
       if (isServed) $("open").href = `./?s=${linkOfPage()}`;
-      try { history.replaceState(null, "", toAddress(current(), preset, scene)); } catch { /* a frame without an address */ }
+      try { history.replaceState(null, "", toAddress(current(), preset(), scene)); } catch { /* a frame without an address */ }
     }, 250);
   };
 
@@ -163,10 +165,15 @@ function begin(data, meshes) {
   // Playing: while it is on, a learner at rest wakes when the demonstrator moves
 
   let isTicking = false, isAsleep = false, due = 0;
+  /** @type {Moment | null} at which the servo had no motion to make */
+  let restedAt = null;
   const advance = () => {
     const from = session.now.theta;
-    if (!session.step()) return false;
-    const period = PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)] * (isHeld ? .25 : 1);
+    if (!session.step()) {
+      restedAt = session.now;
+      return false;
+    }
+    const usual = session.now.probe ? PROBE_MS : PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)], period = usual * (isHeld ? .25 : 1);
     glide = still.matches || period < 100 ? null : {from, began: performance.now(), lasts: GLIDE * period};
     due = performance.now() + period;
     remember();
@@ -174,7 +181,10 @@ function begin(data, meshes) {
   };
   const tick = (/** @type {number} */ now) => {
     if (glide && now - glide.began >= glide.lasts) glide = null;
-    if (playing && !glide && now >= due && !advance()) isAsleep = true;
+    if (playing && !glide && now >= due && !advance()) {
+      isAsleep = true;
+      if (!session.now.fitted) play(false);
+    }
     draw();
     if (glide || playing && !isAsleep) requestAnimationFrame(tick);
     else isTicking = false;
@@ -188,7 +198,6 @@ function begin(data, meshes) {
   const play = (/** @type {boolean} */ on) => {
     playing = on;
     document.body.classList.toggle("playing", on);
-    say($("play").querySelector("b"), on ? "Pause" : "Play");
     if (on) wake();
     redraw();
   };
@@ -198,6 +207,7 @@ function begin(data, meshes) {
     if (advance()) wake();
     redraw();
   };
+  const isAtRest = () => session.now === restedAt && Boolean(session.now.fitted);
   const undo = () => {
     play(false);
     glide = null;
@@ -205,11 +215,15 @@ function begin(data, meshes) {
     redraw();
     remember();
   };
+  /** First the learner goes back to its start, then both go back to the poses of the experiment. */
   const reset = () => {
     play(false);
     glide = null;
     posedAt = 0;
-    session.begin({...session.settings, demonstrator: session.now.thetaDemo});
+    const {demonstrator, start} = beginning(preset(), scene);
+    if (session.now.motion) session.begin({...session.settings, demonstrator: session.now.thetaDemo});
+    else session.begin({...session.settings, demonstrator, start});
+    updateMap();
     redraw();
     remember();
   };
@@ -220,7 +234,7 @@ function begin(data, meshes) {
   const announce = (/** @type {string} */ text) => {
     announced = text;
     clearTimeout(announcing);
-    announcing = setTimeout(() => say($("announced"), `${text} ${$("truth").textContent}`), 800);
+    announcing = setTimeout(() => say($("announced"), `${text} ${$("truth").textContent}`), playing && !isAsleep ? 800 : 150);
   };
 
   // Drawing
@@ -244,26 +258,43 @@ function begin(data, meshes) {
     const moves = images.draw(world, {moment, recovered: found, lines, chosen, goal, ease: still.matches ? 1 : isHeld ? .12 : .2});
     const visited = session.trace.slice(0, glide ? -1 : undefined), path = visited.map((one, k) =>
       ({theta: one.theta, probe: Boolean(session.trace[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
-    map.marks({demonstrator: thetaDemo, learner: theta, minimum: world.body.length < MIN_POINTS ? null : shownLandscape?.minimum?.theta ?? null, path});
+    const minimum = world.body.length < MIN_POINTS || !moment.fitted || !goal ? null : shownLandscape?.minimum?.theta ?? null;
+    map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     curve.draw(session.trace);
     say($("E"), energyText(moment.E));
+    say($("miss"), moment.fitted ? `a typical miss of ${missText(moment.E)}` : "no E: too few points");
+    $("map").classList.toggle("blank", !moment.fitted);
+    document.body.classList.toggle("goalless", !goal);
+    say($("missed"), missed(moment, found));
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
-    const said = outcome(now, playing, world.body.length);
+    const said = outcome(now, playing, world.body.length, Boolean(state.noisePx));
     $("state").className = `state ${said.state}`;
     say($("outcome"), said.text);
     if (said.text !== announced) announce(said.text);
-    say($("truth"), truth(theta, thetaDemo, scene.names));
+    say($("truth"), goal ? truth(theta, thetaDemo, scene.names, moment.E) : "The goal is hidden, from you as from the learner.");
     say($("count"), `${now.motion} ${now.motion === 1 ? "step" : "steps"}`);
+    const used = now.usable.length, all = world.body.length;
+    say($("used"), used < all ? `${used} of ${all} points seen in all four pictures` : "");
     const radius = /** @type {any} */ (now.servoState)?.radius;
-    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `trusts itself within ${fixed(radius / DEGREE, radius < 2 * DEGREE ? 1 : 0)}°` : "");
-    $("undo").disabled = $("reset").disabled = !now.motion;
-    document.querySelector(".of-goal")?.toggleAttribute("hidden", !goal);
-    drawSpace(moment, found, goal);
+    say($("trust"), radius && now.motion > 2 && now.status === "moving" ? `plans at most ${fixed(radius / DEGREE, radius < 2 * DEGREE ? 1 : 0)}° ahead` : "");
+    const isFollowing = playing && isAsleep, usual = beginning(preset(), scene);
+    say($("play").querySelector("b"), isFollowing ? "Following" : playing ? "Pause" : "Play");
+    $("play").disabled = world.body.length < MIN_POINTS;
+    $("step").disabled = isAtRest();
+    $("undo").disabled = !now.motion;
+    $("reset").disabled = !now.motion && same(now.thetaDemo, usual.demonstrator) && same(now.theta, usual.start);
+    drawSpace(moment, found, goal, lines);
     if (moves && !isTicking) redraw();
   };
-  /** @param {Moment} moment @param {Float64Array} found @param {boolean} goal */
-  const drawSpace = ({views, theta, thetaDemo}, found, goal) => {
+  /** How far the chosen point's arrows reach. @param {Moment} moment @param {Float64Array} found */
+  const missed = ({views}, found) => {
+    const far = [0, 2].map(k => Math.hypot(found[4 * chosen + k] - views.own[4 * chosen + k], found[4 * chosen + k + 1] - views.own[4 * chosen + k + 1]));
+    return Number.isFinite(far[0] + far[1]) ? `point ${chosen}: off by ${fixed(far[0])} and ${fixed(far[1])} px`
+      : `point ${chosen} is not seen in all four pictures`;
+  };
+  /** @param {Moment} moment @param {Float64Array} found @param {boolean} goal @param {import("../engine/affine.js").Line[]} epipolar */
+  const drawSpace = ({views, theta, thetaDemo}, found, goal, epipolar) => {
     if (!space) return;
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
     const points = {demonstrator: triples(demonstrator.points(thetaDemo, world.body)), learner: triples(learner.points(theta, world.body))};
@@ -276,11 +307,29 @@ function begin(data, meshes) {
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
       ghost: goal ? learner.linkFrames(thetaDemo) : null,
       recovered: each.map(i => Number.isFinite(found[4 * i]) ? vector(triangulate(world.pairs.learner, found.subarray(4 * i, 4 * i + 4))) : null),
-      lines: scene.cameras.map((camera, k) => {
-        const who = k < 2 ? "demonstrator" : "learner";
-        return [vector(camera.centre), points[who][chosen], who, 1.6, .8];
-      }),
+      lines: [
+        ...scene.cameras.map((camera, k) => {
+          const who = k < 2 ? "demonstrator" : "learner";
+          return /** @type {[Vector, Vector, string, number, number]} */ ([vector(camera.centre), points[who][chosen], who, 1.6, .8]);
+        }),
+        ...rayOf(points.demonstrator[chosen]),
+        ...epipolar.filter(({from}) => from === 0).flatMap(plated),
+      ],
     });
+  };
+
+  /** The left camera's ray on past the point: anything on it looks the same to that camera. @param {Vector} point @returns {[Vector, Vector, string, number, number][]} */
+  const rayOf = point => {
+    const {centre} = scene.cameras[0];
+    const on = (/** @type {number} */ share) => vector(centre.map((c, i) => c + share * (point[i] - c)));
+    return [[on(.3), on(1.5), "chosen", 2.6, .9]];
+  };
+  /** An epipolar line, where it crosses the plate of its picture in the scene. @param {import("../engine/affine.js").Line} line @returns {[Vector, Vector, string, number, number][]} */
+  const plated = ({into, a, b, c}) => {
+    const camera = scene.cameras[into], {width, height} = camera, at = (/** @type {number} */ x, /** @type {number} */ y) => vector(backProject(camera, x, y, PLATE_M * scene.stage.size));
+    const inside = [[0, -c / b], [width, -(c + a * width) / b], [-c / a, 0], [-(c + b * height) / a, height]]
+      .filter(([x, y]) => x >= 0 && x <= width && y >= 0 && y <= height);
+    return inside.length < 2 ? [] : [[at(inside[0][0], inside[0][1]), at(inside[1][0], inside[1][1]), "chosen", 2.4, .9]];
   };
 
   // Hands
@@ -293,7 +342,7 @@ function begin(data, meshes) {
   };
   draggable($("images"), event => {
     const hit = images.hit(event, session.now);
-    if (!hit) return null;
+    if (!hit || event.pointerType === "touch" && hit.point !== chosen) return null; // a tap chooses, and a swipe scrolls
     chosen = hit.point;
     redraw();
     const who = hit.view < 2 ? "demonstrator" : "learner", camera = scene.cameras[hit.view], point = [world.body[hit.point]];
@@ -306,6 +355,10 @@ function begin(data, meshes) {
       reach(who, seen, images.under(moved, hit.view).map((v, k) => v - grip[k]));
     };
   }, hold);
+  $("images").addEventListener("click", (/** @type {PointerEvent} */ event) => {
+    const hit = event.pointerType === "touch" ? images.hit(event, session.now) : null;
+    if (hit) choose(hit.point);
+  });
   draggable($("map"), event => {
     const box = $("map").getBoundingClientRect(), at = (/** @type {PointerEvent} */ {clientX, clientY}) => [(clientX - box.left) / map.unit, (clientY - box.top) / map.unit];
     const from = at(event), away = (/** @type {number[]} */ theta) => Math.hypot(...map.place(theta).map((v, k) => v - from[k]));
@@ -373,15 +426,25 @@ function begin(data, meshes) {
     remember();
   });
   radios($("transfer"), "transfer", TRANSFER_WORDS, transfer => restart({transfer}));
+  /** What differs from the preset, in words. */
+  const changed = () => {
+    const usual = preset(), {points, servo, transfer, noisePx, missing} = state, differs = [
+      points !== usual.points && `${points} points`, servo !== usual.servo && `law “${SERVO_WORDS[servo].title}”`,
+      transfer !== usual.transfer && `transfer “${TRANSFER_WORDS[transfer].title}”`,
+      noisePx !== usual.noisePx && `noise of ${fixed(noisePx)} px`, missing !== usual.missing && `${fixed(100 * missing, 0)} % of the points lost`,
+    ].filter(Boolean);
+    return differs.length ? `The same scene, but with ${differs.join(", ")}.` : "";
+  };
   const fillForm = () => {
     for (const [name, value, words] of /** @type {const} */ ([["servo", state.servo, SERVO_WORDS], ["transfer", state.transfer, TRANSFER_WORDS]])) {
       const input = document.querySelector(`input[name=${name}][value=${value}]`);
       if (input instanceof HTMLInputElement) input.checked = true;
       say($(`${name}-says`), words[value].says);
     }
+    say($("says"), misread.length ? `This link asks for what the lab does not have: ${misread.join(", ")}.` : changed() || preset().says);
     $("noise").value = state.noisePx;
     $("lost").value = 100 * state.missing;
-    $("seed").value = state.seed;
+    if (Number($("seed").value) !== state.seed || !$("seed").value) $("seed").value = state.seed;
     say($("noise").nextElementSibling, `${fixed(state.noisePx)} px`);
     say($("lost").nextElementSibling, `${(100 * state.missing).toFixed(0)} %`);
     $("points").replaceChildren(...Object.keys(scene.layouts).map(count => new Option(count, count)));
@@ -389,20 +452,23 @@ function begin(data, meshes) {
     for (const id of ["noise", "lost"]) $(id).style.setProperty("--at", `${100 * $(id).value / $(id).max}%`);
   };
   $("preset").addEventListener("change", () => {
-    const preset = data.presets[$("preset").selectedIndex], to = data.scenes[preset.scene];
+    const chosenOne = data.presets[$("preset").selectedIndex];
     play(false);
-    enter(beginning(preset, to));
+    misread = [];
+    enter(beginning(chosenOne, data.scenes[chosenOne.scene]));
     remember();
   });
   $("noise").addEventListener("input", () => restart({noisePx: Number($("noise").value)}));
   $("lost").addEventListener("input", () => restart({missing: Number($("lost").value) / 100}));
-  $("seed").addEventListener("change", () => restart({seed: Math.min(2 ** 32 - 1, Math.max(0, Math.round(Number($("seed").value) || 0)))}));
+  $("seed").addEventListener("input", () => { if ($("seed").value && $("seed").validity.valid) restart({seed: Number($("seed").value)}); });
+  $("seed").addEventListener("change", fillForm);
   $("points").addEventListener("change", () => restart({points: Number($("points").value)}));
   for (const id of ["goal", "rays"]) $(id).addEventListener("change", redraw);
   $("play").addEventListener("click", () => play(!playing));
   $("step").addEventListener("click", step);
   $("undo").addEventListener("click", undo);
   $("reset").addEventListener("click", reset);
+  $("help").addEventListener("click", () => $("keys").showModal());
   $("fit").addEventListener("click", () => space?.fit());
   const recolour = () => {
     const root = document.documentElement.dataset;
@@ -413,9 +479,11 @@ function begin(data, meshes) {
   };
   $("scheme").addEventListener("click", recolour);
   $("link").addEventListener("click", async () => {
-    const address = location.href.split("#")[0] + toAddress(current(), data.presets.find(({name}) => name === state.preset) ?? data.presets[0], scene);
+    const address = location.href.split("#")[0] + toAddress(current(), preset(), scene);
+    say($("link"), "Copying");
+    const isLate = new Promise((_, refuse) => setTimeout(refuse, COPY_MS));
     try {
-      await navigator.clipboard.writeText(address);
+      await Promise.race([navigator.clipboard.writeText(address), isLate]);
       say($("link"), "Copied");
     } catch {
       prompt("The link to what this page shows:", address);
@@ -435,18 +503,22 @@ function begin(data, meshes) {
   /** @type {Record<string, () => void>} */
   const KEYS = {
     " ": () => play(!playing), ArrowRight: step, ArrowLeft: undo, r: reset, g: () => toggle("goal"), n: () => choose((chosen + 1) % world.body.length),
-    p: nextPreset, v: () => space?.fit(), d: recolour,
+    p: nextPreset, v: () => space?.fit(), d: recolour, "?": () => $("keys").showModal(),
   };
   for (let digit = 0; digit < 10; digit++) KEYS[digit] = () => choose(digit);
   document.addEventListener("keydown", event => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, {target} = event;
     if (event.ctrlKey || event.metaKey || event.altKey || !(key in KEYS) || !(target instanceof Element)) return;
-    if (target.matches("select, input[type=number]") || document.querySelector(":popover-open")) return;
+    if (target.matches("select, input[type=number]") || document.querySelector("dialog[open]")) return;
     if (target.matches("input") && key.startsWith("Arrow") || key === " " && target.matches("button, summary, input[type=checkbox]")) return;
     event.preventDefault();
     KEYS[key]();
   });
-  addEventListener("hashchange", () => enter(fromAddress(location.hash, data.presets, data.scenes)));
+  addEventListener("hashchange", () => {
+    misread = [];
+    enter(fromAddress(location.hash, data.presets, data.scenes, misread));
+    remember();
+  });
   new ResizeObserver(() => {
     if (shownLandscape) showMap(shownLandscape);
     redraw();
@@ -454,12 +526,14 @@ function begin(data, meshes) {
   for (const drawing of /** @type {const} */ ([[images, $("images")], [curve, $("curve")]]))
     new ResizeObserver(() => { drawing[0].measure(); redraw(); }).observe(drawing[1]);
 
+  for (const [name, element] of /** @type {[string, Element | null][]} */ ([["--head", document.querySelector("header")], ["--foot", document.querySelector(".bar")]]))
+    if (element) new ResizeObserver(() => document.documentElement.style.setProperty(name, `${element.clientHeight}px`)).observe(element);
   images.measure();
   curve.measure();
   enter(state);
   draw();
   $("open").hidden = !isServed;
-  if (isServed) remember();
+  if (isServed || misread.length) remember();
   const fineMap = () => {
     const fine = landscapeOf(FINE_DEG);
     fine.evaluate(state.transfer, demoLook());
@@ -497,6 +571,8 @@ function farthestOff({views, usable, fitted}) {
   return usable[off.indexOf(Math.max(...off))];
 }
 
+/** Whether two postures are equal, but for rounding. @param {number[]} a @param {number[]} b */
+const same = (a, b) => a.every((v, k) => Math.abs(v - b[k]) < 1e-6);
 /** @param {ArrayLike<number>} p @returns {import("./space.js").Vector} */
 const vector = p => [p[0], p[1], p[2]];
 /** @param {Float64Array} points (3 N) */

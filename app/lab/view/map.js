@@ -7,7 +7,8 @@ import {add, drawingUnit, px, set} from "./svg.js";
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
-const PAD = {left: 42, top: 8, right: 12, bottom: 31};
+const NAME_PX = 7.2; // of a letter
+const PAD = {left: 46, top: 8, right: 12, bottom: 31};
 
 /**
  * Marching squares: where a grid of values crosses a level, in grid units.
@@ -173,16 +174,29 @@ export class EnergyMap {
 
   /**
    * @param {Object} what
-   * @param {number[]} what.demonstrator
+   * @param {number[] | null} what.demonstrator null to leave it out
    * @param {number[]} what.learner
    * @param {number[] | null} what.minimum
    * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
    */
   marks({demonstrator, learner, minimum, path}) {
-    const {width} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [dx, dy] = this.place(demonstrator), [x, y] = this.place(learner);
-    const name = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ kind, /** @type {string} */ text, /** @type {boolean} */ up) => {
-      const isRight = a > width - 120;
-      return `<text class="${kind} vi-halo vi-b${isRight ? " vi-end" : ""}" x="${px(a + (isRight ? -12 : 12))}" y="${px(b + (up ? -9 : 18))}">${text}</text>`;
+    const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
+    const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];
+    /** @type {number[][]} left, top, right, bottom of each name */
+    const taken = [];
+    /** A name beside its dot, in the first of four places that is free. */
+    const name = (/** @type {number[]} */ [a, b], /** @type {string} */ kind, /** @type {string} */ text) => {
+      const wide = NAME_PX * text.length, boxes = [[1, -1], [-1, 1], [1, 1], [-1, -1]].map(([right, down]) => {
+        const left = right > 0 ? a + 12 : a - 12 - wide, top = down > 0 ? b + 6 : b - 21;
+        return [left, top, left + wide, top + 16];
+      });
+      const isFree = (/** @type {number[]} */ [left, top, right, bottom]) => left > PAD.left && right < width - PAD.right && top > PAD.top && bottom < height - PAD.bottom
+        && taken.every(other => right < other[0] || left > other[2] || bottom < other[1] || top > other[3])
+        && dots.every(([u, v]) => u + 8 < left || u - 8 > right || v + 8 < top || v - 8 > bottom);
+      const box = boxes.find(isFree);
+      if (!box) return "";
+      taken.push(box);
+      return `<text class="${kind} vi-halo vi-b" x="${px(box[0])}" y="${px(box[1] + 13)}">${text}</text>`;
     };
     const past = path.filter(({isPast}) => isPast), since = path.slice(past.length);
     const way = `M${[...since.map(({theta}) => theta), learner].map(at).join("L")}`;
@@ -193,8 +207,8 @@ export class EnergyMap {
     }).join("");
     const cross = minimum && this.place(minimum);
     const html = `${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
-<path class="vi-seen" d="M${px(dx - 6.5)} ${px(dy)}l6.5-6.5 6.5 6.5-6.5 6.5z"/>${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
-${name(dx, dy, "vi-of-demo", "demonstrator", dy <= y)}${Math.hypot(x - dx, y - dy) > 30 ? name(x, y, "vi-of-own", "learner", dy > y) : ""}`;
+${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
+${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
     if (html !== this.last) this.moving.innerHTML = this.last = html;
   }
 }

@@ -1,42 +1,43 @@
 /** What the page says of a moment, in sentences. */
-import {energyText, fixed} from "./svg.js";
+import {fixed} from "./svg.js";
 
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
+const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 4, AGREE_NOISY_PX = 8; // typical misses that count as agreement
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const SERVO_WORDS = {
-  broyden: {title: "Broyden", says: "Learns how its pictures move, then goes where it predicts the smallest E: 5 to 10 steps."},
-  "gradient-retuned": {title: "Retuned", says: "Learns only how E falls, with bounded steps and a little shaking: some hundred steps."},
-  gradient: {title: "Paper’s", says: "The law as printed in 2001: its steps shrink with E, so it slows to a crawl."},
+  broyden: {title: "Broyden", says: "Learns how each joint moves its points, then goes where it expects the smallest E: 5 to 10 steps."},
+  "gradient-retuned": {title: "Retuned", says: "The paper’s law with larger but bounded steps. It learns only which way E falls: some hundred steps."},
+  gradient: {title: "Paper’s", says: "As printed in 2001. It learns only which way E falls, and its steps shrink with E, so it crawls."},
 };
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const TRANSFER_WORDS = {
-  epipolar: {title: "Epipolar", says: "The paper’s: a point lies where its epipolar lines cross. Assumes cameras without perspective."},
-  linear: {title: "Linear", says: "Each own picture is a linear combination of the other two. No lines, so none can be parallel."},
-  projective: {title: "Projective", says: "The same with one depth for each point: exact for parallel pinhole cameras."},
+  epipolar: {title: "Epipolar", says: "The paper’s: each point lies where its lines cross. It neglects that near things look bigger."},
+  linear: {title: "Linear", says: "Without lines: each place in L or R is a weighted sum of the places in l and r."},
+  projective: {title: "Projective", says: "It also knows that near things look bigger. Exact if both cameras look the same way."},
 };
 
 /**
  * @param {Moment} now
  * @param {boolean} playing
  * @param {number} points of the body
+ * @param {boolean} isNoisy
  * @returns {{state: string, text: string}}
  */
-export function outcome(now, playing, points) {
-  const E = `E is ${energyText(now.E)} px²`, steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
+export function outcome(now, playing, points, isNoisy) {
+  const miss = missText(now.E), steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
   if (now.status === "too-few-points") return {state: "stuck", text: "Too few points are visible in all four pictures: it needs five."};
   if (points < 5) return {state: "stuck", text: "With four points, E is 0 in every pose: the pictures cannot disagree."};
-  if (now.status === "settled") {
-    const smallest = now.E < .005 ? `${E}.` : `${E}, not 0.`;
-    return {state: "settled", text: `At a local minimum after ${steps}: ${smallest}${playing ? " Move the demonstrator, and it follows." : ""}`};
-  }
-  if (now.status === "no-progress" && !playing) return {state: "stuck", text: `No lower E found lately: ${E} after ${steps}.`};
-  if (playing) return {state: "moving", text: now.probe ? "A test move: it turns one joint to see how its pictures change." : `Copying. The pictures disagree: ${E}.`};
-  return now.motion ? {state: "moving", text: `The pictures disagree: ${E} after ${steps}.`}
-    : {state: "ready", text: `Ready. The pictures disagree: ${E}. Press Play, or pose the orange robot.`};
+  const agrees = Math.sqrt(now.E) < (isNoisy ? AGREE_NOISY_PX : AGREE_PX);
+  if (now.status === "settled") return agrees
+    ? {state: "settled", text: `Converged after ${steps}: the pictures agree to ${miss}.${playing ? " Move the demonstrator, and it follows." : ""}`}
+    : {state: "stuck", text: `Stopped after ${steps} without success: no small turn lowers E, but the miss is ${miss}.`};
+  if (now.status === "no-progress") return {state: "stuck", text: `No lower E found lately: the miss is still ${miss} after ${steps}.`};
+  if (playing) return {state: "moving", text: now.probe ? "A test move: it turns one joint to see how its pictures change." : "Copying: it goes where it expects a smaller E."};
+  if (now.motion) return {state: "moving", text: `After ${steps}, a typical miss is ${miss}.`};
+  return {state: "ready", text: agrees ? `Ready. The pictures already agree to ${miss}.` : `Ready. The pictures disagree by ${miss}. Press Play, or pose the orange robot.`};
 }
 
 /**
@@ -45,10 +46,17 @@ export function outcome(now, playing, points) {
  * @param {number[]} theta
  * @param {number[]} thetaDemo
  * @param {string[]} joints
+ * @param {number} E px²
  */
-export function truth(theta, thetaDemo, joints) {
-  const off = theta.map((v, k) => Math.abs(v - thetaDemo[k]) / DEGREE), worst = off.indexOf(Math.max(...off));
-  if (off[worst] < EXACT_DEG) return "Hidden from the learner: it has exactly the demonstrator’s pose.";
-  const [is, should] = [theta, thetaDemo].map(angles => `${fixed(angles[worst] / DEGREE)}°`);
-  return `Hidden from the learner: ${fixed(off[worst])}° off. Its ${joints[worst].toLowerCase()} is at ${is} but should be at ${should}.`;
+export function truth(theta, thetaDemo, joints, E) {
+  const off = theta.map((v, k) => Math.abs(v - thetaDemo[k]) / DEGREE);
+  if (Math.max(...off) < EXACT_DEG) {
+    const rest = E >= .005 ? " What is left of E comes from perspective and noise." : "";
+    return `Hidden from the learner: it has exactly the demonstrator’s pose.${rest}`;
+  }
+  const [first, ...others] = off.map((v, k) => `its ${joints[k].toLowerCase()} is ${fixed(v)}°`);
+  return `Hidden from the learner: ${[`${first} off`, ...others].join(", ")}.`;
 }
+
+/** The root of E: how long a typical arrow is. @param {number} E px² */
+export const missText = E => Number.isNaN(E) ? "–" : `${fixed(Math.sqrt(E), E >= 100 ? 0 : 1)} px`;

@@ -320,6 +320,6 @@ def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(t
 
 
 def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
-    monkeypatch.setattr("viewimit.loop.session.MAX_HISTORY", 4)
+    monkeypatch.setattr("viewimit.loop.learner.MAX_HISTORY", 4)
     session = Session(changed(max_step_deg=1.0))
     assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "max-motions"

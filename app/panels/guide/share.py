@@ -61,21 +61,21 @@ def share_html(state: PageState, origin: str | None) -> str:
     if state.course is None:
         in_lab = lab_address(state.present)
         if in_lab is not None:
-            parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}"))
+            parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}", tells=True))
         for what, said in ("in Python", as_python), ("as a command", as_command):
             try:
-                parts.append(_copied(f"The same {what}", said(script), lines=True))
+                parts.append(_copied(f"The same {what}", said(script), lines=True, tells=True))
             except ValueError as error:
                 parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'
 
 
-def _copied(title: str, text: str, lines: bool = False) -> str:
-    """With a button that copies it. lines: of code, in which the demonstrator's posture stands."""
+def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> str:
+    """With a button that copies it. lines: of code; tells: it shows the demonstrator's posture."""
     shown = html.escape(text)
     button = f'<button type="button" class="vi-copy" aria-label="Copy: {title}">Copy</button>'
-    kind, tells = (' class="vi-code"', ' class="vi-tells"') if lines else ("", "")
-    return f'<section{tells}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
+    kind, hidden = ' class="vi-code"' if lines else "", ' class="vi-tells"' if tells else ""
+    return f'<section{hidden}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
 
 
 def _bound(files: list[str]) -> str:

@@ -69,7 +69,7 @@ class Case:
 CASES = (
     Case("default scene", {}),
     Case("toed-in heads", {}, any_head=True),
-    Case("noise 0.5 px, 25 frames", {"noise_px": 0.5, "frames": 25}),
+    Case("noise 0.5 px, 25 frames", dict(noise_px=0.5, frames=25)),
     Case("20 points, hidden by surfaces", {}, hidden=20),
     Case("seven joints, ±30°, 16 points", {"joints": SEVEN, "points": 16}, offset_deg=30.0),
 )

@@ -121,7 +121,7 @@ def swap_suspected(state: TrustRegionState, context: StepContext) -> bool:
     if state.swaps.pairs or index >= len(at) or len(state.known) < at[index] + len(plan.minimum.theta):
         return False
     E = context.observation.E if plan.noise_reference is None else plan.E
-    return bool(objective_floor(context) < E < np.inf)
+    return bool(np.isfinite(E) and E > objective_floor(context))
 
 
 def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegionState:

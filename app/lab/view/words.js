@@ -3,7 +3,7 @@ import {fixed} from "./svg.js";
 
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 4, AGREE_NOISY_PX = 8; // typical misses that count as agreement
+const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical misses that count as agreement
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const SERVO_WORDS = {

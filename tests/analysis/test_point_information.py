@@ -70,5 +70,5 @@ def test_no_other_place_makes_the_worst_joint_cost_less(settings):
 
 def test_without_a_place_there_is_nothing_to_propose():
     world, moment = of()
-    with pytest.raises(ValueError, match="pose the demonstrator"):
+    with pytest.raises(ValueError, match="move the demonstrator"):
         best_next(world, moment, BodyPoints(np.zeros(0, int), np.zeros((0, 3))))

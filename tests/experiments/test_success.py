@@ -19,7 +19,7 @@ from viewimit.experiments.bench import baselines, success
 from viewimit.experiments.bench.benchmark import Context, Share
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, Certificate
 from viewimit.simulation.scene import load_scene
 
 
@@ -157,6 +157,8 @@ class Rests:
 
     def __init__(self, status):
         self.status = status
+        certain = np.ones(2, bool)
+        self.certificate = Certificate(np.zeros(2), np.zeros(2), certain, True, np.zeros(2), E_negligible=True)
 
     def start(self, seen):
         return self

@@ -92,5 +92,5 @@ def test_a_match_far_from_few_others_is_judged_by_the_squares_that_it_adds():
 def test_the_threshold_is_higher_after_a_fit_to_few_matches(fit):
     """The standard deviation of few matches is uncertain: a point of 17 may be twice as far as one of many."""
     left, right, _ = matches(HEADS["parallel"], np.random.default_rng(2), 400, 0.1)
-    few, many = (fit(left[:count], right[:count]).threshold for count in (N_UNCERTAIN_STD, 400))
+    few, many = (fit(left[:count], right[:count], rounding_px=0.0).threshold for count in (N_UNCERTAIN_STD, 400))
     assert few == pytest.approx(2 * OUTLIER_SIGMA) and many == pytest.approx(OUTLIER_SIGMA, rel=0.01)

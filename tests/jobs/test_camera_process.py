@@ -189,7 +189,7 @@ from viewimit.loop.settings import Settings
 
 if __name__ == "__main__":
     camera = CameraProcess()
-    session = Session(Settings.paper(sensor="rendered"), SessionEyes(camera))
+    session = Session(Settings.paper(sensor="rendered"), open_eyes=SessionEyes(camera))
     session.step()
     camera.stop()
     print(session.snapshot.motion, *sorted({"pybullet", "cv2"} & set(sys.modules)))

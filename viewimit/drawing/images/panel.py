@@ -40,6 +40,7 @@ def draw_images(
     standing: Bodies | None = None,
     construction: Construction | None = None,
     stage: int | None = None,
+    gain: float | None = None,
 ) -> str:
     """Draw the panel as HTML: the four images, the legend and the metrics, which the page's stylesheet arranges.
 
@@ -63,10 +64,12 @@ def draw_images(
         How the chosen point is recovered.
     stage
         The last stage of the construction to draw; None for all of it.
+    gain
+        Factor by which the residuals are drawn longer; None chooses one.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
-    gain = arrow_gain(lengths)
+    gain = arrow_gain(lengths) if gain is None else gain
     images = planes.image_points(snapshot.views)
     points = planes.placed(images, shown, "lrLR")
     marks = _own_marks(snapshot, points[2:], shown, gain) | _seen_marks(snapshot, points[:2])

@@ -159,7 +159,7 @@ class Learner:
         views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
         seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
-        if seen.transfer is None:  # → transfer: fundamental matrices
+        if seen.transfer is None:  # → transfer; for the epipolar one, fundamental matrices
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
         E = seen.evaluation.E  # → recovered points → residual e → E
         if np.isnan(E):

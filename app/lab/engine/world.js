@@ -108,7 +108,7 @@ export class Observer {
   #disturbed({images, seen}, stream) {
     const {noisePx, missing, seed} = this.disturbance;
     if (!noisePx && !missing) return {images, seen};
-    const random = new Generator([seed, ...stream]); // draws the same numbers whatever the amounts
+    const random = new Generator([seed, ...stream]); // draws the same numbers for any amounts
     return {images: images.map(v => v + noisePx * random.normal()), seen: seen.map(v => +(random.random() >= missing) && v)};
   }
 

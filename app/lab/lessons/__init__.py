@@ -1,1 +1,1 @@
-"""Lessons in the lab: TOML that Python checks and computes for, and a card in the browser that asks and reveals."""
+"""Lessons in the lab: their files, what the library computes for them, and the page that shows them."""

@@ -47,6 +47,15 @@ class Choice(msgspec.Struct, tag="choice", tag_field="kind", **FIELDS):
     right: str | None = None  # a measure: the number of the right answer, from 1, where it is computed
 
 
+class Elsewhere(msgspec.Struct, **FIELDS):
+    """A place or a line other than the truth, and the reply to a click near it. It comes before `close` and `far`."""
+
+    truth: str  # a measure: a point or a line of the figure
+    near: float  # in the figure's unit
+    because: str
+    belief: str = ""
+
+
 class Place(msgspec.Struct, tag="place", tag_field="kind", **FIELDS):
     """A click in one of the step's main figures."""
 
@@ -58,6 +67,7 @@ class Place(msgspec.Struct, tag="place", tag_field="kind", **FIELDS):
     far: str
     line: str | None = None  # a measure: a far click is on the right way if it is below `near`
     on_line: str | None = None  # the reply to such a click
+    elsewhere: tuple[Elsewhere, ...] = ()  # other replies; the first that fits is given
 
 
 class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
@@ -266,6 +276,9 @@ def texts_with_measures(step: Step) -> Iterator[tuple[str, str]]:
     if isinstance(ask, Choice):
         for k, answer in enumerate(ask.answers):
             yield f".ask.answers[{k}].because", answer.because
+    if isinstance(ask, Place):
+        for k, other in enumerate(ask.elsewhere):
+            yield f".ask.elsewhere[{k}].because", other.because
     if isinstance(ask, Select):
         for k, reason in enumerate(ask.reasons):
             yield f".ask.reasons[{k}].because", reason.because
@@ -282,6 +295,9 @@ def measures_of(step: Step) -> Mapping[str, str]:
         name = getattr(step.ask, field, None)
         if name is not None:
             found.setdefault(name, f".ask.{field}")
+    if isinstance(step.ask, Place):
+        for k, other in enumerate(step.ask.elsewhere):
+            found.setdefault(other.truth, f".ask.elsewhere[{k}].truth")
     if step.told is not None:
         found.setdefault(step.told.measure, ".told.measure")
     for field, words in texts_with_measures(step):

@@ -87,7 +87,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
-    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": _hulls(given.robot)}
+    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": link_hulls(given.robot)}
     return _template().substitute(
         version=html.escape(__version__),
         styles=_styles(),
@@ -118,7 +118,7 @@ def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
     return stage
 
 
-def _hulls(robot: str) -> dict[str, Sequence]:
+def link_hulls(robot: str) -> dict[str, Sequence]:
     """The outermost vertices of each link, from which its outlines in the images are drawn."""
     meshes = link_meshes(robot)
     corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}

@@ -43,7 +43,7 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
 
 
 def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, Any]:
-    """Return a world of any number of joints as app/lab/engine/world.js documents it. bodies: layouts by their names."""
+    """Return a world of any number of joints as app/lab/engine/world.js documents it. bodies: layouts by name."""
     scene = world.scene
     chain, links = world.robot.with_fixed_joints(np.radians(scene.posture_deg), scene.moving)
     free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]

@@ -5,12 +5,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle
 from viewimit.simulation.scene import Scene, extended, load_scene
 
 from ..lessons.situation import moved_eyes
-from ..page import link_hulls, with_few_points
-from ..scene import engine_scene
+from ..page import with_few_points
 
 HERE = Path(__file__).parent
 FIGURES = "lines", "crossing", "assumption", "bowl", "servo", "distance", "points"  # in the article's order
@@ -40,7 +40,7 @@ def _data() -> dict[str, Any]:
     return {
         "scene": engine_scene(with_few_points(scene)),
         "turned": engine_scene(turned),
-        "hulls": link_hulls(scene.robot),
+        "hulls": describe_hulls(scene.robot),
         "distances": [_rig(turned, "distance", times) for times in TIMES],
         "baselines": [_rig(scene, "baseline", float(cm)) for cm in BASELINES_CM],
     }

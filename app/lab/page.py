@@ -87,10 +87,10 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
-    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": _hulls(given.robot)}
+    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": hulls_of(given.robot)}
     return _template().substitute(
         version=html.escape(__version__),
-        styles=_styles(),
+        styles=styles("view/lab.css"),
         data=packed(json.dumps(data, separators=(",", ":")).encode()),
         meshes=packed(shapes.packed),
         script=bundle("view/lab.js"),
@@ -118,8 +118,8 @@ def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
     return stage
 
 
-def _hulls(robot: str) -> dict[str, Sequence]:
-    """The outermost vertices of each link, from which its outlines in the images are drawn."""
+def hulls_of(robot: str) -> dict[str, Sequence]:
+    """Return the outermost vertices of each link of a robot [m], from which its outlines in the images are drawn."""
     meshes = link_meshes(robot)
     corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
     return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
@@ -142,7 +142,8 @@ def _template() -> Template:
 
 
 @cache
-def _styles() -> str:
-    own = HERE.joinpath("view", "lab.css").read_text("utf-8")
+def styles(*names: str) -> str:
+    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
+    own = "\n".join(HERE.joinpath(name).read_text("utf-8") for name in names)
     schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
     return "\n".join((schemes, font_faces(), DRAWING_CSS, own))

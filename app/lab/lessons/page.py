@@ -14,10 +14,11 @@ from string import Template
 from typing import Any
 
 from viewimit import __version__
+from viewimit.drawing.export.engine_scene import describe_hulls
 from viewimit.drawing.export.replay import bundle, packed
 from viewimit.drawing.glossary import glossary
 
-from ..page import SHIPPED, hulls_of, served_page, styles
+from ..page import SHIPPED, served_page, styles
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of
@@ -85,7 +86,7 @@ def page_data(lessons: Mapping[str, Lesson], others: Mapping[str, Lesson] | None
     ]
     robot = _robot_of(lessons.values())
     return {
-        "hulls": hulls_of(robot),
+        "hulls": describe_hulls(robot),
         "scenes": scenes,
         "glossary": terms(),
         "catalogue": _in_order(catalogue),

@@ -20,10 +20,10 @@ import platformdirs
 from viewimit.assets import ROOT
 
 import viewimit
+from viewimit.drawing.export.engine_scene import engine_scene
 from viewimit.simulation.scene import Scene
 
 from ..page import with_few_points
-from ..scene import engine_scene
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
 from .situation import Situation
@@ -229,7 +229,7 @@ def _sources() -> Iterator[Path]:
     lab = Path(__file__).parent.parent
     package = Path(viewimit.__file__).parent
     computing = ("geometry", "estimation", "servo", "sensing", "simulation", "loop", "analysis", "experiments")
-    yield from sorted(lab.glob("*.py"))
+    yield package / "drawing" / "export" / "engine_scene.py"
     yield from sorted(lab.glob("lessons/*.py"))
     for folder in computing:
         yield from sorted((package / folder).rglob("*.py"))

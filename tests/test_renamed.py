@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 import zstandard
-from viewimit.app.lessons.format import settings_of
+from viewimit.app.lab.lessons.format import settings_of
 from viewimit.app.sessions.link import read
 
 from viewimit import Session, Settings

@@ -6,7 +6,6 @@ from typing import NamedTuple, Protocol
 
 from viser import ClientHandle
 
-from ..control.classroom.attendance import Attendee
 from ..control.queue import CommandQueue
 from ..control.state import PageState
 
@@ -17,13 +16,11 @@ LEFT_WIDTHS = (280, 300, 300)
 
 class Reach(NamedTuple):
     """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
-    which it knows the server, None if it does not say; shared: by which others do, None where they cannot reach it;
-    of_class: who the page is in a class."""
+    which it knows the server, None if it does not say; shared: by which others do, None where they cannot reach it."""
 
     address: str | None = None
     origin: str | None = None
     shared: str | None = None
-    of_class: Attendee = Attendee()
 
 
 NOWHERE = Reach()
@@ -79,11 +76,10 @@ def _tab(panel, made: dict[str, AbstractContextManager], name: str) -> AbstractC
 class Panel(Protocol):
     """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
 
-    in_lessons: it is shown in a lesson, too, in which all others rest; inside: the tab in which it stands.
+    inside: the tab in which it stands.
     `build` once, then `show` whenever it is seen and `depends_on` differs from what was shown last.
     """
 
-    in_lessons: bool = False
     inside: str = ""
 
     def build(self, layout: Layout, state: PageState) -> None:

@@ -19,16 +19,12 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..classroom.boards import open_board
-from ..classroom.classroom import Classroom
-from ..control.classroom.attendance import Attendee
 from ..control.scheduler import Scheduler
 from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..lab.page import served_page
-from ..lessons.source import shipped
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
@@ -39,8 +35,6 @@ from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
 from .address import origin_for_others
-from .connection import GuardedConnection
-from .lecturer import class_name
 from .limits.fault_lines import in_a_line
 from .options import ServerOptions
 from .seat_counts import SeatCounts
@@ -67,7 +61,7 @@ def serving(
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
     lab = partial(served_page, options.settings.scene, options.settings.robot)
-    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, options.lecturer, lab)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, lab)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
@@ -109,9 +103,7 @@ class App:
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
         camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
         workers = LandscapeWorker(), ExperimentWorker(), camera
-        classroom = _classroom(options)
-        lessons = {**options.lessons, **shipped()}
-        self.services = Services(*workers, scheduler.shedding, share, lessons, classroom=classroom)
+        self.services = Services(*workers, scheduler.shedding, share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -130,8 +122,6 @@ class App:
             for client_id in list(self._pages):
                 self._retire(client_id, max(until - time.monotonic(), 0.0))
             self._autosave.stop()
-        if self.services.classroom is not None:
-            self.services.classroom.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
 
@@ -175,10 +165,8 @@ class App:
         """What was kept goes on, or the page says why it does not."""
         key = place.key
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
-        connection = viser_private.connection_of(self._server, client.client_id)
-        of_class = Attendee(key, isinstance(connection, GuardedConnection) and connection.lecturer)
         origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(address, origin, origin_for_others(self._host, origin), of_class)
+        reach = Reach(address, origin, origin_for_others(self._host, origin))
         try:
             page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:
@@ -224,13 +212,3 @@ class App:
 async def _close_soon(connection: ServerConnection) -> None:
     await asyncio.sleep(AGAIN_AFTER)
     await connection.close(CloseCode.TRY_AGAIN_LATER, "the page cannot be shown")
-
-
-def _classroom(options: ServerOptions) -> Classroom | None:
-    """Where there is a lecturer. Raises OSError for a store that cannot be used."""
-    if options.lecturer is None:
-        return None
-    name = class_name(options.lecturer)
-    classroom = Classroom(open_board(options.store, name, options.workers > 1), name)
-    classroom.start()
-    return classroom

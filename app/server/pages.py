@@ -9,7 +9,7 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 
 import viser
@@ -24,6 +24,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
+from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..panels.panel import Reach
@@ -62,14 +63,14 @@ def serving(
     own_names()  # begins to ask for them
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    lab = LabPages(options.settings.scene, options.settings.robot).page
-    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, lab)
+    lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, lab.page)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=options.host, port=port, label="viewimit", verbose=False)
-    app = App(server, options, scheduler, autosave, access.touches)
+    app = App(server, options, scheduler, autosave, access.touches, lab.lessons)
     access.guard(server)
     gc.collect()
     gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
@@ -84,7 +85,7 @@ def serving(
 class App:
     """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    touches: where the pages' links lead.
+    touches: where the pages' links lead; lessons: of the lab, by name.
     """
 
     def __init__(
@@ -94,9 +95,10 @@ class App:
         scheduler: Scheduler,
         autosave: Autosave,
         touches: Touches,
+        lessons: Mapping[str, Lesson],
     ):
         self._server, self._settings, self._scheduler, self._autosave = server, options.settings, scheduler, autosave
-        self._touches, self._host = touches, options.host
+        self._touches, self._host, self._lessons = touches, options.host, lessons
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         viser_private.wake_in_loop(server)
@@ -168,7 +170,7 @@ class App:
         key = place.key
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(address, origin, origin_for_others(self._host, origin))
+        reach = Reach(address, origin, origin_for_others(self._host, origin), self._lessons)
         try:
             page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:

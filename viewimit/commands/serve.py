@@ -62,6 +62,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError("--lecturer: a class has a server of its own now, `viewimit class`")
     settings = settings_from(args)
     # the one place below the page that knows it
+    from ..app.lab.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
     from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
@@ -72,9 +73,11 @@ def run(args: argparse.Namespace) -> int:
     store = args.store or os.environ.get(STORE) or None
     with naming("--store" if args.store or not store else STORE):
         open_store(store).close()
+    with naming("--lesson"):
+        lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

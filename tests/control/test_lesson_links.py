@@ -45,4 +45,4 @@ def test_the_way_back_holds_what_the_page_shows():
 def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():
     own = msgspec.structs.replace(shipped()["ray"], title="Mine")
     html = listed(QuietPage(Settings.paper(), address=ADDRESS), {"mine-01234567": own, **shipped()})
-    assert re.search(rf'{OFFER}.*href="lab/mine-01234567#page=.*Mine', html)
+    assert re.search(rf'{OFFER}" role="dialog" aria-label="Mine".*href="lab/mine-01234567#page=', html)

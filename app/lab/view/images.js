@@ -24,10 +24,51 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
 /** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px per px */
 
+/** Outlines of arms, computed anew only where a posture or the scene has changed. */
+export class Outlines {
+  /** @param {Record<string, number[][]>} hulls outermost vertices of links */
+  constructor(hulls) {
+    this.hulls = Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
+    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
+    this.known = {};
+  }
+
+  /**
+   * Silhouettes of the links and the line through their origins, in both images.
+   *
+   * @param {World} world
+   * @param {"demonstrator" | "learner"} who
+   * @param {ArrayLike<number>} theta
+   * @param {string} name under which the last one is kept
+   * @returns {Outline[]}
+   */
+  of(world, who, theta, name) {
+    const key = Array.from(theta).join(), known = this.known[name];
+    if (known?.key === key && known.scene === world.scene) return known.outlines;
+    const frames = world.arms[who].linkFrames(theta);
+    const outlines = world.pairs[who].map(camera => ({
+      hulls: this.hulls.map(({link, vertices}) => {
+        const seen = vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M));
+        return COMPASS.map(([a, b]) => {
+          let best = seen[0], most = -Infinity;
+          for (const p of seen) {
+            const along = a * p[0] + b * p[1];
+            if (along > most) [most, best] = [along, p];
+          }
+          return best;
+        });
+      }),
+      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
+    }));
+    this.known[name] = {scene: world.scene, key, outlines};
+    return outlines;
+  }
+}
+
 export class Images {
   /** @param {Record<string, HTMLElement>} boxes by view @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(boxes, hulls) {
-    this.hulls = Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
+    this.outlines = new Outlines(hulls);
     this.views = VIEWS.map((view, k) => {
       const svg = add(boxes[view], "svg", {class: `vi${k < 2 ? " vi-demo" : ""}`, role: "img"});
       const plane = add(svg, "rect", {class: "vi-plane", x: .5, y: .5, rx: 5}), frame = add(svg, "rect", {class: "vi-rule"});
@@ -39,8 +80,6 @@ export class Images {
       const window = {x: 0, y: 0, scale: 0};
       return {view, k, svg, box: boxes[view], plane, frame, layers, window, width: 1, height: 1};
     });
-    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
-    this.known = {};
     /** px of a drawing's unit */
     this.unit = 1;
     /** Whether the windows have to fit at once. */
@@ -62,9 +101,9 @@ export class Images {
   /** @param {World} world @param {Picture} picture @returns {boolean} whether the windows have still to move */
   draw(world, picture) {
     const {moment} = picture, ease = this.fresh ? 1 : picture.ease;
-    const demo = this.#outlines(world, "demonstrator", moment.thetaDemo, "demo");
-    const own = this.#outlines(world, "learner", moment.theta, "own");
-    const goal = this.#outlines(world, "learner", moment.thetaDemo, "goal");
+    const demo = this.outlines.of(world, "demonstrator", moment.thetaDemo, "demo");
+    const own = this.outlines.of(world, "learner", moment.theta, "own");
+    const goal = this.outlines.of(world, "learner", moment.thetaDemo, "goal");
     const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease)].some(Boolean);
     this.fresh = false;
     const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
@@ -93,29 +132,6 @@ export class Images {
   under(event, k) {
     const {svg, window: {x, y, scale}} = this.views[k], box = svg.getBoundingClientRect();
     return [(event.clientX - box.left) / this.unit / scale + x, (event.clientY - box.top) / this.unit / scale + y];
-  }
-
-  /** Silhouettes of the links and the line through their origins, in both images. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {string} name @returns {Outline[]} */
-  #outlines(world, who, theta, name) {
-    const key = theta.join(), known = this.known[name];
-    if (known?.key === key && known.scene === world.scene) return known.outlines;
-    const frames = world.arms[who].linkFrames(theta);
-    const outlines = world.pairs[who].map(camera => ({
-      hulls: this.hulls.map(({link, vertices}) => {
-        const seen = vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M));
-        return COMPASS.map(([a, b]) => {
-          let best = seen[0], most = -Infinity;
-          for (const p of seen) {
-            const along = a * p[0] + b * p[1];
-            if (along > most) [most, best] = [along, p];
-          }
-          return best;
-        });
-      }),
-      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
-    }));
-    this.known[name] = {scene: world.scene, key, outlines};
-    return outlines;
   }
 
   /** The demonstrator's skeleton as the transfer puts it into the learner's views. @param {Moment} moment @param {Outline[]} demo */

@@ -45,6 +45,7 @@ def bundle(entry: str) -> str:
     declarations, one name each, or names of other modules. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
+    at = lambda path: f"MODULES[{path.relative_to(SCRIPTS.resolve()).as_posix()!r}]"
 
     def add(path: Path) -> str:
         if path not in parts:
@@ -56,9 +57,8 @@ def bundle(entry: str) -> str:
                 names += [name.strip() for name in match[1].strip("{}").split(",")]
             text = REEXPORT.sub(lambda match: f"const {match[1]} = {module(match)};\n", text)
             text = re.sub(r"^export ", "", text, flags=re.M)
-            name = f"MODULES[{path.name!r}]"
-            parts[path] = text if path == first else f"{name} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
-        return f"MODULES[{path.name!r}]"
+            parts[path] = text if path == first else f"{at(path)} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
+        return at(path)
 
     first = (SCRIPTS / entry).resolve()
     add(first)

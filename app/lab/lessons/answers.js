@@ -4,7 +4,7 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Ask} Ask
  */
-import {measure} from "./measures.js";
+import {distanceOf, measure} from "./measures.js";
 
 const CLEAR_BET = 10; // % from the middle, from which a bet says something
 
@@ -64,6 +64,8 @@ export function reply(stage) {
   if (!isAnswered(stage) || answer.shown) return "";
   if (ask.kind === "choice") return ask.answers?.[answer.choice ?? -1]?.because ?? "";
   if (ask.kind === "place" || ask.kind === "pose") {
+    const other = stage.mark && ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
+    if (other) return other.because;
     if (isRight(stage)) return ask.close ?? "";
     const isOnLine = ask.line && ask.on_line && Number(measure(stage, ask.line).value) < (ask.near ?? 0);
     return (isOnLine ? ask.on_line : ask.far) ?? "";

@@ -36,9 +36,14 @@ function apart(stage) {
     const truth = /** @type {number[]} */ (measure(stage, ask.truth ?? "").value);
     return told(stage.answer.pose ? Math.max(...stage.answer.pose.map((v, k) => Math.abs(v - truth[k]))) : NaN, "°", 0);
   }
-  const truth = ask.truth ? measure(stage, ask.truth).value : null;
-  const off = stage.mark && truth ? distance(stage.mark, truth) : NaN;
-  return stage.unit === "rad" ? told(off / DEGREE, "°", 0) : told(off, " px", off < 10 ? 1 : 0);
+  const off = distanceOf(stage, ask.truth ?? "");
+  return stage.unit === "rad" ? told(off, "°", 0) : told(off, " px", off < 10 ? 1 : 0);
+}
+
+/** From the mark to a place or a line: px, or degrees on maps. @param {Stage} stage @param {string} name the measure */
+export function distanceOf(stage, name) {
+  const truth = stage.mark && name ? measure(stage, name).value : null;
+  return stage.mark && truth ? distance(stage.mark, truth) / (stage.unit === "rad" ? DEGREE : 1) : NaN;
 }
 
 /** Whether a claim that is bet on is true. @param {Stage} stage */

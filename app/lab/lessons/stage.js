@@ -2,8 +2,8 @@
  * A step of a lesson at one moment: its two arms, what was answered, and how far its reveal has gone. Figures, measures
  * and the card read it and nothing else. It touches no document.
  *
- * @typedef {import("../engine/world.js").Scene & {stage?: import("../view/space.js").Stage,
- *   page?: {scene: string, layouts: string[]}}} Scene stage: what stands still in 3-D; page: as viewimit's page names it
+ * @typedef {import("../engine/world.js").Scene & {page?: {scene: string, layouts: string[]}}} Scene
+ *   page: as viewimit's page names it
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {[number, number]} Mark a place in a figure, in its unit
  * @typedef {{value: any, unit: string, text: string}} Measured value: a number, a place or a posture; text: with its unit
@@ -20,8 +20,9 @@
  * @property {number} [missing]
  * @property {number} [seed]
  *
- * @typedef {Partial<State> & {facts?: Record<string, Measured>, records?: Record<string, any>, knobs?: number[][]}} Deal
- *   one of those that the seed picks from; knobs: rad of both joints for each knob's full turn
+ * @typedef {{value: number, cameras: import("../engine/world.js").Camera[]}[]} Variants the eyes at a slider's values
+ * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
+ *   variants?: Record<string, Variants>}} Deal one of those that the seed picks from, laid over the step's own
  * @typedef {{figure: string, show?: string[], reveal?: string[], hide?: string[]}} FigureUse
  * @typedef {Object} Slider
  * @property {string} name what it moves, see `Stage.slide`
@@ -58,8 +59,11 @@
  * @property {number | null} [below]
  * @property {number | null} [above]
  * @property {boolean} [counted] do: each release of a slider is one motion
- * @property {{name: string, label: string, values: {value: any, text: string}[]}[]} [fields] select
- * @property {number | null} [rounds] predict: after which it ends; bet: runs, one after the other
+ * @property {{name: string, label: string, values: {value: any, text: string, says?: string}[]}[]} [fields] select
+ * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
+ * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places, with a reply
+ * @property {string} [reason] select: the question about the reason
+ * @property {Choice[]} [reasons] select
  *
  * @typedef {Object} Step
  * @property {string} id
@@ -74,14 +78,14 @@
  * @property {FigureUse[]} [side]
  * @property {Slider[]} [sliders]
  * @property {string[]} [race]
- * @property {number | null} [play] motions that the reveal shows a second
+ * @property {number | null} [play] seconds that the animation of the reveal takes
  * @property {boolean} [meets] the reveal brings the learner to the demonstrator's posture
  * @property {string | null} [carry] the id of the step whose start and path go on here
  * @property {boolean} [deal]
  * @property {State} state
  * @property {Record<string, Measured>} [facts] that the library has computed
  * @property {Record<string, any>} [records]
- * @property {Record<string, {value: number, cameras: import("../engine/world.js").Camera[]}[]>} [variants]
+ * @property {Record<string, Variants>} [variants]
  * @property {Deal[] | null} [deals]
  *
  * @typedef {Object} Question one of the eight
@@ -102,8 +106,6 @@
  * @typedef {Object} Page what all steps share
  * @property {Record<string, Scene>} scenes
  * @property {Record<string, number[][]>} hulls outermost vertices of links
- * @property {import("../view/space.js").Common} robot
- * @property {ArrayBuffer} meshes
  * @property {Record<string, string>} [glossary] sentences by term
  *
  * @typedef {Object} Answer what was answered to a step
@@ -112,6 +114,7 @@
  * @property {number} [number]
  * @property {number[]} [pose] degrees
  * @property {number[]} [selected] the value of each field, from 0, -1 for none yet
+ * @property {number} [reason] for what was selected, from 0
  * @property {number} [bet] 0 … 100 %
  * @property {boolean} [done] what was to be reached has been
  * @property {boolean} [shown] shown without an answer
@@ -134,7 +137,6 @@
  * @property {string} [title]
  * @property {"px" | "rad"} [unit] of its marks, px by default; maps have rad
  * @property {number} [aspect] width over height that suits it
- * @property {(stage: Stage) => number} [motions] how many the reveal plays
  * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
  * @property {(box: HTMLElement, stage: Stage) => Figure} create
  */
@@ -153,6 +155,7 @@ export class Stage {
    */
   constructor(page, step, {seed = 1, carried = null} = {}) {
     this.page = page;
+    /** @type {Step} */
     this.step = step;
     /** @type {Stage | null} */
     this.carried = carried;
@@ -162,15 +165,16 @@ export class Stage {
     /** @type {Deal | null} what the seed has picked */
     this.deal = deals.length ? deals[(this.seed - 1) % deals.length] : null;
     const going = carried && {demonstrator: carried.state.demonstrator, start: carried.state.start};
-    const {facts, records, knobs, ...dealt} = this.deal ?? {};
     /** @type {State} */
-    this.state = {...step.state, ...going ?? {}, ...dealt};
+    this.state = {...step.state, ...going ?? {}, ...this.deal?.state};
     /** @type {Record<string, Measured>} */
-    this.facts = {...step.facts, ...facts};
+    this.facts = {...step.facts, ...this.deal?.facts};
     /** @type {Record<string, any>} */
-    this.records = {...step.records, ...records};
+    this.records = {...step.records, ...this.deal?.records};
+    /** @type {Record<string, Variants>} */
+    this.variants = {...step.variants, ...this.deal?.variants};
     /** rad of both joints for each knob's full turn */
-    this.knobs = knobs ?? dealtKnobs(this.seed);
+    this.knobs = dealtKnobs(this.seed);
     this.chosen = step.chosen ?? 0;
     /** 0 before the answer, 1 after it; between, while the reveal is played. */
     this.reveal = 0;
@@ -188,6 +192,8 @@ export class Stage {
     this.rounds = [];
     /** Which run of a bet is shown, from 0. */
     this.run = 0;
+    /** @type {(number | null)[]} bets on the runs, % */
+    this.bets = [];
     /** @type {Map<string, any>} what figures keep: points that were dragged, and so on */
     this.kept = new Map();
     /** Called when something has changed that is drawn. */
@@ -207,11 +213,17 @@ export class Stage {
     if (carried && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
-    for (const {name, start: value} of step.sliders ?? []) if (step.variants?.[name] || name in SETTINGS) this.slide(name, value);
+    for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
   }
 
-  get lesson() {
-    return this.step.id;
+  get hulls() {
+    return this.page.hulls;
+  }
+
+  /** The races of the step, by servo. @returns {Record<string, Race>} */
+  get races() {
+    const {race = []} = this.step, own = Object.fromEntries(race.map(servo => [servo, this.race(servo)]).filter(([, found]) => found));
+    return {...this.records.races, ...own};
   }
 
   /** E, or another measure, that has to be reached here or in the step that goes on here; null for none. */
@@ -326,7 +338,7 @@ export class Stage {
     } else if (name in SETTINGS) {
       this.session.change({[SETTINGS[/** @type {keyof typeof SETTINGS} */ (name)]]: value});
       this.observe(moment.theta);
-    } else if (this.step.variants?.[name]) this.#see(name, value);
+    } else if (this.variants[name]) this.#see(name, value);
     this.changed();
   }
 
@@ -337,14 +349,18 @@ export class Stage {
 
   /** The posture to which both knobs turn the arm from here. */
   get knobbed() {
-    const {lower, upper} = this.scene, turns = [this.sliders.get("knob 1") ?? 0, this.sliders.get("knob 2") ?? 0];
+    const {lower, upper} = this.scene, turns = [1, 2].map(k => {
+      const high = this.step.sliders?.find(({name}) => name === `knob ${k}`)?.high ?? 1;
+      return (this.sliders.get(`knob ${k}`) ?? 0) / high;
+    });
     return this.moment.theta.map((v, k) => clamp(v + turns[0] * this.knobs[0][k] + turns[1] * this.knobs[1][k], lower[k], upper[k]));
   }
 
   /** Other cameras, of a variant's value that is nearest. @param {string} name @param {number} value */
   #see(name, value) {
-    const {theta, thetaDemo} = this.moment, variants = this.step.variants?.[name] ?? [];
-    const {cameras} = variants.reduce((a, b) => Math.abs(b.value - value) < Math.abs(a.value - value) ? b : a);
+    const {theta, thetaDemo} = this.moment, isLogarithmic = this.step.sliders?.find(slider => slider.name === name)?.logarithmic;
+    const off = (/** @type {Variants[number]} */ one) => Math.abs(isLogarithmic ? Math.log(one.value / value) : one.value - value);
+    const {cameras} = this.variants[name].reduce((a, b) => off(b) < off(a) ? b : a);
     this.world = new World({...this.scene, cameras}, this.state.points);
     this.session = new Session(this.world, {...this.session.settings, demonstrator: thetaDemo});
     this.observe(theta);

@@ -37,7 +37,7 @@ import {measure} from "./measures.js";
 import {SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
 
-const MIN_PLAYED_MS = 900, MAX_PLAYED_MS = 12000, MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400, USUAL_MOTIONS = 24;
+const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
 const MAX_SEED = 9999, MAX_ROUNDS = 12;
 const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
 const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
@@ -185,7 +185,7 @@ export class StepScreen {
       for (const name of ["knob 1", "knob 2"]) stage.sliders.set(name, 0);
       this.course.answered(stage);
       this.course.keep();
-      if (isReached(stage) || stage.rounds.length >= (ask.rounds ?? MAX_ROUNDS)) this.reveal(false);
+      if (isReached(stage) || stage.rounds.length >= (ask.times ?? MAX_ROUNDS)) this.reveal(false);
       this.course.redraw();
     });
   }
@@ -214,8 +214,7 @@ export class StepScreen {
     if (stage.isRevealed) return;
     if (isUnanswered) stage.answer = {...stage.answer, shown: true};
     this.course.note("");
-    const motions = Math.max(0, ...(step.race ?? []).map(servo => stage.race(servo)?.postures.length ?? 0), ...this.mounted.map(({kind}) => kind.motions?.(stage) ?? 0));
-    const lasts = step.play ? Math.min(MAX_PLAYED_MS, Math.max(MIN_PLAYED_MS, (motions || USUAL_MOTIONS) / step.play * 1000)) : step.meets ? MEET_MS : 0;
+    const lasts = step.play ? 1000 * step.play : step.meets ? MEET_MS : 0;
     const from = stage.moment.theta, to = stage.moment.thetaDemo;
     this.#play(lasts, (share, isOver) => {
       stage.reveal = Math.max(1e-6, share);

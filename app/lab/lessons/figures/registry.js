@@ -1,6 +1,5 @@
 /** All figures of lessons, by the names that a lesson's file has. Each owner adds lines. */
 import {landscapeKind} from "./map.js";
-import {sceneKind} from "./scene.js";
 import {viewKind} from "./view.js";
 
 /** @type {Record<string, import("../stage.js").FigureKind>} */
@@ -9,6 +8,5 @@ export const FIGURES = {
   r: viewKind("r"),
   L: viewKind("L"),
   R: viewKind("R"),
-  scene: sceneKind,
   landscape: landscapeKind,
 };

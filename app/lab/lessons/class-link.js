@@ -40,7 +40,8 @@ class Memory {
     } catch { this.storage = null; }
   }
 }
-export const browser = new Memory(() => localStorage), tab = new Memory(() => sessionStorage);
+export const browser = new Memory(() => localStorage);
+export const tab = new Memory(() => sessionStorage);
 
 /** Who this browser is to the class: a random number that nobody else has. */
 function token() {

@@ -28,12 +28,11 @@ export function carried(camera, T) {
  * The two cameras of the first lesson, at one arm: l, and L carried to the demonstrator. As both arms are built alike,
  * the second sees the demonstrator as L sees the learner in the same posture.
  *
- * @param {World} world
+ * @param {Pick<World, "arms" | "scene">} world
  * @returns {[Camera, Camera]}
  */
-export function twoCameras(world) {
-  const {demonstrator, learner} = world.arms;
-  return [world.scene.cameras[0], carried(world.scene.cameras[2], compose(demonstrator.T_world_base, inverse(learner.T_world_base)))];
+export function twoCameras({arms: {demonstrator, learner}, scene: {cameras}}) {
+  return [cameras[0], carried(cameras[2], compose(demonstrator.T_world_base, inverse(learner.T_world_base)))];
 }
 
 /**
@@ -154,14 +153,14 @@ export function targetOf({world, moment}) {
 }
 
 /**
- * Cameras 1 and 2 as the slider `distance` has them.
+ * Cameras 1 and 2 as the slider `camera distance` has them.
  *
  * @param {import("./stage.js").Stage} stage
  * @param {number} [distance] times the usual one
  */
-export function camerasOf(stage, distance = stage.sliders.get("distance") ?? 1) {
-  const target = targetOf(stage);
-  return twoCameras(stage.world).map(camera => distance === 1 ? camera : dollied(camera, target, distance));
+export function camerasOf(stage, distance = stage.sliders.get("camera distance") ?? 1) {
+  const target = targetOf(stage), {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's
+  return twoCameras({scene, arms}).map(camera => distance === 1 ? camera : dollied(camera, target, distance));
 }
 
 /**

@@ -44,7 +44,7 @@ class Room {
   draw(stage, layers) {
     const {outside: view} = this, {world} = stage, demonstrator = world.arms.demonstrator;
     const cameras = camerasOf(stage), theta = stage.moment.thetaDemo, hasArm = layers.has("three rays") || layers.has("arm");
-    const usual = camerasOf(stage, Math.min(HOLDS_AT_MOST, stage.sliders.get("distance") ?? 1));
+    const usual = camerasOf(stage, Math.min(HOLDS_AT_MOST, stage.sliders.get("camera distance") ?? 1));
     const mark = markOf(world), foot = (/** @type {ArrayLike<number>} */ p) => [p[0], p[1], 0];
     const ends = [FIRST_SHARE, LAST_SHARE].map(share => onRay(cameras[0], mark, share)), target = targetOf(stage);
     const base = demonstrator.T_world_base, stands = [base[3], base[7], 0];

@@ -75,6 +75,18 @@ export class EnergyMap {
     ];
   }
 
+  /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
+  under({clientX, clientY}) {
+    const {left, top} = this.box.getBoundingClientRect();
+    return [(clientX - left) / this.unit, (clientY - top) / this.unit];
+  }
+
+  /** The posture under a pointer, within the limits. @param {PointerEvent} event */
+  postureAt(event) {
+    const [x, y] = this.under(event);
+    return this.posture(x, y);
+  }
+
   /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;

@@ -6,7 +6,6 @@
  * @typedef {import("../engine/camera.js").Camera} Camera
  * @typedef {{x: number, y: number, E: number}} Place how far it was carried, m ahead of the eyes and to their left, and E there
  */
-import {dot} from "../engine/algebra.js";
 import {Session, World} from "../engine/engine.js";
 
 /** Where it is carried, m: away from the eyes (x) and sideways (y). */
@@ -33,25 +32,14 @@ export function turnedTo(pair, gaze) {
 }
 
 /**
- * What a head looks at: the point of its middle's axis at the horizontal distance of a base.
- *
- * @param {[Camera, Camera]} pair
- * @param {ArrayLike<number>} base T_world_base
- */
-export function gazeOf([left, right], base) {
-  const middle = [0, 1, 2].map(i => (left.centre[i] + right.centre[i]) / 2), axis = [2, 5, 8].map(k => left.rotation[k]);
-  const flat = [axis[0], axis[1]], way = dot(flat, [base[3] - middle[0], base[7] - middle[1]]) / dot(flat, flat);
-  return middle.map((v, i) => v + way * axis[i]);
-}
-
-/**
  * E with the demonstrator carried.
  *
  * @param {Stage} stage
  * @param {[number, number]} by m
  */
 export function energyCarried({world, moment, session, state}, [x, y]) {
-  const {scene} = world, [l, r, L, R] = scene.cameras, base = scene.bases.demonstrator, gaze = gazeOf([l, r], base);
+  const {scene} = world, [l, r, L, R] = scene.cameras, base = scene.bases.demonstrator;
+  const gaze = scene.gaze ?? [base[3], base[7], base[11]];
   const moved = base.map((v, k) => v + (k === 3 ? x : k === 7 ? y : 0));
   const eyes = turnedTo([l, r], [gaze[0] + x, gaze[1] + y, gaze[2]]);
   const there = new World({...scene, bases: {...scene.bases, demonstrator: moved}, cameras: [...eyes, L, R]}, state.points);

@@ -55,12 +55,24 @@ export function dollied(camera, target, factor) {
 /** The image of one camera in another's picture. @param {Camera} into @param {Camera} of */
 export const epipole = (into, of) => projectPoint(into, of.centre);
 
-/** A place on a camera's ray of a point. @param {Camera} camera @param {ArrayLike<number>} point m @param {number} share of its depth */
+/**
+ * A place on a camera's ray of a point.
+ *
+ * @param {Camera} camera
+ * @param {ArrayLike<number>} point m
+ * @param {number} share of its depth
+ */
 export function onRay(camera, point, share) {
   return /** @type {Vector} */ (camera.centre.map((v, i) => v + share * (point[i] - v)));
 }
 
-/** The image of a camera's ray of a point, in another camera. @param {Camera} into @param {Camera} from @param {ArrayLike<number>} point */
+/**
+ * The image of a camera's ray of a point, in another camera.
+ *
+ * @param {Camera} into
+ * @param {Camera} from
+ * @param {ArrayLike<number>} point
+ */
 export function rayLine(into, from, point) {
   const [x, y] = projectPoint(into, point), [u, v] = projectPoint(into, onRay(from, point, 1.001));
   return through([x, y], [u, v]);
@@ -104,7 +116,14 @@ export function pencil(first, second, angle, otherAngle) {
   };
 }
 
-/** The place on a link's point in the world. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {number} point */
+/**
+ * The place on a link's point in the world.
+ *
+ * @param {World} world
+ * @param {"demonstrator" | "learner"} who
+ * @param {number[]} theta
+ * @param {number} point
+ */
 export function placeOf(world, who, theta, point) {
   const {on, at} = world.body[point];
   return transform(world.arms[who].frames(theta)[on], at);
@@ -146,7 +165,12 @@ export function markOf(world) {
 /** The three marks on the arm, m. @param {import("./stage.js").Stage} stage */
 export const marksOf = stage => MARKED.map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
 
-/** What both cameras move away from: the middle of the arm's points, m. @param {import("./stage.js").Stage} stage @returns {Vector} */
+/**
+ * What both cameras move away from: the middle of the arm's points, m.
+ *
+ * @param {import("./stage.js").Stage} stage
+ * @returns {Vector}
+ */
 export function targetOf({world, moment}) {
   const points = world.body.map((_, i) => placeOf(world, "demonstrator", moment.thetaDemo, i));
   return /** @type {Vector} */ ([0, 1, 2].map(k => points.reduce((sum, p) => sum + p[k], 0) / points.length));

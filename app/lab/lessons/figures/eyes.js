@@ -9,7 +9,7 @@ import {projectPoint} from "../../engine/camera.js";
 import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";
 import {px} from "../../view/svg.js";
-import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, targetOf, through} from "../rays.js";
+import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, through} from "../rays.js";
 import {around, arrow, clipped, disc, isStill, Names, Plane} from "./plane.js";
 
 const MARGIN = /** @type {[number, number, number, number]} */ ([24, 40, 24, 36]); // drawing units, that stay free
@@ -133,7 +133,14 @@ class Picture {
     return moves;
   }
 
-  /** An arrow to an epipole that the window does not hold. @param {ArrayLike<number>} e @param {number[]} middle @param {number} far px @param {Names} names */
+  /**
+   * An arrow to an epipole that the window does not hold.
+   *
+   * @param {ArrayLike<number>} e
+   * @param {number[]} middle
+   * @param {number} far px
+   * @param {Names} names
+   */
   #beyond(e, middle, far, names) {
     const {plane} = this, from = plane.at(middle), line = through(middle, e), ends = plane.ends(line);
     if (!ends.length) return "";
@@ -147,7 +154,14 @@ class Picture {
   }
 }
 
-/** A line that grows from a mark both ways, first to the epipole. @param {[number, number]} from @param {ArrayLike<number>} to @param {number} share @param {Plane} plane */
+/**
+ * A line that grows from a mark both ways, first to the epipole.
+ *
+ * @param {[number, number]} from
+ * @param {ArrayLike<number>} to
+ * @param {number} share
+ * @param {Plane} plane
+ */
 function towards(from, to, share, plane) {
   const d = [to[0] - from[0], to[1] - from[1]];
   const ends = [-share, share].map(s => [from[0] + s * d[0], from[1] + s * d[1]]);

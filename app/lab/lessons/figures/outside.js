@@ -1,6 +1,6 @@
 /**
- * Two cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, or an arm with
- * the rays of three marks.
+ * Cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, an arm with the
+ * rays of three marks, or both arms with the eyes between them.
  *
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("../stage.js").FigureKind} FigureKind
@@ -15,12 +15,13 @@ import {disc, Names} from "./plane.js";
 
 const FLOOR_M = 0.5; // from line to line
 const NAME_PX = 13, SMALL_PX = 300; // a drawing that is smaller has shorter names
+const BEHIND = {azimuth: Math.PI + .45, elevation: .4}; // where the spectator of both arms stands, rad: behind the eyes
 const HOLDS_AT_MOST = 3; // times their usual distance up to which the cameras stay in sight
 
 /** @type {FigureKind} */
 export const outside = {
-  layers: ["cameras", "stick", "arm", "ray", "sliding mark", "three rays"],
-  title: "**From outside.** Neither camera sees this.",
+  layers: ["cameras", "stick", "arm", "ray", "sliding mark", "three rays", "arms", "eyes", "guess"],
+  title: "**From outside**",
   aspect: 0.95,
   create: (box, stage) => new Room(box, stage),
 };
@@ -42,6 +43,7 @@ class Room {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
+    if (layers.has("arms")) return this.#both(stage, layers);
     const {outside: view} = this, {world} = stage, demonstrator = world.arms.demonstrator;
     const cameras = camerasOf(stage), theta = stage.moment.thetaDemo, hasArm = layers.has("three rays") || layers.has("arm");
     const usual = camerasOf(stage, Math.min(HOLDS_AT_MOST, stage.sliders.get("camera distance") ?? 1));
@@ -59,6 +61,47 @@ class Room {
     }, this.#label(stage, layers));
     this.floor.setAttribute("d", this.#grid());
     const html = this.#over(stage, layers, cameras);
+    if (html !== this.last) this.over.innerHTML = this.last = html;
+  }
+
+  /** Both arms, and the eyes that turn from one to the other. @param {Stage} stage @param {Set<string>} layers */
+  #both(stage, layers) {
+    const {outside: view} = this, {arms, scene} = stage.world, {theta, thetaDemo} = stage.moment, {cameras} = scene;
+    const head = cameras[0].centre.map((v, i) => (v + cameras[1].centre[i]) / 2), foot = [head[0], head[1], 0];
+    const stands = (/** @type {"demonstrator" | "learner"} */ who) => [3, 7, 11].map(k => arms[who].T_world_base[k]);
+    const bases = [stands("demonstrator"), stands("learner")];
+    const frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
+    const reach = frames.flat().flatMap(T => [-.16, .16].map(d => [T[3], T[7] + d, T[11] + d]));
+    view.aim(BEHIND.azimuth, BEHIND.elevation, [foot, [head[0], head[1], head[2] + .3], ...reach,
+      ...bases.flatMap(([x, y, z]) => [[x, y - .3, -.15], [x, y + .3, -.15], [x, y, z + .85]])]);
+    const guess = layers.has("guess") ? [{frames: arms.learner.linkFrames(stage.guessed), kind: "figure-guess"}] : [];
+    view.draw({
+      bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}, ...guess],
+      eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
+      lines: [], dots: [], labels: [],
+    }, `From outside: the orange demonstrator, the blue learner, and ${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
+    this.floor.setAttribute("d", this.#grid());
+    const names = new Names(view.width, view.height), at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
+    for (const body of frames) body.slice(1).forEach((T, k) =>
+      names.keepLine(at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]]), 18));
+    const bars = layers.has("eyes") ? [[0, 1], [2, 3]].map(([l, r]) => [cameras[l].centre, cameras[r].centre, "figure-bar"]) : [];
+    const lines = [[head, foot, "figure-pole"], ...bars, ...bases.map(base => [base, [base[0], base[1], 0], "figure-pole figure-faint"])];
+    if (layers.has("eyes")) for (const base of bases) lines.push([head, [base[0], base[1], base[2] + .4], "figure-gaze"]);
+    let html = "";
+    for (const [from, to, kind] of /** @type {[number[], number[], string][]} */ (lines)) {
+      html += `<path class="${kind}" d="M${at(from).map(px).join(" ")}L${at(to).map(px).join(" ")}"/>`;
+      names.keepLine(at(from), at(to), 3);
+    }
+    names.put("demonstrator", at([bases[0][0], bases[0][1], 0]), "vi-of-demo", {away: 8, first: [0, 1]});
+    names.put("learner", at([bases[1][0], bases[1][1], 0]), "vi-of-own", {away: 8, first: [0, 1]});
+    if (layers.has("eyes")) {
+      cameras.forEach(camera => {
+        names.keep(at(camera.centre), 8);
+        names.keep(at(onAxis(camera, .12)), .09 * view.window.scale);
+      });
+      names.put("two eyes", at(head), "figure-ink", {away: 12, first: [0, -1]});
+    }
+    html += names.html;
     if (html !== this.last) this.over.innerHTML = this.last = html;
   }
 

@@ -87,7 +87,12 @@ export class Plane {
     return points.length ? `M${points.map(p => `${px(this.x(p[0]))} ${px(this.y(p[1]))}`).join("L")}${closed ? "z" : ""}` : "";
   }
 
-  /** The whole of a line a x + b y + c = 0 that the drawing shows. @param {{a: number, b: number, c: number}} line @returns {[number, number][]} two places in drawing units */
+  /**
+   * The whole of a line a x + b y + c = 0 that the drawing shows.
+   *
+   * @param {{a: number, b: number, c: number}} line
+   * @returns {[number, number][]} two places in drawing units
+   */
   ends({a, b, c}) {
     const {x, y, scale} = this.window, k = (c + a * x + b * y) * scale, reach = 2 * (this.width + this.height);
     const mid = [this.width / 2, this.height / 2], off = a * mid[0] + b * mid[1] + k, foot = [mid[0] - a * off, mid[1] - b * off];
@@ -113,7 +118,14 @@ export class Plane {
   }
 }
 
-/** The part of a segment within a box. @param {number[]} p @param {number[]} q @param {Box} box @returns {[number, number][]} empty for none */
+/**
+ * The part of a segment within a box.
+ *
+ * @param {number[]} p
+ * @param {number[]} q
+ * @param {Box} box
+ * @returns {[number, number][]} empty for none
+ */
 export function clipped(p, q, [left, top, right, bottom]) {
   const d = [q[0] - p[0], q[1] - p[1]];
   let from = 0, to = 1;
@@ -150,7 +162,7 @@ export function widthOf(text, size, weight) {
 }
 
 const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a place, for its name
-const MAX_RINGS = 5, RING = 16; // how far a name goes from its place, drawing units
+const MAX_RINGS = 8, RING = 14; // how far a name goes from its place, drawing units
 const LED = 14; // from its place at which a name has a line to it
 
 /** Names in a drawing that cover neither each other nor what has to be seen. */
@@ -232,7 +244,14 @@ export const disc = (x, y, r) => `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r
 /** @param {number} x @param {number} y @param {number} r */
 export const diamond = (x, y, r) => `M${px(x - r)} ${px(y)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
 
-/** An arrow as a shaft and a tip. @param {ArrayLike<number>} from @param {ArrayLike<number>} to @param {number} [tip] its length @returns {[string, string]} paths, both empty for none */
+/**
+ * An arrow as a shaft and a tip.
+ *
+ * @param {ArrayLike<number>} from
+ * @param {ArrayLike<number>} to
+ * @param {number} [tip] its length
+ * @returns {[string, string]} paths, both empty for none
+ */
 export function arrow(from, to, tip = 6) {
   const dx = to[0] - from[0], dy = to[1] - from[1], length = Math.hypot(dx, dy);
   if (!(length > .5)) return ["", ""];

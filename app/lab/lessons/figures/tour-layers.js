@@ -42,7 +42,12 @@ function namesOver(frame, stage) {
   return names;
 }
 
-/** The parts of a pencil's line in this drawing. @param {Frame} frame @param {{a: number, b: number, c: number}} line */
+/**
+ * The parts of a pencil's line in this drawing.
+ *
+ * @param {Frame} frame
+ * @param {{a: number, b: number, c: number}} line
+ */
 const lineHere = (frame, line) => lineThrough(frame, line, "figure-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
@@ -56,17 +61,45 @@ function ways(frame, stage) {
   });
 }
 
+/**
+ * Where along a line its name stands, farthest from all points.
+ *
+ * @param {Frame} frame
+ * @param {Stage} stage
+ * @param {{a: number, b: number, c: number} | null} line
+ * @param {number[]} shares
+ */
+function freeShare(frame, stage, line, shares) {
+  const ends = line && chord(frame, line);
+  if (!ends) return shares[0];
+  const points = residuals(frame, stage).flat(), room = (/** @type {number} */ share) => {
+    const [x, y] = [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]));
+    return Math.min(60, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
+  };
+  return shares.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
+}
+
+/** @param {number} eye @param {string} kind @param {number[]} shares @returns {Layer} */
+const lineFrom = (eye, kind, shares) => (frame, stage) => {
+  const line = frame.isDemo ? null : stage.line(eye, frame.side), name = frame.width > 230 ? `line from ${"lr"[eye]}` : "lr"[eye];
+  return lineThrough(frame, line, kind, name, freeShare(frame, stage, line, shares));
+};
+
 /** @type {Record<string, Layer>} */
 export const TOUR_LAYERS = {
+  "line from l": lineFrom(0, "vi-line vi-line-large", [.8, .88, .72, .62, .12, .2]),
+  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right", [.2, .12, .28, .88, .8, .7]),
   "ghost": (frame, stage) => {
     const {moment, truthHidden, world} = stage;
     if (frame.isDemo || truthHidden) return "";
     const outline = frame.outlines.of(world, "learner", moment.thetaDemo, "ghost")[frame.side];
     const at = learnerIn(frame, stage, moment.thetaDemo), names = namesOver(frame, stage);
-    const corners = outline.hulls.flat().map(frame.at), low = corners.reduce((a, b) => b[1] > a[1] ? b : a);
-    corners.forEach(p => names.keep(p, 6));
+    const hand = outline.hulls[outline.hulls.length - 1].map(frame.at), own = frame.outlines.of(world, "learner", moment.theta, "own")[frame.side];
+    const off = (/** @type {number[]} */ p) => Math.min(...own.bones.map(frame.at).map(q => Math.hypot(p[0] - q[0], p[1] - q[1])));
+    const tip = hand.reduce((a, b) => off(b) > off(a) ? b : a);
+    outline.hulls.flat().map(frame.at).forEach(p => names.keep(p, 6));
     if (Math.hypot(...moment.theta.map((v, k) => v - moment.thetaDemo[k])) > .05)
-      names.put("ghost", low, "vi-2nd", {away: 8, first: [0, 1]});
+      names.put("ghost", tip, "vi-2nd", {away: 9, first: [0, 1]});
     return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(frame.shown.map(at), 4.4, "vi-goal-ring") + names.html;
   },
   "ghost lines": (frame, stage) => {
@@ -112,7 +145,7 @@ export const TOUR_LAYERS = {
       if (ends) names.keepLine(ends[0], ends[1], 3);
     }
     const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
-    places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own", {size: NUMBER, away: 6}));
+    places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own", {size: NUMBER, away: 10}));
     return `<path class="${frame.isDemo ? "vi-seen" : "figure-own-dot"}" d="${marks}"/>${names.html}`;
   },
   "chosen": (frame, stage) => {

@@ -1,0 +1,404 @@
+"""What steps that compare postures record: runs of servos, maps of E, minima, clouds of estimates, places in a room.
+
+All is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from itertools import combinations
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from viewimit.analysis.landscape import Landscape, conflict_at, conflict_of_images, grid_axes, landscape_over
+from viewimit.analysis.minima import Minima, local_minima
+from viewimit.analysis.observability import joint_uncertainty, residual_jacobian, sample_estimates
+from viewimit.estimation.transfers import TRANSFERS, epipolar
+from viewimit.estimation.transfers.epipolar import EpipolarTransfer
+from viewimit.estimation.views import FourViews, Pairs
+from viewimit.geometry.affine import MIN_POINTS, centred
+from viewimit.loop.session import Session
+from viewimit.servo import Certificate
+from viewimit.simulation.camera import Camera
+from viewimit.simulation.robot import BodyPoints
+from viewimit.simulation.world import World
+
+from .situation import Situation
+
+Array = NDArray[np.float64]
+MAX_MOTIONS = 400  # of a run
+MAP_STEP_DEG = 3.0  # of maps that are recorded
+CLAIM_DEG = 1.0  # within which a claim has all joints
+DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of the eyes
+RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
+FEWEST = 4  # points: these fit any images
+PLANE_SHARE = 0.1  # of the points' distances from a plane: exactly in it, rounding errors would make the map
+PAIRS, PAIR_SEED, APART_DEG = 356, 3, 20.0  # of postures at random, whose largest difference is at least so much
+DEPTH_STEP_M = 1e-4  # of first derivatives of a projection
+PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, aside
+NEARER = (-0.3, 0)  # m back, aside
+MORE_POINTS = 20  # layout of the scene that is compared with its layout of ten
+
+
+def plain(values: ArrayLike, digits: int = 4) -> Any:
+    """Return numbers with so many significant digits, nested as they are; None for NaN and infinity."""
+    array = np.asarray(values, float)
+    if array.ndim:
+        return [plain(row, digits) for row in array]
+    return float(f"{array:.{digits}g}") if np.isfinite(array) else None
+
+
+def degrees_off(theta: Array, truth: Array) -> float:
+    """Degrees between two postures, of the joint that is farthest off."""
+    return float(np.degrees(np.abs(theta - truth).max()))
+
+
+# Runs of servos
+
+
+@cache
+def run(situation: Situation, servo: str, max_motions: int = MAX_MOTIONS) -> Session:
+    """Run a servo from the step's start until it rests."""
+    session = situation.session(servo=servo)
+    session.run(max_motions)
+    return session
+
+
+def motions_to(session: Session, goal: float) -> float:
+    """Return the number of motions after which E was below the goal for the first time; NaN if it never was."""
+    return next((float(moment.motion) for moment in session.history if moment.E < goal), np.nan)
+
+
+def claim_probability(certificate: Certificate, within_deg: float = CLAIM_DEG) -> float:
+    """Return the probability that all joints are within an angle, for independent normal errors: Π (2 Φ(w/σ) - 1)."""
+    ratio = [np.radians(within_deg) / error if error > 0 else np.inf for error in certificate.std_error]
+    return float(np.prod([2 * NormalDist().cdf(one) - 1 if np.isfinite(one) else 1.0 for one in ratio]))
+
+
+def claim(session: Session) -> dict[str, Any] | None:
+    """What the servo says of its last posture; None for a servo that makes no convergence test."""
+    last = session.snapshot
+    if last.certificate is None:
+        return None
+    return {
+        "std_error": plain(last.certificate.std_error),  # rad
+        "observable": last.certificate.observable.tolist(),
+        "verified": bool(last.certificate.verified),
+        "probability": plain(claim_probability(last.certificate)),
+        "unobservable": last.certificate.reportable_joints(last.status),
+        "exchanged": [list(pair) for pair in last.exchanged],
+    }
+
+
+def run_record(session: Session) -> dict[str, Any]:
+    """A run as the page has it: postures in rad, E in px², probes, status and claim."""
+    return {
+        "postures": plain([moment.theta for moment in session.history], 5),
+        "E": plain([moment.E for moment in session.history]),
+        "probes": [bool(moment.probe) for moment in session.history],
+        "status": str(session.snapshot.status),
+        "claim": claim(session),
+    }
+
+
+def races(situation: Situation) -> dict[str, Any]:
+    """Runs of the step's servos, by name."""
+    return {servo: run_record(run(situation, servo)) for servo in situation.race}
+
+
+# Maps of E and their minima
+
+
+@cache
+def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
+    """Compute E over both joints, for the demonstrator as it is seen at the start."""
+    world = situation.world
+    return landscape_over(world, *_seen(situation, transfer), grid_axes(world, step_deg))
+
+
+@cache
+def minima(situation: Situation, transfer: str | None = None) -> Minima:
+    """Find the local minima of E, between a coarse grid's postures as well."""
+    seen = _seen(situation, transfer)
+    E_at = lambda theta: conflict_at(situation.world, *seen, theta)[0]
+    return local_minima(landscape(situation, 2 * MAP_STEP_DEG, transfer), E_at)
+
+
+def _seen(situation: Situation, transfer: str | None) -> tuple[Callable, Array, NDArray[np.bool_]]:
+    """The transfer's fit, and the demonstrator's images with their visibility."""
+    start = situation.start
+    return partial(start.fit, by=transfer), start.views.demo, start.views.visible[:, :2]
+
+
+def bias_deg(situation: Situation, transfer: str | None = None) -> float:
+    """Degrees from the posture with the smallest E to the demonstrator's; NaN where there is no E."""
+    found = minima(situation, transfer)
+    return degrees_off(found.theta[0], situation.start.theta_demo) if len(found) else np.nan
+
+
+def map_record(found: Landscape) -> dict[str, Any]:
+    """A map as the page has it: limits and step in degrees, rows of E along the second joint."""
+    low, high = (np.degrees([axis[end] for axis in found.axes]) for end in (0, -1))
+    step = float(np.degrees(found.axes[0][1] - found.axes[0][0]))
+    return {"lower": plain(low), "upper": plain(high), "step_deg": plain(step), "E": plain(found.E)}
+
+
+def biases(situation: Situation) -> dict[str, Any]:
+    """Degrees from the smallest E to the demonstrator's posture, by transfer, at all DISTANCES."""
+    at = [situation.with_eyes(distance=times) for times in DISTANCES]
+    return {
+        "times": list(DISTANCES),
+        "degrees": {name: plain([bias_deg(one, name) for one in at]) for name in TRANSFERS},
+    }
+
+
+def without_depth(situation: Situation) -> float:
+    """E at the start, px², if all points of each arm were as far away as their middle: with affine cameras."""
+    world, start = situation.world, situation.start
+    demo = _affine_images(world.demo_cameras, world.points_world(start.theta_demo, world.T_world_demo))
+    own = _affine_images(world.own_cameras, world.points_world(start.theta, world.T_world_own))
+    views = FourViews(demo, own, np.ones((len(demo), 4), bool))
+    return float(start.fit(views).conflict(views))
+
+
+def _affine_images(cameras: Sequence[Camera], points: Array) -> Array:
+    """(N, 4) px: projections to first order about the middle of points, (N, 3) m in the world."""
+    middle, step = points.mean(0), DEPTH_STEP_M * np.eye(3)
+    images = []
+    for camera in cameras:
+        near = camera.project(np.concatenate([middle + step, middle - step, middle[None]]).T, np.eye(4))[0].T
+        slope = (near[:3] - near[3:6]) / (2 * DEPTH_STEP_M)
+        images.append(near[6] + (points - middle) @ slope)
+    return np.concatenate(images, 1)
+
+
+# Few points, and points in a plane
+
+
+@dataclass(frozen=True, eq=False)
+class Matches:
+    """Maps with some of the points only."""
+
+    order: NDArray[np.int_]  # (N,) indices: the four that determine most first, then one after the other
+    by_count: Mapping[int, Landscape]  # of the first 4, 5, … N of them, with conditions from 5 on
+    plane: Landscape  # of all, pressed towards the plane in which the arm moves, with conditions
+
+
+@cache
+def matches(situation: Situation) -> Matches:
+    """Compute the paper's E with fewer and fewer points, and with points near a plane."""
+    world, start = situation.world, situation.start
+    seen = np.flatnonzero(start.usable)
+    order = seen[best_order(start.views.demo[seen])]
+    by_count = {n: _landscape_of(world, start.theta_demo, order[:n]) for n in range(FEWEST, len(order) + 1)}
+    flat = World(world.scene, body=pressed(world, start.theta_demo))
+    return Matches(order, by_count, _landscape_of(flat, start.theta_demo, order))
+
+
+def matches_record(situation: Situation) -> dict[str, Any]:
+    """Matches as the page has them."""
+    found = matches(situation)
+    return {
+        "order": found.order.tolist(),
+        "by_count": {str(count): map_record(one) for count, one in found.by_count.items()},
+        "plane": map_record(found.plane),
+    }
+
+
+def best_order(stereo: Array) -> NDArray[np.int_]:
+    """Order points (N, 4) px in [l, r]: the four with the largest third singular value, then whichever makes it largest
+    when it is added."""
+
+    def depth(chosen: tuple[int, ...]) -> float:
+        return float(np.linalg.svd(centred(stereo[list(chosen)])[1], compute_uv=False)[2])
+
+    chosen = max(combinations(range(len(stereo)), FEWEST), key=depth)
+    while len(chosen) < len(stereo):
+        left = (k for k in range(len(stereo)) if k not in chosen)
+        chosen = max(((*chosen, k) for k in left), key=depth)
+    return np.array(chosen)
+
+
+def _landscape_of(world: World, theta_demo: Array, points: NDArray[np.int_]) -> Landscape:
+    """E of the paper's transfer with points (k,) only, k ≥ 4."""
+    axes = grid_axes(world, MAP_STEP_DEG)
+    demo, demo_visible = (array[points] for array in world.demo_images(theta_demo))
+    own, own_visible = (array[..., points, :] for array in world.own_images((axes[0][:, None], axes[1])))
+    if len(points) >= MIN_POINTS:
+        return Landscape(axes, *conflict_of_images(epipolar.fit, demo, demo_visible, own, own_visible, True))
+    views = FourViews(demo, own.reshape((-1,) + own.shape[-2:]), np.ones(1, bool))
+    E = np.asarray(fit_few(views).conflict(views)).reshape(own.shape[:-2])
+    return Landscape(axes, np.where(own_visible.all((-2, -1)) & demo_visible.all(), E, np.nan))
+
+
+def fit_few(views: FourViews) -> EpipolarTransfer:
+    """Fit the paper's transfer to four points as well, whose fundamental matrices fit any images exactly."""
+    demo_mean, demo = centred(views.demo)
+    own_mean, own = centred(views.own)
+    batch = own.shape[:-2]
+    f = epipolar.constraints(demo, own)
+    matrix = epipolar.solve(f).transpose(2, 0, 1).reshape(batch + (4, 4))
+    return EpipolarTransfer(matrix, demo_mean, own_mean, f.reshape((4, 5) + batch))
+
+
+def pressed(world: World, theta: Array, share: float = PLANE_SHARE) -> BodyPoints:
+    """Move the body points on their links, at theta (m,) rad, towards the plane in which the arm moves.
+
+    share: what is left of their distances from it. Where all moving joints turn about one direction, the points stay
+    as near to a plane.
+    """
+    frames = world.link_frames(theta, world.T_world_demo)
+    axes = np.array([frames[k + 1, :3, :3] @ world.robot.joints[k].axis for k in world.scene.moving])
+    normal = (axes * np.where(axes @ axes[0] < 0, -1.0, 1.0)[:, None]).sum(0)
+    normal /= np.linalg.norm(normal)
+    points = world.points_world(theta, world.T_world_demo)
+    flat = points - (1 - share) * ((points - points.mean(0)) @ normal)[:, None] * normal
+    T_world_link = frames[world.body.link]
+    local = np.einsum("nji,nj->ni", T_world_link[:, :3, :3], flat - T_world_link[:, :3, 3])
+    return BodyPoints(world.body.link, local)
+
+
+# Noise
+
+
+@cache
+def clouds(situation: Situation) -> Mapping[int, Array]:
+    """Draw postures in which E is smallest under noise, (RUNS, 2) rad, by the number of images that are averaged."""
+    rng, settings, start = np.random.default_rng(situation.settings.seed), situation.settings, situation.start
+    return {
+        frames: sample_estimates(situation.world, start.fit, start.theta_demo, settings.noise_px, frames, RUNS, rng)
+        for frames in FRAMES
+    }
+
+
+def clouds_record(situation: Situation) -> dict[str, Any]:
+    """Clouds as the page has them, by the number of images."""
+    return {str(frames): plain(cloud, 5) for frames, cloud in clouds(situation).items()}
+
+
+@cache
+def costs(situation: Situation) -> Array:
+    """Standard error of each joint under 1 px of noise in the own images, at the demonstrator's posture: (m,) rad/px."""
+    world, theta = situation.world, situation.start.theta_demo
+    demo, visible = world.demo_images(theta)
+    found = joint_uncertainty(world, situation.start.fit, demo, visible, theta)
+    return np.full(len(theta), np.inf) if found is None else found
+
+
+def shown_px(situation: Situation, joint: int, by_arrows: bool) -> float:
+    """How far a degree of a joint moves the arrows, or the own images, at the demonstrator's posture: px, root mean
+    square over points and images."""
+    world, start = situation.world, situation.start
+    demo, _ = world.demo_images(start.theta_demo)
+
+    def at(postures: Array) -> Array:
+        own, _ = world.own_images(postures.T)
+        views = FourViews(demo, own, np.ones(1, bool))
+        return start.fit(views).residual(views) if by_arrows else own
+
+    J = np.radians(1) * residual_jacobian(at, start.theta_demo)[:, joint]
+    return float(np.sqrt(2 * np.mean(J**2)))
+
+
+# The conflict
+
+
+def signpost_cosine(views: FourViews, recovered: Array, goal: Array) -> float:
+    """Cosine between all arrows, followed from dot to diamond, and the ways to the goal, (…, N, 4) px each."""
+    arrows, ways = recovered - views.own, goal - views.own
+    return float((arrows * ways).sum() / np.sqrt((arrows**2).sum() * (ways**2).sum()))
+
+
+@cache
+def signposts(situation: Situation) -> Array:
+    """Cosines of arrows with the ways to the goal, (PAIRS,), for pairs of postures at random."""
+    world, rng = situation.world, np.random.default_rng(PAIR_SEED)
+    low, high = world.scene.lower, world.scene.upper
+    found: list[float] = []
+    while len(found) < PAIRS:
+        theta_demo, theta = rng.uniform(low, high, (2, len(low)))
+        views, alike = world.look(theta_demo, theta), world.look(theta_demo, theta_demo)
+        if degrees_off(theta, theta_demo) >= APART_DEG and views.complete and alike.complete:
+            transfer = situation.start.fit(views)
+            found.append(signpost_cosine(views, transfer.recover(views.demo_left, views.demo_right), alike.own))
+    return np.array(found)
+
+
+def carried_to(situation: Situation, back_m: float, aside_m: float, turned_deg: float = 0.0) -> Situation:
+    """Carry the demonstrator across the room, away from the head and away from the learner. The eyes turn after it."""
+    scene = situation.scene
+    base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
+    moved = np.array([back_m, aside_m, 0.0])
+    return situation.with_scene(
+        {
+            **situation.scene_fields,
+            "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
+            "head": {"gaze_demonstrator": (gaze + moved).tolist()},
+        }
+    )
+
+
+def places(situation: Situation) -> list[dict[str, Any]]:
+    """E with the demonstrator carried to PLACES, and nearer, which changes more."""
+    at = [(*place, "place") for place in PLACES] + [(*NEARER, "nearer")]
+    return [
+        {"back": back, "aside": aside, "kind": kind, "E": plain(carried_to(situation, back, aside).start.E)}
+        for back, aside, kind in at
+    ]
+
+
+def left_out_px(situation: Situation, theta: Array) -> Array:
+    """Fit the lines of [l] in [L] to all points but one, for each: px from that point to its line, (N,).
+
+    theta: (m,) rad, the learner's posture.
+    """
+    views = situation.world.look(situation.start.theta_demo, theta)
+    found = []
+    for k in range(len(views.demo)):
+        rest = np.delete(np.arange(len(views.demo)), k)
+        u = np.concatenate([views.demo_left, views.own_left], 1)
+        mean = u[rest].mean(0)
+        f = np.linalg.svd(u[rest] - mean)[2][-1]
+        found.append(abs((u[k] - mean) @ f) / np.hypot(f[2], f[3]))
+    return np.array(found)
+
+
+# Swapped points, and eyes turned inwards
+
+
+def true_pairs(situation: Situation) -> Pairs:
+    """Which points are swapped in what is seen: each lies where the other should."""
+    start = situation.start
+    true, _ = situation.world.demo_images(start.theta_demo)
+    order = np.linalg.norm(start.views.demo[:, None] - true, axis=-1).argmin(1).tolist()
+    return tuple((i, j) for i, j in enumerate(order) if i < j and order[j] == i)
+
+
+def rectified(situation: Situation) -> Mapping[str, Situation]:
+    """The step as it is seen, with rectified images, and with more points but not rectified."""
+    return {
+        "as seen": situation.with_settings(rectify="off"),
+        "rectified": situation.with_settings(rectify="auto"),
+        "more points": situation.with_settings(rectify="off", points=MORE_POINTS),
+    }
+
+
+def rectified_record(situation: Situation) -> dict[str, Any]:
+    """Maps and minima with and without rectification, and the rows of the matches, as the page has them."""
+    cases = rectified(situation)
+    made: dict[str, Any] = {}
+    for name in ("as seen", "rectified"):
+        one = cases[name]
+        rectification, views = one.start.rectification, one.start.views
+        images = [views.demo, views.own]
+        rows = images if rectification is None else [rectification.apply(image) for image in images]
+        made[name] = {
+            **map_record(landscape(one)),
+            "minimum": plain(minima(one).theta[0], 5),
+            "demonstrator": plain(rows[0]),
+            "learner": plain(rows[1]),
+        }
+    return made

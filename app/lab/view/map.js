@@ -97,7 +97,7 @@ export class EnergyMap {
     }
     most = Math.max(Math.min(most, Math.log(BRIGHTEST)), Math.log(DARKEST));
     least = Math.min(Math.max(least, most - Math.log(RANGE)), most - .5);
-    const style = getComputedStyle(document.documentElement), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+    const style = getComputedStyle(this.box), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
     this.#shade(rows, columns, least, most, role("hills"));
     const brush = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     const left = PAD.left, top = PAD.top, right = width - PAD.right, bottom = height - PAD.bottom;

@@ -23,18 +23,16 @@ CIRCLE_FRAMES = 25  # one more than motions that are played
 MAX_MOTIONS = 100  # until the postures agree
 FORWARD_UP = [0, 2]  # axes of a base: the plane in which both joints turn the arm
 SAME_SHARE = 0.25  # of the circle's radius: a hand that stays as near draws the circle itself
+DRAWS = ("the circle", "a loop elsewhere", "no loop")
 LOOP_SHARE = 0.5  # breadth over length, from which a path is a loop
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A motion that was followed with one frozen transfer, over T frames and k links."""
+    """A motion that was followed with one frozen transfer, over T frames; k links."""
 
     frozen: Snapshot  # what was seen when the transfer was fitted
     run: Trajectory
-    arms: Array  # (T, k, 2) px in L: the links' origins, the hand's last
-    target: Array  # (T, 2) px in L: where the transfer says that the hand should be
-    truth: Array  # (T, 2) px in L: where it would be in the demonstrator's posture
     overlap_px: Array  # (T,) from the hand to its target, mean of L and R
     truth_px: Array  # (T,) from the hand to its true place, mean of L and R
     side: Array  # (T, k, 2) m: the learner's links from the side, base at 0
@@ -64,12 +62,12 @@ class Followed:
 
     @property
     def draws(self) -> str:
-        """What the hand draws: "the circle", "a loop elsewhere" or "no loop"."""
+        """What the hand draws, of DRAWS."""
         away = np.linalg.norm(self.side[:, -1] - self.demo_side[:, -1], axis=1)
         if away.max() < SAME_SHARE * self.radius_m:
-            return "the circle"
+            return DRAWS[0]
         long, broad = self.loop_m
-        return "a loop elsewhere" if broad > LOOP_SHARE * long and self.offset_m > self.radius_m else "no loop"
+        return DRAWS[1] if broad > LOOP_SHARE * long and self.offset_m > self.radius_m else DRAWS[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,26 +103,14 @@ def carried(situation: Situation) -> Carried:
 
 
 def carried_record(situation: Situation) -> dict[str, Any]:
-    """Both paths as the page has them: postures in rad, L in px, from the side in m."""
+    """Postures of both arms and where the transfers were frozen, rad, as the page has them."""
     made = carried(situation)
-
-    def record(one: Followed) -> dict[str, Any]:
-        return {
-            "postures": plain(one.run.theta, 5),
-            "arms": plain(one.arms),
-            "target": plain(one.target),
-            "truth": plain(one.truth),
-            "side": plain(one.side),
-            "hand_mm": plain(1e3 * one.run.hand_m),
-            "overlap_px": plain(one.overlap_px),
-        }
-
     return {
-        "demonstrator": plain(made.right.run.theta_demo, 5),
-        "demonstrator_side": plain(made.right.demo_side),
-        "mm_per_px": plain(made.mm_per_px),
-        "right": record(made.right),
-        "early": record(made.early),
+        "demonstrator": plain(made.right.run.theta_demo, 6),
+        **{
+            name: {"frozen": plain(one.frozen.theta, 8), "postures": plain(one.run.theta, 6)}
+            for name, one in (("right", made.right), ("early", made.early))
+        },
     }
 
 
@@ -139,9 +125,6 @@ def _followed(world: World, frozen: Snapshot, run: Trajectory) -> Followed:
     return Followed(
         frozen,
         run,
-        arms=own[:, 0],
-        target=target[:, 0],
-        truth=true_hand[:, 0],
         overlap_px=np.linalg.norm(hand - target, axis=-1).mean(-1),
         truth_px=np.linalg.norm(hand - true_hand, axis=-1).mean(-1),
         side=_from_side(world, run.theta),

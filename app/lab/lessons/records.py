@@ -30,7 +30,7 @@ from .situation import Situation
 
 Array = NDArray[np.float64]
 MAX_MOTIONS = 400  # of a run
-MAP_STEP_DEG = 3.0  # of maps that are recorded
+MAP_STEP_DEG = 3.0  # of maps
 CLAIM_DEG = 1.0  # within which a claim has all joints
 DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of the eyes
 RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
@@ -78,29 +78,29 @@ def claim_probability(certificate: Certificate, within_deg: float = CLAIM_DEG) -
     return float(np.prod([2 * NormalDist().cdf(one) - 1 if np.isfinite(one) else 1.0 for one in ratio]))
 
 
-def claim(session: Session) -> dict[str, Any] | None:
-    """What the servo says of its last posture; None for a servo that makes no convergence test."""
+def claim_record(session: Session) -> dict[str, Any]:
+    """What the learner says at the end, beside the truth: degrees off in each joint, None for one it cannot observe."""
     last = session.snapshot
-    if last.certificate is None:
-        return None
+    unobservable = [] if last.certificate is None else last.certificate.reportable_joints(last.status)
+    off = np.degrees(np.abs(last.theta - last.theta_demo))
     return {
-        "std_error": plain(last.certificate.std_error),  # rad
-        "observable": last.certificate.observable.tolist(),
-        "verified": bool(last.certificate.verified),
-        "probability": plain(claim_probability(last.certificate)),
-        "unobservable": last.certificate.reportable_joints(last.status),
-        "exchanged": [list(pair) for pair in last.exchanged],
+        "status": str(last.status),
+        "offDeg": [None if joint in unobservable else plain(value) for joint, value in enumerate(off)],
+        "swapped": [list(pair) for pair in last.exchanged],
+        "unobservable": unobservable,
     }
 
 
 def run_record(session: Session) -> dict[str, Any]:
     """A run as the page has it: postures in rad, E in px², probes, status and claim."""
+    as_seen = [moment.E for moment in session.history if not moment.exchanged]
     return {
-        "postures": plain([moment.theta for moment in session.history], 5),
+        "postures": plain([moment.theta for moment in session.history], 6),
         "E": plain([moment.E for moment in session.history]),
         "probes": [bool(moment.probe) for moment in session.history],
         "status": str(session.snapshot.status),
-        "claim": claim(session),
+        "claim": claim_record(session),
+        "leastAsSeen": plain(np.nanmin(as_seen)),  # px², before points were swapped back
     }
 
 
@@ -137,13 +137,6 @@ def bias_deg(situation: Situation, transfer: str | None = None) -> float:
     """Degrees from the posture with the smallest E to the demonstrator's; NaN where there is no E."""
     found = minima(situation, transfer)
     return degrees_off(found.theta[0], situation.start.theta_demo) if len(found) else np.nan
-
-
-def map_record(found: Landscape) -> dict[str, Any]:
-    """A map as the page has it: limits and step in degrees, rows of E along the second joint."""
-    low, high = (np.degrees([axis[end] for axis in found.axes]) for end in (0, -1))
-    step = float(np.degrees(found.axes[0][1] - found.axes[0][0]))
-    return {"lower": plain(low), "upper": plain(high), "step_deg": plain(step), "E": plain(found.E)}
 
 
 def biases(situation: Situation) -> dict[str, Any]:
@@ -196,16 +189,6 @@ def matches(situation: Situation) -> Matches:
     by_count = {n: _landscape_of(world, start.theta_demo, order[:n]) for n in range(FEWEST, len(order) + 1)}
     flat = World(world.scene, body=pressed(world, start.theta_demo))
     return Matches(order, by_count, _landscape_of(flat, start.theta_demo, order))
-
-
-def matches_record(situation: Situation) -> dict[str, Any]:
-    """Matches as the page has them."""
-    found = matches(situation)
-    return {
-        "order": found.order.tolist(),
-        "by_count": {str(count): map_record(one) for count, one in found.by_count.items()},
-        "plane": map_record(found.plane),
-    }
 
 
 def best_order(stereo: Array) -> NDArray[np.int_]:
@@ -275,13 +258,14 @@ def clouds(situation: Situation) -> Mapping[int, Array]:
 
 
 def clouds_record(situation: Situation) -> dict[str, Any]:
-    """Clouds as the page has them, by the number of images."""
-    return {str(frames): plain(cloud, 5) for frames, cloud in clouds(situation).items()}
+    """Clouds as the page has them: of one image, and of an average of many, rad."""
+    one, averaged = (clouds(situation)[frames] for frames in FRAMES)
+    return {"one": plain(one, 6), "averaged": plain(averaged, 6)}
 
 
 @cache
 def costs(situation: Situation) -> Array:
-    """Standard error of each joint under 1 px of noise in the own images, at the demonstrator's posture: (m,) rad/px."""
+    """Standard error of each joint for 1 px of noise in the own images, at the demonstrator's posture: (m,) rad/px."""
     world, theta = situation.world, situation.start.theta_demo
     demo, visible = world.demo_images(theta)
     found = joint_uncertainty(world, situation.start.fit, demo, visible, theta)
@@ -386,19 +370,9 @@ def rectified(situation: Situation) -> Mapping[str, Situation]:
     }
 
 
-def rectified_record(situation: Situation) -> dict[str, Any]:
-    """Maps and minima with and without rectification, and the rows of the matches, as the page has them."""
-    cases = rectified(situation)
-    made: dict[str, Any] = {}
-    for name in ("as seen", "rectified"):
-        one = cases[name]
-        rectification, views = one.start.rectification, one.start.views
-        images = [views.demo, views.own]
-        rows = images if rectification is None else [rectification.apply(image) for image in images]
-        made[name] = {
-            **map_record(landscape(one)),
-            "minimum": plain(minima(one).theta[0], 5),
-            "demonstrator": plain(rows[0]),
-            "learner": plain(rows[1]),
-        }
-    return made
+def rectification_record(situation: Situation) -> dict[str, Any]:
+    """The homographies that rectify both pairs of images, row by row."""
+    found = rectified(situation)["rectified"].start.rectification
+    if found is None:
+        raise ValueError("these images ask for no rectification")
+    return {"left": plain(found.left.ravel(), 8), "right": plain(found.right.ravel(), 8)}

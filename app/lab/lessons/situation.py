@@ -3,7 +3,8 @@
 Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
 """
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as changed
 from functools import cached_property
@@ -36,10 +37,17 @@ class Situation:
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
     sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
+    dealt: tuple[Any, ...] = ()  # ranges of what is dealt besides postures: `name`, `low`, `high`, `step`
+    choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
 
     @cached_property
     def _key(self) -> bytes:
         return msgspec.json.encode([self.settings, self.scene_fields, self.sliders], order="deterministic")
+
+    @cached_property
+    def digest(self) -> str:
+        """Sixteen characters, equal for equal situations."""
+        return hashlib.sha256(self._key).hexdigest()[:16]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Situation) and self._key == other._key

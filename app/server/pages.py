@@ -27,7 +27,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
-from ..lab.page import served_page
+from ..lab.lessons.page import LabPages
 from ..lessons.source import shipped
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..panels.panel import Reach
@@ -43,6 +43,7 @@ from .connection import GuardedConnection
 from .lecturer import class_name
 from .limits.fault_lines import in_a_line
 from .options import ServerOptions
+from .origins import own_names
 from .seat_counts import SeatCounts
 from .touches import Touches
 
@@ -64,9 +65,10 @@ def serving(
     worker: which of the processes this one is; listening: a socket in place of host and port.
     Raises OSError for a store that cannot be used.
     """
+    own_names()  # begins to ask for them
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    lab = partial(served_page, options.settings.scene, options.settings.robot)
+    lab = LabPages(options.settings.scene, options.settings.robot).page
     access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, options.lecturer, lab)
     with (
         contextlib.redirect_stdout(io.StringIO()),

@@ -51,6 +51,8 @@ export class EnergyMap {
     this.still = "";
     this.last = "";
     this.z = new Float64Array(0);
+    /** What is drawn below the marks: its grid, and the contours' levels, ln px². @type {{rows: number, columns: number, levels: number[]}} */
+    this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
     this.width = 1;
@@ -73,6 +75,18 @@ export class EnergyMap {
       clamp(upper[0] - (y - PAD.top) / (this.height - PAD.top - PAD.bottom) * (upper[0] - lower[0]), lower[0], upper[0]),
       clamp(lower[1] + (x - PAD.left) / (this.width - PAD.left - PAD.right) * (upper[1] - lower[1]), lower[1], upper[1]),
     ];
+  }
+
+  /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
+  under({clientX, clientY}) {
+    const {left, top} = this.box.getBoundingClientRect();
+    return [(clientX - left) / this.unit, (clientY - top) / this.unit];
+  }
+
+  /** The posture under a pointer, within the limits. @param {PointerEvent} event */
+  postureAt(event) {
+    const [x, y] = this.under(event);
+    return this.posture(x, y);
   }
 
   /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
@@ -121,7 +135,9 @@ export class EnergyMap {
     /** @type {number[][]} */
     const taken = [];
     let labels = "";
-    for (const level of LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS)) {
+    const levels = LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS);
+    this.drawn = {rows, columns, levels: levels.map(Math.log)};
+    for (const level of levels) {
       const best = [{off: Infinity, x: 0, y: 0}, {off: Infinity, x: 0, y: 0}]; // on the ray from the minimum, and behind it
       contour(z, rows, columns, Math.log(level), (x0, y0, x1, y1) => {
         const x = left + x0 * stepX, y = bottom - y0 * stepY, turn = Math.atan2(y - middle[1], x - middle[0]) - ray;

@@ -104,8 +104,9 @@ def deal_scenes(situation: Situation, count: int, seed: int) -> list[Situation]:
         for name in dealt.keys() & HEADS.keys():
             head = HEADS[name](head, dealt[name])
         fields = {name: value for name, value in dealt.items() if name not in HEADS}
-        changed = {"position": list(head.position), "baseline": head.baseline, "toe_in_deg": head.toe_in_deg}
-        one = situation.with_scene({**situation.scene_fields, "head": changed}).with_settings(**fields)
+        moved = {"position": list(head.position), "baseline": head.baseline, "toe_in_deg": head.toe_in_deg}
+        one = situation.with_scene({**situation.scene_fields, "head": moved}).with_settings(**fields)
+        one = changed(one, dealt=())
         if _least_seen(one.world, rng) >= MIN_SEEN:
             found.append(one.with_settings(start_deg=deal_start(one, seed)))
         if len(found) == count:

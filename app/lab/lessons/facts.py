@@ -27,7 +27,6 @@ from .situation import Situation
 FAR_TIMES = 10.0  # the distance of the eyes that is asked for
 PAPER_BIAS_DEG = 4.0  # of the smallest E: at (41°, -90°) instead of (45°, -90°) in Section 4, (45°, -86°) in Section 5
 RECTIFIED_DEG = 5.0  # off, up to which something has put the eyes right
-NEAR_ZERO, NEAR_DEG = 1.0, 5.0  # px² of an E, and degrees, that count as right
 ALONG_DEG, ROUND_RATIO = 30.0, 1.3  # of a cloud: to the valley of E; length over breadth, below which it is round
 OPEN_BELOW = 1.0  # px²: of E, how wide it leaves the pose open
 TENTH = {1: "the whole", 2: "half", 3: "a third", 4: "a quarter", 10: "a tenth"}
@@ -78,6 +77,7 @@ def compute(
     wanted = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
     wanted |= {"races"} if situation.race else set()
     wanted |= {"swapped"} if situation.settings.swapped else set()
+    wanted -= {"rounds"} if situation.dealt else set()  # these are of each dealt scene
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in wanted}
 
 
@@ -195,13 +195,6 @@ def _rectifies(situation: Situation) -> float:
     return float(np.argmin(off) + 1 if min(off) < RECTIFIED_DEG else 3)
 
 
-def _swapped_E(situation: Situation) -> float:
-    """Which answer is right: E near 0, large at the right posture, large at a wrong one."""
-    if records.minima(situation).E[0] < NEAR_ZERO:
-        return 1.0
-    return 2.0 if records.bias_deg(situation) < NEAR_DEG else 3.0
-
-
 def _at_rest(of: Callable[[Snapshot], float]) -> Callable[[Situation], float]:
     return lambda situation: of(records.run(situation, situation.race[0]).snapshot)
 
@@ -284,7 +277,6 @@ FACTS: Mapping[str, Fact] = {
     "largest E along the valley": Fact(lambda situation: max(_valley(situation), svg.UNSEEN_E), " px²"),
     "first joint moves": _first_shown(0, False),
     "first joint shows": _first_shown(0, True),
-    "second joint moves": _first_shown(1, False),
     "second joint shows": _first_shown(1, True),
     "cost at the first joint": _cost(0),
     "cost at the second joint": _cost(1),
@@ -292,8 +284,7 @@ FACTS: Mapping[str, Fact] = {
     "averaged scatter of the first joint": Fact(_scatter(records.FRAMES[1], 0), "°", 1),
     "times the cloud shrinks": Fact(_shrinks, "", 1),
     "runs": Fact(lambda situation: float(records.RUNS), "", 0),
-    "noise": Fact(lambda situation: situation.settings.noise_px, " px", 2),
-    "how E is with swapped points": Fact(_swapped_E),
+    "noise": Fact(lambda situation: situation.settings.noise_px, " px", write="{:g} px".format),
     "what puts it right": Fact(_rectifies),
     "off as seen": Fact(_off_case("as seen"), "°", 1),
     "off rectified": Fact(_off_case("rectified"), "°", 1),

@@ -85,7 +85,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
     return _template().substitute(
         version=html.escape(__version__),
-        styles=_styles(),
+        styles=styles("view/lab.css"),
         data=packed(json.dumps(data, separators=(",", ":")).encode()),
         meshes=packed(shapes.packed),
         script=bundle("view/main.js"),
@@ -130,7 +130,8 @@ def _template() -> Template:
 
 
 @cache
-def _styles() -> str:
-    own = HERE.joinpath("view", "lab.css").read_text("utf-8")
+def styles(*names: str) -> str:
+    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
+    own = "\n".join(HERE.joinpath(name).read_text("utf-8") for name in names)
     schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
     return "\n".join((schemes, font_faces(), DRAWING_CSS, own))

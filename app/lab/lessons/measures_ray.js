@@ -53,16 +53,6 @@ const fiveMatches = ({scene, moment}, own) =>
 /** The lines of the chosen point in L, from l and from r. @param {Stage} stage */
 const both = stage => [stage.line(0), stage.line(1)];
 
-/** Where the dragged point stands in l and r. @param {Stage} stage @returns {Float64Array} x_l, y_l, x_r, y_r px */
-export function draggedPoint({moment, chosen, kept}) {
-  const at = Float64Array.from(moment.views.demo.subarray(4 * chosen, 4 * chosen + 4));
-  ["l", "r"].forEach((view, side) => {
-    const moved = kept.get(`dragged ${view}`);
-    if (moved) at.set(moved, 2 * side);
-  });
-  return at;
-}
-
 /** @type {Record<string, Measure>} */
 export const RAY_MEASURES = {
   "px moved in picture 1": ({world, mark}) => told(mark ? movedInPicture1(world, mark) : NaN, " px", 0),

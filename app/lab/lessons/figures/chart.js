@@ -31,7 +31,7 @@ const ROOM = 20; // over the axes, for the name of y
 export class Chart {
   /** @param {HTMLElement} box */
   constructor(box) {
-    this.plane = new Plane(box, "figure-chart");
+    this.plane = new Plane(box, "draw-chart");
   }
 
   resize() {
@@ -67,7 +67,7 @@ export class Chart {
       html += `<path class="vi-axis" d="M${px(x(value))} ${px(box[3])}v4"/>`;
       text(at, box[3] + 16, words, "vi-2nd vi-mid");
     }
-    if (axes.yName) text(4, 15, axes.yName, "figure-ink vi-b");
+    if (axes.yName) text(4, 15, axes.yName, "draw-ink vi-b");
     if (axes.xName) text(width - 6, height - 6, axes.xName, "vi-2nd vi-end");
     const drawn = curves.map(curve => ({...curve, at: curve.points.slice(0, curve.shown ?? curve.points.length)
       .filter(p => Number.isFinite(p[1])).map(p => [x(p[0]), y(p[1])])})).filter(({at}) => at.length);
@@ -75,20 +75,20 @@ export class Chart {
     names.keepBox([0, box[3], width, height]);
     names.keepBox([0, 0, box[0], height]);
     for (const [value, words, role] of axes.levels ?? []) {
-      html += `<path class="figure-level figure-of-${role}" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
+      html += `<path class="draw-level draw-of-${role}" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
       names.keepLine([box[0], y(value)], [box[2], y(value)], 2);
-      names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `figure-name-${role}`, {size: TICK, away: 5, first: [0, -1]});
+      names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`, {size: TICK, away: 5, first: [0, -1]});
     }
     for (const {at, role, hollow = [], line = true, points} of drawn) {
       const d = `M${at.map(p => p.map(px).join(" ")).join("L")}`;
-      if (line) html += `<path class="figure-curve figure-of-${role}" d="${d}"/>`;
+      if (line) html += `<path class="draw-curve draw-of-${role}" d="${d}"/>`;
       if (points.length <= MOST_DOTS) for (const isHollow of [false, true]) {
         const some = at.filter((_, k) => Boolean(hollow[k]) === isHollow);
-        html += `<path class="figure-dots figure-of-${role}${isHollow ? " figure-hollow" : ""}" d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
+        html += `<path class="draw-dots draw-of-${role}${isHollow ? " draw-hollow" : ""}" d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
       }
     }
     for (const {at, role, name, named} of drawn) if (name)
-      names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `figure-name-${role}`, {size: NAME, away: 8, first: [0, -1]});
+      names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `draw-name-${role}`, {size: NAME, away: 8, first: [0, -1]});
     this.plane.show(html + names.html, label);
   }
 }

@@ -65,17 +65,17 @@ class Picture {
     if (layers.has("epipolar line") && reveal > 0 && slide.reached > PLACES[0]) {
       const whole = plane.ends(rayLine(cameras[1], first, mark));
       const part = reveal < 1 ? [at(onRay(first, mark, PLACES[0])), at(onRay(first, mark, slide.reached))] : whole;
-      html += `<path class="figure-line" d="M${part.map(p => p.map(px).join(" ")).join("L")}"/>`;
+      html += `<path class="draw-line" d="M${part.map(p => p.map(px).join(" ")).join("L")}"/>`;
       if (part.length) names.keepLine(part[0], part[1], 4);
     }
     if (layers.has("dots")) for (const share of PLACES.filter(slide.passed)) {
       const p = at(onRay(first, mark, share));
-      html += `<path class="figure-place" d="${disc(...p, 4.5)}"/>`;
+      html += `<path class="draw-place" d="${disc(...p, 4.5)}"/>`;
       names.keep(p, 6);
     }
     if (layers.has("chosen")) {
       const p = at(now), foot = at([now[0], now[1], 0]);
-      html += `<path class="figure-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/><path class="figure-mark-dot" d="${disc(...p, 6.5)}"/>`;
+      html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/><path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
       names.keep(p, 8);
       names.keepLine(p, foot, 4);
     }
@@ -113,15 +113,15 @@ class Picture {
       lines.forEach((line, k) => {
         const ends = grown < 1 ? towards(at[k], hole, grown, plane) : plane.ends(line);
         if (!ends.length) return;
-        html += `<path class="figure-line" d="M${ends.map(p => p.map(px).join(" ")).join("L")}"/>`;
+        html += `<path class="draw-line" d="M${ends.map(p => p.map(px).join(" ")).join("L")}"/>`;
         names.keepLine(ends[0], ends[1], 3);
       });
     }
-    at.forEach(p => { html += `<path class="figure-mark-dot" d="${disc(...p, 6.5)}"/>`; });
+    at.forEach(p => { html += `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`; });
     if (layers.has("epipole") && opened === 1) {
       const isIn = hole[0] > 12 && hole[0] < plane.width - 12 && hole[1] > 12 && hole[1] < plane.height - 12;
       if (isIn) {
-        html += `<path class="figure-hole" d="${disc(...hole, 8)}"/>`;
+        html += `<path class="draw-hole" d="${disc(...hole, 8)}"/>`;
         names.keep(hole, 10);
         names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen", {away: 13});
       } else html += this.#beyond(e, middle, far, names);
@@ -150,7 +150,7 @@ class Picture {
     const [shaft, head] = arrow(tail, tip, 9);
     names.keepLine(tail, tip, 6);
     names.put(`epipole, ${Math.round(far)} px that way`, tail, "vi-chosen", {away: 10});
-    return `<path class="figure-beyond" d="${shaft}"/><path class="figure-beyond-tip" d="${head}"/>`;
+    return `<path class="draw-beyond" d="${shaft}"/><path class="draw-beyond-tip" d="${head}"/>`;
   }
 }
 

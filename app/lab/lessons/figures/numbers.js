@@ -50,11 +50,11 @@ const written = (draw, kind, about = {}) => ({
 /** E, and how near the crossing is to the learner's own point and to the ghost's. */
 export const counts = written(stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
-  const rows = [["E", measure(stage, "E").text, "figure-name-E"],
+  const rows = [["E", measure(stage, "E").text, "draw-name-E"],
     ["Crossing to the ghost’s point", of("crossing to ghost"), ""], ["Crossing to the learner’s own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) => `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
-}, "figure-counts", {aspect: 2.6});
+}, "draw-counts", {aspect: 2.6});
 
 /** E as the mean of the squared arrows, each of them a square of that area. */
 export const formula = written(stage => {
@@ -66,26 +66,26 @@ export const formula = written(stage => {
   }));
   const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0)), largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
   const total = Math.max(...squares.map(all => all.reduce((sum, {area}) => sum + Math.sqrt(area), 0))) || 1;
-  const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="figure-squares"><b class="vi-name">${name}</b>
+  const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="draw-squares"><b class="vi-name">${name}</b>
 <div style="max-width:calc(23cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
     return `<span style="width:${fixed(share, 2)}%" class="${isLongest && stage.isRevealed ? "longest" : ""}"><i></i><small>${share > 4 ? i : ""}</small></span>`;
   }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
   const E = (sums[0] + sums[1]) / (2 * count);
-  const html = `<p class="figure-note">Each arrow squared is the area of a square. The number under it is its point.</p>
+  const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
 ${row(squares[0], "L", sums[0])}${row(squares[1], "R", sums[1])}
-<p class="figure-sum"><span>E = </span><span class="figure-ratio"><span>${plain(energyText(sums[0]))} + ${plain(energyText(sums[1]))}</span><span>2 · ${count} points</span></span><span> = <b class="figure-name-E">${plain(energyText(E))} px²</b></span></p>`;
+<p class="draw-sum"><span>E = </span><span class="draw-ratio"><span>${plain(energyText(sums[0]))} + ${plain(energyText(sums[1]))}</span><span>2 · ${count} points</span></span><span> = <b class="draw-name-E">${plain(energyText(E))} px²</b></span></p>`;
   return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ${energyText(E)} px².`];
-}, "figure-formula", {aspect: 1.3});
+}, "draw-formula", {aspect: 1.3});
 
 /** E as one large number, how it went step by step, and the goal. @type {FigureKind} */
 export const progress = {
   layers: [],
   aspect: 1,
   create: box => {
-    const made = holder(box, "figure-progress"), words = made.appendChild(document.createElement("div"));
+    const made = holder(box, "draw-progress"), words = made.appendChild(document.createElement("div"));
     const below = made.appendChild(document.createElement("div"));
-    below.className = "figure-progress-curve";
+    below.className = "draw-progress-curve";
     const chart = new Chart(below);
     let last = "";
     return {
@@ -93,9 +93,9 @@ export const progress = {
       draw: stage => {
         const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1, now = stage.moment.E;
         const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
-        const html = `<p class="figure-big figure-name-E">E ${plain(energyText(now))}<small> px²</small></p>
-<p class="figure-note">${Number.isFinite(change) ? `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))} % by your last step` : "&nbsp;"}</p>
-<p class="figure-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
+        const html = `<p class="draw-big draw-name-E">E ${plain(energyText(now))}<small> px²</small></p>
+<p class="draw-note">${Number.isFinite(change) ? `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))} % by your last step` : "&nbsp;"}</p>
+<p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
         if (html !== last) words.innerHTML = last = html;
         const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0), end = Math.max(MIN_STEPS, steps);
         chart.draw({
@@ -128,10 +128,10 @@ export const standings = written(stage => {
     const E = stage.motions.map(motion => motion.E), at = goal === null ? -1 : E.findIndex(value => value < goal);
     rows.unshift(["you", "you", at < 0 ? "never" : String(at), String(E.length - 1), energyText(E[E.length - 1]), measure(stage, "your error").text, ""]);
   }
-  const body = rows.map(([role, title, ...cells]) => `<tr class="figure-row-${role}"><th scope="row"><svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="figure-curve figure-of-${role}" d="M1 5h24"/></svg>${plain(title)}</th>${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
+  const body = rows.map(([role, title, ...cells]) => `<tr class="draw-row-${role}"><th scope="row"><svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/></svg>${plain(title)}</th>${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
   return [`<table><thead><tr>${heads.map(head => `<th scope="col">${plain(head)}</th>`).join("")}</tr></thead><tbody>${body}</tbody></table>`,
     "Steps of each servo to the goal, from the same start"];
-}, "figure-standings", {aspect: 3.4});
+}, "draw-standings", {aspect: 3.4});
 
 /** How far off each prediction was. @type {FigureKind} */
 export const predictions = {

@@ -31,7 +31,7 @@ class Room {
   constructor(box, stage) {
     this.outside = new Outside(box, stage.page.hulls);
     this.over = add(this.outside.svg, "g");
-    this.floor = add(this.outside.svg, "path", {class: "figure-floor"});
+    this.floor = add(this.outside.svg, "path", {class: "draw-floor"});
     this.outside.svg.insertBefore(this.floor, this.outside.inside);
     this.last = "";
     this.resize();
@@ -74,7 +74,7 @@ class Room {
     const reach = frames.flat().flatMap(T => [-.16, .16].map(d => [T[3], T[7] + d, T[11] + d]));
     view.aim(BEHIND.azimuth, BEHIND.elevation, [foot, [head[0], head[1], head[2] + .3], ...reach,
       ...bases.flatMap(([x, y, z]) => [[x, y - .3, -.15], [x, y + .3, -.15], [x, y, z + .85]])]);
-    const guess = layers.has("guess") ? [{frames: arms.learner.linkFrames(stage.guessed), kind: "figure-guess"}] : [];
+    const guess = layers.has("guess") ? [{frames: arms.learner.linkFrames(stage.guessed), kind: "draw-guess"}] : [];
     view.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}, ...guess],
       eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
@@ -84,9 +84,9 @@ class Room {
     const names = new Names(view.width, view.height), at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     for (const body of frames) body.slice(1).forEach((T, k) =>
       names.keepLine(at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]]), 18));
-    const bars = layers.has("eyes") ? [[0, 1], [2, 3]].map(([l, r]) => [cameras[l].centre, cameras[r].centre, "figure-bar"]) : [];
-    const lines = [[head, foot, "figure-pole"], ...bars, ...bases.map(base => [base, [base[0], base[1], 0], "figure-pole figure-faint"])];
-    if (layers.has("eyes")) for (const base of bases) lines.push([head, [base[0], base[1], base[2] + .4], "figure-gaze"]);
+    const bars = layers.has("eyes") ? [[0, 1], [2, 3]].map(([l, r]) => [cameras[l].centre, cameras[r].centre, "draw-bar"]) : [];
+    const lines = [[head, foot, "draw-pole"], ...bars, ...bases.map(base => [base, [base[0], base[1], 0], "draw-pole draw-faint"])];
+    if (layers.has("eyes")) for (const base of bases) lines.push([head, [base[0], base[1], base[2] + .4], "draw-gaze"]);
     let html = "";
     for (const [from, to, kind] of /** @type {[number[], number[], string][]} */ (lines)) {
       html += `<path class="${kind}" d="M${at(from).map(px).join(" ")}L${at(to).map(px).join(" ")}"/>`;
@@ -99,7 +99,7 @@ class Room {
         names.keep(at(camera.centre), 8);
         names.keep(at(onAxis(camera, .12)), .09 * view.window.scale);
       });
-      names.put("two eyes", at(head), "figure-ink", {away: 12, first: [0, -1]});
+      names.put("two eyes", at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
     html += names.html;
     if (html !== this.last) this.over.innerHTML = this.last = html;
@@ -121,9 +121,9 @@ class Room {
     const draws = (/** @type {string} */ kind, /** @type {string} */ d) => { html += `<path class="${kind}" d="${d}"/>`; };
     if (layers.has("three rays")) {
       const marks = marksOf(stage);
-      marks.forEach(p => draws("figure-ray", segment(cameras[0].centre, p)));
+      marks.forEach(p => draws("draw-ray", segment(cameras[0].centre, p)));
       marks.forEach((p, k) => {
-        draws("figure-mark-dot", disc(...at(p), 5));
+        draws("draw-mark-dot", disc(...at(p), 5));
         names.keep(at(p), 7);
         if (!isSmall) names.put(MARKS[k], at(p), "vi-chosen", {away: 8});
       });
@@ -132,28 +132,28 @@ class Room {
     const slide = sliding(reveal), now = layers.has("sliding mark") ? onRay(cameras[0], mark, slide.share) : mark;
     if (layers.has("ray")) {
       const grown = Math.min(1, 6 * reveal), to = onRay(cameras[0], mark, FIRST_SHARE + grown * (LAST_SHARE - FIRST_SHARE));
-      draws("figure-ray-case", segment(cameras[0].centre, to));
-      draws("figure-ray", segment(cameras[0].centre, to));
+      draws("draw-ray-case", segment(cameras[0].centre, to));
+      draws("draw-ray", segment(cameras[0].centre, to));
       if (grown === 1) names.put("the ray", at(onRay(cameras[0], mark, .28)), "vi-chosen", {size: NAME_PX, away: 8, first: [-1, 1]});
     }
     if (layers.has("sliding mark")) for (const share of PLACES.filter(place => slide.passed(place))) {
       const place = onRay(cameras[0], mark, share);
-      draws("figure-sight", segment(cameras[1].centre, place));
-      draws("figure-stick figure-faint", segment(foot(place), place));
-      draws("figure-place", disc(...at(place), 5));
+      draws("draw-sight", segment(cameras[1].centre, place));
+      draws("draw-stick draw-faint", segment(foot(place), place));
+      draws("draw-place", disc(...at(place), 5));
       names.keep(at(place), 6);
     }
     if (layers.has("stick")) {
-      draws("figure-stick", segment(foot(now), now));
-      draws("figure-foot", disc(...at(foot(now)), 2.5));
-      draws("figure-mark-dot", disc(...at(now), isSmall ? 6 : 8));
+      draws("draw-stick", segment(foot(now), now));
+      draws("draw-foot", disc(...at(foot(now)), 2.5));
+      draws("draw-mark-dot", disc(...at(now), isSmall ? 6 : 8));
       names.keep(at(now), 8);
       if (!(slide.isMoving && layers.has("sliding mark")))
         names.put("the mark", at(now), "vi-chosen", {size: NAME_PX, away: 12, first: [1, -1]});
     }
     if (layers.has("cameras")) cameras.forEach((camera, k) => {
       const [x, y] = at(camera.centre);
-      if (x > 0 && y > 0 && x < view.width && y < view.height) names.put(isSmall ? String(k + 1) : `camera ${k + 1}`, at(camera.centre), "figure-ink", {size: isSmall ? 15 : NAME_PX, away: 12, first: [0, -1]});
+      if (x > 0 && y > 0 && x < view.width && y < view.height) names.put(isSmall ? String(k + 1) : `camera ${k + 1}`, at(camera.centre), "draw-ink", {size: isSmall ? 15 : NAME_PX, away: 12, first: [0, -1]});
     });
     return html + names.html;
   }

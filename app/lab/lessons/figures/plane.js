@@ -23,7 +23,7 @@ export class Plane {
    */
   constructor(box, kind = "") {
     this.box = box;
-    this.svg = add(box, "svg", {class: `vi figure-plane ${kind}`, role: "img"});
+    this.svg = add(box, "svg", {class: `vi draw-plane ${kind}`, role: "img"});
     this.ink = add(this.svg, "g");
     /** @type {Window} */
     this.window = {x: 0, y: 0, scale: 0};
@@ -222,7 +222,7 @@ export class Names {
     const near = [Math.min(Math.max(at[0], left), right), Math.min(Math.max(at[1], top), bottom)], gap = Math.hypot(near[0] - at[0], near[1] - at[1]);
     if (gap > away + LED) {
       const u = [(near[0] - at[0]) / gap, (near[1] - at[1]) / gap];
-      this.html += `<path class="figure-lead" d="M${px(at[0] + u[0] * away * .8)} ${px(at[1] + u[1] * away * .8)}L${px(near[0] - 2 * u[0])} ${px(near[1] - 2 * u[1])}"/>`;
+      this.html += `<path class="draw-lead" d="M${px(at[0] + u[0] * away * .8)} ${px(at[1] + u[1] * away * .8)}L${px(near[0] - 2 * u[0])} ${px(near[1] - 2 * u[1])}"/>`;
     }
     this.html += `<text class="${kind} vi-halo" style="font-size:${size}px;font-weight:${weight}" x="${px(left + 1)}" y="${px(top + size * .93)}">${plain(text)}</text>`;
   }

@@ -67,10 +67,10 @@ class Room {
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));
     const bases = {demonstrator: above([arms.demonstrator.T_world_base[3], arms.demonstrator.T_world_base[7]]), learner: above([arms.learner.T_world_base[3], arms.learner.T_world_base[7]])};
     plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...carried.flat(2), [head[0], head[1] + .3]]), {margin: [44, 26, 20, 30], glide: false});
-    let html = `<path class="figure-floor" d="${this.#grid()}"/>`;
+    let html = `<path class="draw-floor" d="${this.#grid()}"/>`;
     const body = (/** @type {number[][][]} */ hulls, /** @type {number[]} */ base, /** @type {string} */ kind) => {
       const square = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [base[0] + a * PEDESTAL_M, base[1] + b * PEDESTAL_M]);
-      html += `<g class="${kind}"><path class="figure-pedestal" d="${plane.path(square, true)}"/><path class="vi-hull" d="${hulls.map(points => plane.path(points, true)).join("")}"/></g>`;
+      html += `<g class="${kind}"><path class="draw-pedestal" d="${plane.path(square, true)}"/><path class="vi-hull" d="${hulls.map(points => plane.path(points, true)).join("")}"/></g>`;
       hulls.forEach(points => {
         const [l, t, r, b] = around(points.map(p => plane.at(p)));
         names.keepBox([l, t, r, b]);
@@ -78,7 +78,7 @@ class Room {
       names.keepBox(around(square.map(p => plane.at(p))));
       return base;
     };
-    const sight = (/** @type {number[]} */ to) => { html += `<path class="figure-gaze" d="${plane.path([head, to])}"/>`; };
+    const sight = (/** @type {number[]} */ to) => { html += `<path class="draw-gaze" d="${plane.path([head, to])}"/>`; };
     if (layers.has("eyes")) {
       sight(bases.demonstrator);
       sight(bases.learner);
@@ -87,8 +87,8 @@ class Room {
     /** @type {[number[], string, string][]} */
     const said = [];
     carried.slice(0, count).forEach((hulls, k) => {
-      const {x, y, E} = places[k], base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo figure-carried");
-      if (layers.has("E there")) said.push([base, energyText(E), "figure-name-E"]);
+      const {x, y, E} = places[k], base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-carried");
+      if (layers.has("E there")) said.push([base, energyText(E), "draw-name-E"]);
     });
     if (layers.has("arms")) {
       body(demonstrator, bases.demonstrator, "vi-demo");
@@ -98,12 +98,12 @@ class Room {
       const centres = [...scene.cameras.slice(0, 2), ...scene.cameras.slice(2)].map(({centre}) => above(centre));
       const half = Math.max(...centres.map(p => Math.hypot(p[0] - head[0], p[1] - head[1])));
       const corners = [[-half, -HEAD_M], [half, -HEAD_M], [half, HEAD_M], [-half, HEAD_M]].map(([a, b]) => [head[0] + a, head[1] + b]);
-      html += `<path class="figure-head" d="${plane.path(corners, true)}"/>`;
+      html += `<path class="draw-head" d="${plane.path(corners, true)}"/>`;
       names.keepBox(around(corners.map(p => plane.at(p))));
       names.put("two eyes", plane.at([head[0], head[1] + HEAD_M]), "vi-2nd", {away: 7, first: [0, 1]});
     }
     const side = PEDESTAL_M * plane.window.scale;
-    if (layers.has("E there") && count) said.push([bases.demonstrator, energyText(moment.E), "figure-name-E"]);
+    if (layers.has("E there") && count) said.push([bases.demonstrator, energyText(moment.E), "draw-name-E"]);
     for (const [base, text, kind] of said) names.put(text, plane.at(base), kind, {size: plane.width > 420 ? 15 : 13, away: side + 3, first: [-1, 0]});
     if (layers.has("arms")) names.put("learner", plane.at(bases.learner), "vi-of-own", {away: side + 4, first: [0, 1]});
     if (layers.has("arms")) names.put("demonstrator", plane.at(bases.demonstrator), "vi-of-demo", {away: side + 4, first: [0, 1]});
@@ -123,7 +123,7 @@ class Room {
   /** Half a metre, in a corner. */
   #scale() {
     const {plane} = this, long = GRID_M * plane.window.scale, y = plane.height - 12;
-    return `<path class="figure-scale" d="M12 ${px(y)}h${px(long)}"/><text class="vi-2nd" style="font-size:12px" x="${px(18 + long)}" y="${px(y + 4)}">0.5 m</text>`;
+    return `<path class="draw-scale" d="M12 ${px(y)}h${px(long)}"/><text class="vi-2nd" style="font-size:12px" x="${px(18 + long)}" y="${px(y + 4)}">0.5 m</text>`;
   }
 }
 

@@ -50,12 +50,12 @@ class Gains {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
     this.box = box.appendChild(document.createElement("div"));
-    this.box.className = "figure-gains";
+    this.box.className = "draw-gains";
     this.hulls = outermost(stage.page.hulls);
     this.panels = GAINS.map((gain, k) => {
       const panel = this.box.appendChild(document.createElement("div")), title = panel.appendChild(document.createElement("p"));
       const drawing = panel.appendChild(document.createElement("div"));
-      drawing.className = "figure-gain";
+      drawing.className = "draw-gain";
       return {gain, k, title, plane: new Plane(drawing)};
     });
   }
@@ -76,13 +76,13 @@ class Gains {
       plane.aim(spans, {margin: [10, 10, 10, 10], glide: false});
       const dots = (/** @type {Float64Array} */ of, /** @type {number} */ r) => each.map(i => disc(...plane.at([of[4 * i], of[4 * i + 1]]), r)).join("");
       const isDone = now === arrived && steps >= arrived;
-      let html = `<g class="figure-dim"><path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g><path class="vi-bone" d="${plane.path(arm.bones)}"/>`;
-      if (layers.has("goal")) html += `<path class="figure-goal" d="${dots(run.goal, 4.6)}"/>`;
-      if (layers.has("paths") && now) html += `<path class="figure-trail figure-of-${ROLES[k]}" d="${each.map(i => plane.path(pathOf(run, i, now).slice(Number.isFinite(arrived) ? 0 : -SWINGS))).join("")}"/>`;
-      html += `<path class="figure-own-dot" d="${dots(images, 3.6)}"/>`;
+      let html = `<g class="draw-dim"><path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g><path class="vi-bone" d="${plane.path(arm.bones)}"/>`;
+      if (layers.has("goal")) html += `<path class="draw-goal" d="${dots(run.goal, 4.6)}"/>`;
+      if (layers.has("paths") && now) html += `<path class="draw-trail draw-of-${ROLES[k]}" d="${each.map(i => plane.path(pathOf(run, i, now).slice(Number.isFinite(arrived) ? 0 : -SWINGS))).join("")}"/>`;
+      html += `<path class="draw-own-dot" d="${dots(images, 3.6)}"/>`;
       const said = !layers.has("paths") || !steps ? "" : isDone ? `${now} steps` : `step ${steps}: ${Math.round(run.errors[steps])} px`;
       plane.show(html, `Gain ${gain}: ${said || "the start, and grey circles where the dots should go"}`);
-      title.innerHTML = `<b class="figure-name-${ROLES[k]}">gain ${gain}</b> <span class="${isDone ? "figure-done" : ""}">${said}</span>`;
+      title.innerHTML = `<b class="draw-name-${ROLES[k]}">gain ${gain}</b> <span class="${isDone ? "draw-done" : ""}">${said}</span>`;
     }
   }
 }
@@ -122,7 +122,7 @@ class Turned {
     const [left, top, right, bottom] = around(stage.reveal > 0 ? [...whole, goal, start] : [goal, start, [2 * goal[0] - start[0], 2 * goal[1] - start[1]]]);
     const reach = Math.max(REACH_PX, (right - left) * .12);
     const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach], {margin: [20, 30, 20, 20], most: 14});
-    const arms = [[stage.state.demonstrator, "figure-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
+    const arms = [[stage.state.demonstrator, "draw-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
       const {hulls} = seenInL(stage, this.hulls, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
@@ -131,21 +131,21 @@ class Turned {
     let html = arms.map(({hulls, kind}) => kind ? `<path class="${kind}" d="${outline(hulls)}"/>` : `<path class="vi-hull" d="${outline(hulls)}"/>`).join("");
     for (const [, role, points] of shown) {
       const at = points.map(p => plane.at(p));
-      html += `<path class="figure-track figure-of-${role}" d="${plane.path(points)}"/>`;
-      if (role !== "plain") html += `<path class="figure-dots figure-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
+      html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
+      if (role !== "plain") html += `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
       at.forEach((p, k) => { if (k) names.keepLine(at[k - 1], p, 4); });
     }
     const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start), ring = plane.at(goal), from = plane.at(start);
     names.keep(ring, 12);
     names.keep(from, 14);
-    if (layers.has("goal")) html += `<path class="figure-goal" d="${disc(...ring, 9)}"/>`;
-    html += `<path class="vi-ring" d="${disc(...from, 11)}"/><path class="figure-own-dot" d="${disc(...now, 5.5)}"/>`;
+    if (layers.has("goal")) html += `<path class="draw-goal" d="${disc(...ring, 9)}"/>`;
+    html += `<path class="vi-ring" d="${disc(...from, 11)}"/><path class="draw-own-dot" d="${disc(...now, 5.5)}"/>`;
     const inset = layers.has("camera") ? this.#inset(stage, arms, names, roll) : "";
     if (layers.has("goal")) names.put("goal", ring, "vi-2nd", {away: 12, first: [1, -1]});
     names.put(stage.reveal > 0 ? "start" : "the dot", from, "vi-chosen", {away: 14, first: [-1, 1]});
     for (const [layer, role, points] of shown) if (stage.reveal === 1 && layer !== "not turned") {
       const far = points.reduce((a, b) => Math.hypot(b[0] - goal[0], b[1] - goal[1]) > Math.hypot(a[0] - goal[0], a[1] - goal[1]) && layer === "Broyden" ? b : a, points[Math.min(3, points.length - 1)]);
-      names.put(layer, plane.at(far), `figure-name-${role}`, {away: 10});
+      names.put(layer, plane.at(far), `draw-name-${role}`, {away: 10});
     }
     plane.show(html + inset + names.html, `Image L of a camera turned by ${Math.round(roll)}°: one dot and its goal.${stage.reveal > 0 ? ` With the old Jacobian it is ${stepsText(old)}, with Broyden's update ${stepsText(broyden)}.` : ""}`);
     if (moves) plane.again(() => this.draw(stage, layers));
@@ -175,9 +175,9 @@ class Turned {
     const up = [[cx, 10], [cx, -40]].map(p => [...rolled(Float64Array.from(p), roll * DEGREE, [cx, cy])]);
     const id = `inset-${Math.round(x)}-${Math.round(y)}-${Math.round(wide)}`;
     return `<clipPath id="${id}"><rect x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/></clipPath><g clip-path="url(#${id})">
-<rect class="figure-inset" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>
-<path class="figure-frame" d="${path(turned)}"/>${arms.map(({hulls, kind}) => `<path class="${kind || "vi-hull"}" d="${hulls.map(path).join("")}"/>`).join("")}
-<path class="figure-up" d="M${up.map(at).join("L")}"/><path class="figure-window" d="${path(view)}"/></g><rect class="figure-inset-rim" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>`;
+<rect class="draw-inset" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>
+<path class="draw-frame" d="${path(turned)}"/>${arms.map(({hulls, kind}) => `<path class="${kind || "vi-hull"}" d="${hulls.map(path).join("")}"/>`).join("")}
+<path class="draw-up" d="M${up.map(at).join("L")}"/><path class="draw-window" d="${path(view)}"/></g><rect class="draw-inset-rim" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>`;
   }
 }
 

@@ -7,7 +7,7 @@
  * @typedef {import("./view-layers.js").Layer} Layer
  */
 import {px} from "../../view/svg.js";
-import {draggedPoint, pencilOf} from "../measures_ray.js";
+import {pencilOf} from "../measures_ray.js";
 import {arrow, clipped, diamond, disc, Names} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
@@ -48,7 +48,7 @@ function namesOver(frame, stage) {
  * @param {Frame} frame
  * @param {{a: number, b: number, c: number}} line
  */
-const lineHere = (frame, line) => lineThrough(frame, line, "figure-line");
+const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
 function ways(frame, stage) {
@@ -106,7 +106,7 @@ export const TOUR_LAYERS = {
     if (frame.isDemo || stage.truthHidden) return "";
     const ghost = stage.ghost(), lines = [0, 1].map(eye => stage.line(eye, frame.side, ghost));
     const at = learnerIn(frame, stage, stage.moment.thetaDemo)(stage.chosen);
-    return lines.map((line, eye) => lineThrough(frame, line, `figure-ghost-line${eye ? " vi-from-right" : ""}`)).join("")
+    return lines.map((line, eye) => lineThrough(frame, line, `draw-ghost-line${eye ? " vi-from-right" : ""}`)).join("")
       + rings([at], 6, "vi-goal-ring");
   },
   "needed displacement": (frame, stage) => {
@@ -121,7 +121,7 @@ export const TOUR_LAYERS = {
     }
     const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE).map(({from, to}) => arrow(from, to, 9));
     const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));
-    return `<path class="figure-way" d="${paths[0]}"/><path class="figure-way-tip" d="${paths[1]}"/>${names.html}`;
+    return `<path class="draw-way" d="${paths[0]}"/><path class="draw-way-tip" d="${paths[1]}"/>${names.html}`;
   },
   "pencil": (frame, stage) => {
     const found = pencilOf(stage), lines = frame.isDemo ? found.first : found.second;
@@ -132,7 +132,7 @@ export const TOUR_LAYERS = {
     const {second, left} = pencilOf(stage), {images} = frame;
     const ends = second.map(({a, b}, i) => {
       const p = [images[4 * i + 2 * frame.side], images[4 * i + 2 * frame.side + 1]];
-      return /** @type {[ArrayLike<number>, ArrayLike<number>]} */ ([frame.at(p), frame.at([p[0] - left[i] * a, p[1] - left[i] * b])]);
+      return /** @type {[number[], number[]]} */ ([frame.at(p), frame.at([p[0] - left[i] * a, p[1] - left[i] * b])]);
     });
     return arrows(ends, "vi-e", "vi-tip");
   },
@@ -146,31 +146,38 @@ export const TOUR_LAYERS = {
     }
     const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
     places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own", {size: NUMBER, away: 10}));
-    return `<path class="${frame.isDemo ? "vi-seen" : "figure-own-dot"}" d="${marks}"/>${names.html}`;
+    return `<path class="${frame.isDemo ? "vi-seen" : "draw-own-dot"}" d="${marks}"/>${names.html}`;
   },
   "chosen": (frame, stage) => {
     const {images, isDemo, shown} = frame, {chosen} = stage;
     if (!shown.includes(chosen)) return "";
     const [x, y] = frame.of(images, chosen);
-    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>` : `<path class="figure-own-dot" d="${disc(x, y, 5)}"/>`;
+    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>` : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
     return frame.layers.has("draggable") ? mark : mark + rings([[x, y]], 11, "vi-ring");
   },
   "draggable": (frame, stage) => {
     if (!frame.isDemo) return "";
-    const at = draggedPoint(stage).subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
-    return `<g class="figure-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
+    const at = stage.pointed().subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
+    return `<g class="draw-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
   },
   "goal": (frame, stage) => {
     if (frame.isDemo) return "";
     const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
-    return rings(frame.shown.map(at), 5, "figure-goal") + rings([at(chosen)], 12, "figure-goal figure-goal-ringed");
+    return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
   },
   "predicted": (frame, {rounds}) => {
     if (frame.isDemo || !rounds.length) return "";
     const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at), last = rounds[rounds.length - 1];
     const off = clipped(frame.at(last.mark), frame.at(last.to), [0, 0, frame.width, frame.height]);
     const [x, y] = frame.at(last.mark), cross = `M${px(x - 6)} ${px(y - 6)}l12 12m0-12l-12 12`;
-    return `<path class="figure-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>
-<path class="figure-apart" d="${off.length ? `M${off.map(p => p.map(px).join(" ")).join("L")}` : ""}"/><path class="figure-said" d="${cross}"/>`;
+    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>
+<path class="draw-apart" d="${off.length ? `M${off.map(p => p.map(px).join(" ")).join("L")}` : ""}"/><path class="draw-said" d="${cross}"/>`;
   },
+};
+
+/** What their marks mean. @type {Record<string, string>} */
+export const TOUR_LEGEND = {
+  "needed displacement": '<svg viewBox="0 0 34 12" class="vi"><path class="draw-way" d="M2 6h24"/><path class="draw-way-tip" d="M33 6l-9-4.5v9z"/></svg>the way to the ghost, which the learner cannot see',
+  "left over": '<svg viewBox="0 0 34 12" class="vi"><path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/></svg>how far a point is from its line',
+  "goal": '<svg viewBox="0 0 14 12" class="vi"><path class="draw-goal" d="M2.5 6a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z"/></svg>where a dot should go',
 };

@@ -7,6 +7,8 @@
  */
 import {Outlines} from "../../view/images.js";
 import {add, drawingUnit, set} from "../../view/svg.js";
+import {draggedIn} from "./dragging.js";
+import {TOUR_LAYERS, TOUR_LEGEND} from "./tour-layers.js";
 import {arm, OWN_LAYERS, OWN_LEGEND} from "./view-layers.js";
 
 const VIEWS = "lrLR", MARGIN = 14; // drawing units around the arm
@@ -14,10 +16,10 @@ const CAPTIONS = {l: "left eye, demonstrator", r: "right eye, demonstrator", L: 
 const CORNERS = 3; // postures a joint, that a window holds where the arm may go anywhere
 
 /** Every owner adds layers here. @type {Record<string, Layer>} */
-export const VIEW_LAYERS = {...OWN_LAYERS};
+export const VIEW_LAYERS = {...OWN_LAYERS, ...TOUR_LAYERS};
 
 /** What their marks mean. @type {Record<string, string>} */
-const LEGEND = {...OWN_LEGEND};
+const LEGEND = {...OWN_LEGEND, ...TOUR_LEGEND};
 
 /** @param {"l" | "r" | "L" | "R"} name @returns {FigureKind} */
 export const viewKind = name => ({
@@ -39,6 +41,7 @@ class View {
     this.window = {x: 0, y: 0, scale: 1, width: 1, height: 1, unit: 1};
     this.last = "";
     this.fitted = "";
+    if (this.k < 2) draggedIn(this, stage);
   }
 
   /** @param {Stage} stage @param {Set<string>} layers */

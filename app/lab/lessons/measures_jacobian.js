@@ -15,7 +15,8 @@ export const GAINS = [0.1, 1, 2.2];
 export const THERE_PX = 2; // rms: so near counts as arrived
 const GAIN_PROBE_DEG = 15, TURNED_PROBE_DEG = 5; // of each joint, from which the first Jacobian is learned
 const TURNED_GAIN = 0.3, TURNED_POINT = 9; // the servo of the turned camera sees one point, in L alone
-export const GAIN_STEPS = 40, TURNED_STEPS = 40;
+export const GAIN_STEPS = 40;
+export const TURNED_STEPS = 40;
 const SWINGS = 10; // last steps of a gain that never arrives
 
 /** @type {WeakMap<Stage, Map<string, any>>} what was computed for a stage */

@@ -132,7 +132,8 @@ export function placeOf(world, who, theta, point) {
 export const MARKS = ["a", "b", "c"]; // names of the three marks
 const MARKED = [6, 7, 9]; // body points that are these marks
 const STICK = [0.12, 0.06, 0.35]; // m, from the demonstrator's base to the mark on the stick
-export const FIRST_SHARE = 0.5, LAST_SHARE = 1.42; // of the mark's depth: where its slide along the ray ends
+export const FIRST_SHARE = 0.5; // of the mark's depth: where its slide along the ray is nearest to camera 1
+export const LAST_SHARE = 1.42; // where it is farthest
 export const PLACES = [0.5, 0.65, 0.8, 0.92, 1.08, 1.24, 1.42]; // of the seven dots that it leaves
 const [TURN_BACK, GO_HOME] = [0.22, 0.82]; // of the reveal: where the slide turns, first nearer, then away, then home
 const DRAWN_FIRST = 0.1; // of the reveal: until then the ray is drawn

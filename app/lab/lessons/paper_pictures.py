@@ -7,6 +7,7 @@ from contourpy import contour_generator
 from numpy.typing import NDArray
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
+from viewimit.drawing.export.engine_scene import engine_scene
 from viewimit.geometry.affine import LINE_VIEWS, POINT_VIEWS
 from viewimit.simulation.appearance import Silhouettes
 from viewimit.simulation.robot import link_meshes
@@ -20,6 +21,7 @@ MIN_SIZE_PX = 60.0
 LEVELS = (3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0)  # px², of contours
 MAP_STEP_DEG = 2.0
 LABEL_PT = 7.5
+RAY = 1.25  # length of a ray that is drawn, times its way to the mark
 AZIMUTH, ELEVATION = np.radians(-62.0), np.radians(24.0)  # of the view from outside
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # left, top, width, height [mm]
@@ -188,12 +190,14 @@ def posture_map(
                 canvas.text((placed[0][0] - text_width(words, 6.5) - 1, placed[0][1] + 0.9), words, 6.5, colour=GREY)
     if with_E:
         _contours(canvas, frame, situation)
-    if start is not None:
+    elif start is not None:
         at = frame.place(np.array([start[1], start[0]]))[0]
         canvas.circle(at, 0.9, INK, 0.2, INK)
         canvas.text((at[0] + 1.6, at[1] + 0.9), "start", LABEL_PT)
     frame.border(canvas)
-    canvas.text((left + inside[0], top + height + 7.2), "Elbow to the right, shoulder upwards.", LABEL_PT, colour=GREY)
+    upwards, right = (name.lower() for name in engine_scene(situation.scene)["names"])
+    words = f"{right.capitalize()} to the right, {upwards} upwards."
+    canvas.text((left + inside[0], top + height + 7.2), words, LABEL_PT, colour=GREY)
     return height + 9.0
 
 
@@ -234,6 +238,11 @@ def outside(canvas: Canvas, box: Box, situation: Situation, layers: Collection[s
     eyes = np.array([T[:3, 3] for T in cameras.values()]) @ plane.T
     arms = {name: _outlines(situation, *posture, plane) for name, posture in postures.items()}
     room = np.concatenate([*(hull for hulls in arms.values() for hull in hulls), eyes])
+    mark, ray = None, np.empty((0, 2))
+    if situation.chosen is not None:
+        mark = world.points_world(moment.theta_demo, world.T_world_demo)[situation.chosen] @ plane.T
+        ray = np.array([eyes[0], eyes[0] + RAY * (mark - eyes[0])])
+        room = np.concatenate([room, ray])
     margin = 0.1 * float(np.ptp(room, axis=0).max())
     frame = Frame(*box, room.min(0) - margin, room.max(0) + margin, up=True)
     for name, hulls in arms.items():
@@ -241,11 +250,8 @@ def outside(canvas: Canvas, box: Box, situation: Situation, layers: Collection[s
             canvas.path(frame.place(hull), GREY, 0.2, FILL, closed=True)
         x, y = max(frame.place(np.concatenate(hulls)), key=lambda at: at[1])
         canvas.text((x - text_width(name, LABEL_PT) / 2, y + 3.4), name, LABEL_PT, colour=GREY)
-    mark = None
-    if situation.chosen is not None:
-        mark = world.points_world(moment.theta_demo, world.T_world_demo)[situation.chosen] @ plane.T
-        if "ray" in layers:
-            canvas.path(frame.place(np.array([eyes[0], eyes[0] + 1.25 * (mark - eyes[0])])), INK, 0.4)
+    if "ray" in layers and len(ray):
+        canvas.path(frame.place(ray), INK, 0.4)
     for name, at in zip(cameras, frame.place(eyes)):
         canvas.circle(at, 1.2, INK, 0.3, "#ffffff")
         canvas.text((at[0] - text_width(name, LABEL_PT) / 2, at[1] - 2.0), name, LABEL_PT)

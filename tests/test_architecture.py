@@ -29,9 +29,7 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
     {"viser_private", "quiet_client", "static", "drawing", "lab"},
-    {"lessons"},
-    {"jobs", "sessions"},
-    {"classroom"},
+    {"jobs", "sessions", "classroom"},
     {"control"},
     {"scene"},
     {"panels"},

@@ -216,6 +216,11 @@ export class Stage {
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
   }
 
+  /** How many runs are bet on. */
+  get runs() {
+    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
+  }
+
   get hulls() {
     return this.page.hulls;
   }

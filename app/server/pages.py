@@ -43,6 +43,7 @@ from .connection import GuardedConnection
 from .lecturer import class_name
 from .limits.fault_lines import in_a_line
 from .options import ServerOptions
+from .origins import own_names
 from .seat_counts import SeatCounts
 from .touches import Touches
 
@@ -64,6 +65,7 @@ def serving(
     worker: which of the processes this one is; listening: a socket in place of host and port.
     Raises OSError for a store that cannot be used.
     """
+    own_names()  # begins to ask for them
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
     lab = LabPages(options.settings.scene, options.settings.robot).page

@@ -1,7 +1,7 @@
-"""Makes the documentation's pictures: python docs/pictures.py [stills] [moving] [gallery]. It needs the tests' browser.
+"""Makes the documentation's pictures, in the tests' browser: python docs/pictures.py [stills] [moving] [gallery].
 
-stills: the article's figures as they stand at first, in docs/stills; moving: README's picture of the lab, docs/lab.webp;
-gallery: how each replay of docs/gallery.toml ends, in docs/gallery. Without a name all are made.
+stills: the article's figures as they stand at first, in docs/stills. moving: README's picture of the lab, lab.webp.
+gallery: how each replay of docs/gallery.toml ends, in docs/gallery. Without a name it makes all three.
 """
 
 import io
@@ -23,7 +23,11 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 import browser as chromium  # noqa: E402
 from directives.gallery import build_gallery, entries  # noqa: E402
 
-WINDOW, SHOWN, LISTED = (1280, 800), (960, 600), (640, 400)  # px: of the browser, of the moving picture, of the gallery's
+WINDOW, SHOWN, LISTED = (
+    (1280, 800),
+    (960, 600),
+    (640, 400),
+)  # px: of the browser, of the moving picture, of the gallery's
 FRAME_MS, PAUSE_FRAMES = 100, 12
 QUALITY, MAX_BYTES = 68, 2_000_000
 MOVES = 14  # frames in which the demonstrator goes
@@ -33,10 +37,14 @@ ARTICLE_PX = 736  # width of the documentation's text, for which stills are draw
 
 def figures_page(inside: Callable[[str], str]) -> str:
     """Return a page of all figures of the article, with other HTML at first in the place of each, by its name."""
-    places = "".join(f'<div class="live" data-live="{name}"><div class="still">{inside(name)}</div></div>' for name in FIGURES)
+    places = "".join(
+        f'<div class="live" data-live="{name}"><div class="still">{inside(name)}</div></div>' for name in FIGURES
+    )
     dark = f"body[data-theme=dark]{{{variables(True)}}}"
     sheet = f"{font_faces()}body{{margin:0;background:var(--paper);{variables(False)}}}{dark}{DRAWING_CSS}{styles()}"
-    head = '<!DOCTYPE html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Figures</title>'
+    head = (
+        '<!DOCTYPE html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Figures</title>'
+    )
     return f'{head}<style>{sheet}</style><body data-theme="light">{places}<script>{script()}</script>'
 
 

@@ -15,7 +15,6 @@ LAB_STATES = {  # where the lab shows the same
     "assumption": "preset=paper&demo=45,-90&start=25,-45",
     "bowl": "preset=paper&demo=45,-90&start=25,-45",
     "servo": "preset=paper&demo=45,-90&start=25,-45",
-    "distance": "preset=near&demo=45,-90&start=45,-90",
     "points": "preset=four&demo=45,-90&start=25,-45",
 }
 

@@ -9,7 +9,6 @@ from urllib.parse import urlsplit
 
 import segno
 
-from .lecturer import ROOT as LECTURER
 from .origins import PORTS, is_loopback, lan_address
 
 PORTS_TO_TRY = 100
@@ -89,11 +88,6 @@ def origin_for_others(host: str, origin: str | None) -> str | None:
     if not is_loopback(name) and ("." in name or ":" in name):
         return origin
     return address_for_others(host, page.port or PORTS[page.scheme])
-
-
-def invite_lecturer(host: str, port: int, secret: str) -> None:
-    """Print what who leads the class opens. To standard output alone: it is no line of a log."""
-    print(f"the lecturer opens {address(host, port)}{LECTURER}{secret}\nand shows it to nobody", flush=True)
 
 
 def invite(host: str, port: int) -> None:

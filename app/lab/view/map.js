@@ -151,7 +151,7 @@ export class EnergyMap {
         const inside = x > left + 14 && x < right - 16 && y > top + 9 && y < bottom - 9;
         if (!(off < .2 && inside && away([x, y]) > 24 && taken.every(p => Math.hypot(p[0] - x, p[1] - y) > 28))) continue;
         taken.push([x, y]);
-        labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
+        labels += `<text class="vi-level vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
       }
     }
     brush.stroke();

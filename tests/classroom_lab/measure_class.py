@@ -15,7 +15,6 @@ import os
 import random
 import secrets
 import socket
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -26,11 +25,11 @@ from websockets.asyncio.client import connect
 sys.path.append(str(Path(__file__).parent.parent))
 sys.path.append(str(Path(__file__).parent))
 
-from class_server import CODE, ClassServer, Lecturer, Student  # noqa: E402
+from class_server import ClassServer, Lecturer  # noqa: E402
 
 TARGET_S, SHARE = 0.2, 95
 SCREENS_PER_S = 10
-SCREEN = {"lesson": "tour", "step": "eyes", "seed": 1, "revealed": False, "sliders": [["own 1", 20.5]] * 8, "mark": None}
+SCREEN = {"lesson": "tour", "step": "eyes", "seed": 1, "revealed": False, "sliders": [["own 1", 20.5]] * 8}
 ANSWERS_WITHIN_S = 2.0
 
 
@@ -153,20 +152,21 @@ async def restarted(server, students):
     acknowledged = set()
     many = Many(server, 0)
 
+    async def send(k):
+        answer = {"seq": k, "lesson": "tour", "step": "eyes", "round": asked, "answer": {"choice": k % 4}}
+        async with many.connection() as connection:
+            await connection.send(json.dumps({"kind": "hello", "token": tokens[k]}))
+            await connection.send(json.dumps({"kind": "answer", **answer}))
+            async for text in connection:
+                if text.startswith('{"kind":"ack"'):
+                    acknowledged.add(k)
+                    return
+
     async def one(k):
         await asyncio.sleep(random.uniform(0, 2))
-        answer = {"kind": "answer", "seq": k, "lesson": "tour", "step": "eyes", "round": asked, "answer": {"choice": k % 4}}
         while k not in acknowledged:
             with contextlib.suppress(Exception):
-                async with many.connection() as connection:
-                    await connection.send(json.dumps({"kind": "hello", "token": tokens[k]}))
-                    await connection.send(json.dumps(answer))
-                    async with asyncio.timeout(3):
-                        async for text in connection:
-                            if text.startswith('{"kind":"ack"'):
-                                acknowledged.add(k)
-                                break
-                continue
+                await asyncio.wait_for(send(k), 3)
             await asyncio.sleep(random.uniform(0.2, 1))
 
     async def kill():

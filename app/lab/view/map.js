@@ -75,7 +75,12 @@ export class EnergyMap {
     ];
   }
 
-  /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
+  /** The plot's left, top, right and bottom, px. @returns {[number, number, number, number]} */
+  get plot() {
+    return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
+  }
+
+  /** Shade E, and draw its contours. @param {Landscape | null} landscape null for the axes alone @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -86,6 +91,10 @@ export class EnergyMap {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     set(this.over, {viewBox: `0 0 ${width} ${height}`});
+    if (!landscape) {
+      canvas.width = w; // clears it
+      return this.#axes("");
+    }
     const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
     if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
     const z = this.z;
@@ -135,7 +144,7 @@ export class EnergyMap {
         const inside = x > left + 14 && x < right - 16 && y > top + 9 && y < bottom - 9;
         if (!(off < .2 && inside && away([x, y]) > 24 && taken.every(p => Math.hypot(p[0] - x, p[1] - y) > 28))) continue;
         taken.push([x, y]);
-        labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
+        labels += `<text class="vi-2nd vi-halo vi-mid vi-level" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
       }
     }
     brush.stroke();

@@ -2,7 +2,6 @@
 
 import html
 import json
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -13,22 +12,18 @@ import numpy as np
 from viewimit.assets import ROOT
 
 from viewimit import __version__
+from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle, packed
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 from viewimit.sensing.files import parse_toml
-from viewimit.simulation.appearance import extreme_vertices
-from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene import Scene, extended, load_scene
 from viewimit.simulation.world import World
-
-from .scene import engine_scene
 
 HERE = Path(__file__).parent
 SHIPPED = "panda"
 USUAL_POINTS = 10
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
-HULL_DIGITS = 4  # of m
 SENT = "name", "title", "says", "transfer", "servo", "missing", "seed"  # fields of a preset, as they are
 
 
@@ -87,13 +82,13 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
-    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": _hulls(given.robot)}
+    data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
     return _template().substitute(
         version=html.escape(__version__),
-        styles=_styles(),
+        styles=styles("view/lab.css"),
         data=packed(json.dumps(data, separators=(",", ":")).encode()),
         meshes=packed(shapes.packed),
-        script=bundle("view/lab.js"),
+        script=bundle("view/main.js"),
     )
 
 
@@ -118,13 +113,6 @@ def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
     return stage
 
 
-def _hulls(robot: str) -> dict[str, Sequence]:
-    """The outermost vertices of each link, from which its outlines in the images are drawn."""
-    meshes = link_meshes(robot)
-    corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
-    return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
-
-
 @cache
 def served_page(name: str, robot: str | None) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
@@ -142,7 +130,8 @@ def _template() -> Template:
 
 
 @cache
-def _styles() -> str:
-    own = HERE.joinpath("view", "lab.css").read_text("utf-8")
+def styles(*names: str) -> str:
+    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
+    own = "\n".join(HERE.joinpath(name).read_text("utf-8") for name in names)
     schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
     return "\n".join((schemes, font_faces(), DRAWING_CSS, own))

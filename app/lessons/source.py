@@ -28,7 +28,7 @@ _PATH = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+)\]")
 @cache
 def shipped() -> dict[str, Lesson]:
     """By the names of their files, in order."""
-    return {path.stem.split("-", 1)[1]: load(path) for path in sorted(FOLDER.glob("*.toml"))}
+    return {path.stem.split("-", 1)[1]: load(path) for path in sorted(FOLDER.glob("[0-9]-*.toml"))}
 
 
 def own(paths: Iterable[Path]) -> dict[str, Lesson]:

@@ -49,7 +49,8 @@ NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equ
 class AccessControl:
     """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
-    its own; lecturer: the secret of one's address; lab: the page of the lab. touches: where its pages' links lead.
+    its own; lecturer: the secret of one's address; lab: pages of the lab, itself "", lessons by
+    name. touches: where its pages' links lead.
     """
 
     def __init__(
@@ -60,7 +61,7 @@ class AccessControl:
         worker: int = 0,
         listening: socket.socket | None = None,
         lecturer: str | None = None,
-        lab: Callable[[], str] = lambda: "",
+        lab: Callable[[str], str | None] = lambda lesson: None,
     ):
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
@@ -149,8 +150,10 @@ class AccessControl:
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
-        if path == "/lab":
-            page = await asyncio.to_thread(self._lab)  # half a second, the first time
+        if path == "/lab" or path.startswith("/lab/"):
+            page = await asyncio.to_thread(self._lab, path[5:])  # the first time, some seconds of another process
+            if page is None:
+                return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
             return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
         if path.startswith(ROOT):
             return self._touch(connection, request)

@@ -27,7 +27,7 @@ from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
-from ..lab.page import served_page
+from ..lab.lessons.page import LabPages
 from ..lessons.source import shipped
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..panels.panel import Reach
@@ -66,7 +66,7 @@ def serving(
     """
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    lab = partial(served_page, options.settings.scene, options.settings.robot)
+    lab = LabPages(options.settings.scene, options.settings.robot).page
     access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, options.lecturer, lab)
     with (
         contextlib.redirect_stdout(io.StringIO()),

@@ -2,10 +2,15 @@
  * Pinhole cameras. OpenCV's axes: z ahead, x to the right, y down. Images are flat arrays (4 N) px: x, y of each point
  * in the left image of a pair, then x, y in the right one.
  *
- * @typedef {{rotation: number[], centre: number[], focal: number[], principal: number[], width: number, height: number}}
- *   Camera rotation: R_world_camera, 9 numbers row by row; centre: of projection, m; focal, principal: (x, y) px
+ * @typedef {{k1: number, k2: number, maxRadius: number}} Radial 1 + k1 r² + k2 r⁴ is the factor of the distance r from the
+ *   optical axis, in focal lengths; beyond maxRadius it is constant
+ * @typedef {{rotation: number[], centre: number[], focal: number[], principal: number[], width: number, height: number,
+ *   distortion?: [Radial, Radial]}} Camera rotation: R_world_camera, 9 numbers row by row; centre: of projection, m; focal,
+ *   principal: (x, y) px; distortion: of the lens, and what was removed of it from the images. Only replays have it
  * @typedef {[Camera, Camera]} Pair left and right camera
  */
+
+const MAX_STRETCH = 1024, HALVINGS = 50; // of the search for an undistorted radius
 
 /**
  * Project points of the world into both images of a pair.
@@ -34,14 +39,37 @@ export function project(pair, points) {
  * @param {number} [nearest] depth to which nearer points are moved back, so that they can be drawn somewhere
  * @returns {[number, number, number]} x, y px and depth m
  */
-export function projectPoint({rotation: R, centre, focal, principal}, point, nearest = -Infinity) {
+export function projectPoint({rotation: R, centre, focal, principal, distortion}, point, nearest = -Infinity) {
   const x = point[0] - centre[0], y = point[1] - centre[1], z = point[2] - centre[2];
   const depth = Math.max(R[2] * x + R[5] * y + R[8] * z, nearest);
-  return [
-    (R[0] * x + R[3] * y + R[6] * z) * (focal[0] / depth) + principal[0],
-    (R[1] * x + R[4] * y + R[7] * z) * (focal[1] / depth) + principal[1],
-    depth,
-  ];
+  const across = R[0] * x + R[3] * y + R[6] * z, down = R[1] * x + R[4] * y + R[7] * z;
+  const bent = distortion ? stretch(distortion, (across * across + down * down) / (depth * depth)) : 1;
+  return [across * (focal[0] / depth) * bent + principal[0], down * (focal[1] / depth) * bent + principal[1], depth];
+}
+
+/** By which factor a pinhole image moves outwards, given its radius squared. @param {[Radial, Radial]} distortion @param {number} square */
+function stretch([lens, removed], square) {
+  const factor = factorOf(lens, square);
+  return factor * inverseFactor(removed, square * factor * factor);
+}
+
+/** @param {Radial} by @param {number} square of the radius */
+function factorOf({k1, k2, maxRadius}, square) {
+  const s = Math.min(square, maxRadius * maxRadius);
+  return 1 + s * (k1 + k2 * s);
+}
+
+/** Undistorted over distorted radius, by halving. @param {Radial} by @param {number} square of the distorted radius */
+function inverseFactor(by, square) {
+  if (!by.k1 && !by.k2) return 1;
+  let low = 0, high = 1;
+  while (high * factorOf(by, high * high * square) < 1 && high < MAX_STRETCH) high *= 2;
+  for (let i = 0; i < HALVINGS; i++) {
+    const middle = (low + high) / 2;
+    if (middle * factorOf(by, middle * middle * square) < 1) low = middle;
+    else high = middle;
+  }
+  return high;
 }
 
 /**
@@ -71,7 +99,12 @@ export function triangulate([left, right], image) {
 }
 
 /** Direction of an image point's ray in the world, 1 long along the optical axis. @param {Camera} camera @param {number} x @param {number} y */
-function ray({rotation: R, focal, principal}, x, y) {
-  const a = (x - principal[0]) / focal[0], b = (y - principal[1]) / focal[1];
+function ray({rotation: R, focal, principal, distortion}, x, y) {
+  let a = (x - principal[0]) / focal[0], b = (y - principal[1]) / focal[1];
+  if (distortion) {
+    const back = stretch([distortion[1], distortion[0]], a * a + b * b);
+    a *= back;
+    b *= back;
+  }
   return [0, 3, 6].map(i => R[i] * a + R[i + 1] * b + R[i + 2]);
 }

@@ -24,11 +24,56 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
 /** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px per px */
 
+/** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
+export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
+
+/** A convex outline: the outermost points in sixteen directions. @param {number[][]} points @returns {number[][]} */
+export const silhouette = points => COMPASS.map(([a, b]) => {
+  let best = points[0], most = -Infinity;
+  for (const p of points) {
+    const along = a * p[0] + b * p[1];
+    if (along > most) [most, best] = [along, p];
+  }
+  return best;
+});
+
+/** Outlines of arms, computed anew only where a posture or the scene has changed. */
+export class Outlines {
+  /** @param {Record<string, number[][]>} hulls outermost vertices of links */
+  constructor(hulls) {
+    this.hulls = outermost(hulls);
+    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
+    this.known = {};
+  }
+
+  /**
+   * Silhouettes of the links and the line through their origins, in both images.
+   *
+   * @param {World} world
+   * @param {"demonstrator" | "learner"} who
+   * @param {ArrayLike<number>} theta
+   * @param {string} name under which the last one is kept
+   * @returns {Outline[]}
+   */
+  of(world, who, theta, name) {
+    const key = Array.from(theta).join(), known = this.known[name];
+    if (known?.key === key && known.scene === world.scene) return known.outlines;
+    const frames = world.arms[who].linkFrames(theta);
+    const outlines = world.pairs[who].map(camera => ({
+      hulls: this.hulls.map(({link, vertices}) =>
+        silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
+      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
+    }));
+    this.known[name] = {scene: world.scene, key, outlines};
+    return outlines;
+  }
+}
+
 export class Images {
-  /** @param {Record<string, HTMLElement>} boxes by view @param {Record<string, number[][]>} hulls outermost vertices of links */
+  /** @param {Record<string, HTMLElement>} boxes by view: all or some @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(boxes, hulls) {
-    this.hulls = Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
-    this.views = VIEWS.map((view, k) => {
+    this.outlines = new Outlines(hulls);
+    this.views = VIEWS.map((view, k) => ({view, k})).filter(({view}) => boxes[view]).map(({view, k}) => {
       const svg = add(boxes[view], "svg", {class: `vi${k < 2 ? " vi-demo" : ""}`, role: "img"});
       const plane = add(svg, "rect", {class: "vi-plane", x: .5, y: .5, rx: 5}), frame = add(svg, "rect", {class: "vi-rule"});
       const layers = LAYERS.map(name => add(svg, "path", {class: name}));
@@ -39,8 +84,6 @@ export class Images {
       const window = {x: 0, y: 0, scale: 0};
       return {view, k, svg, box: boxes[view], plane, frame, layers, window, width: 1, height: 1};
     });
-    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
-    this.known = {};
     /** px of a drawing's unit */
     this.unit = 1;
     /** Whether the windows have to fit at once. */
@@ -62,9 +105,9 @@ export class Images {
   /** @param {World} world @param {Picture} picture @returns {boolean} whether the windows have still to move */
   draw(world, picture) {
     const {moment} = picture, ease = this.fresh ? 1 : picture.ease;
-    const demo = this.#outlines(world, "demonstrator", moment.thetaDemo, "demo");
-    const own = this.#outlines(world, "learner", moment.theta, "own");
-    const goal = this.#outlines(world, "learner", moment.thetaDemo, "goal");
+    const demo = this.outlines.of(world, "demonstrator", moment.thetaDemo, "demo");
+    const own = this.outlines.of(world, "learner", moment.theta, "own");
+    const goal = this.outlines.of(world, "learner", moment.thetaDemo, "goal");
     const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease)].some(Boolean);
     this.fresh = false;
     const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
@@ -91,31 +134,19 @@ export class Images {
 
   /** The image's px under a pointer. @param {PointerEvent} event @param {number} k the view */
   under(event, k) {
-    const {svg, window: {x, y, scale}} = this.views[k], box = svg.getBoundingClientRect();
+    const {svg, window: {x, y, scale}} = this.view(k), box = svg.getBoundingClientRect();
     return [(event.clientX - box.left) / this.unit / scale + x, (event.clientY - box.top) / this.unit / scale + y];
   }
 
-  /** Silhouettes of the links and the line through their origins, in both images. @param {World} world @param {"demonstrator" | "learner"} who @param {number[]} theta @param {string} name @returns {Outline[]} */
-  #outlines(world, who, theta, name) {
-    const key = theta.join(), known = this.known[name];
-    if (known?.key === key && known.scene === world.scene) return known.outlines;
-    const frames = world.arms[who].linkFrames(theta);
-    const outlines = world.pairs[who].map(camera => ({
-      hulls: this.hulls.map(({link, vertices}) => {
-        const seen = vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M));
-        return COMPASS.map(([a, b]) => {
-          let best = seen[0], most = -Infinity;
-          for (const p of seen) {
-            const along = a * p[0] + b * p[1];
-            if (along > most) [most, best] = [along, p];
-          }
-          return best;
-        });
-      }),
-      bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
-    }));
-    this.known[name] = {scene: world.scene, key, outlines};
-    return outlines;
+  /** @param {number} k 0 … 3 for l, r, L, R, of which there must be a box */
+  view(k) {
+    return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
+  }
+
+  /** Where a place of an image is drawn, in its drawing's units. @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */
+  place(k, x, y) {
+    const {window} = this.view(k);
+    return [(x - window.x) * window.scale, (y - window.y) * window.scale];
   }
 
   /** The demonstrator's skeleton as the transfer puts it into the learner's views. @param {Moment} moment @param {Outline[]} demo */
@@ -128,9 +159,9 @@ export class Images {
 
   /** Move a pair's windows to what they show. @param {number} first @param {Outline[][]} bodies @param {number} ease */
   #fit(first, bodies, ease) {
-    const pair = this.views.slice(first, first + 2);
-    const spans = pair.map((_, side) => {
-      const points = bodies.flatMap(body => [...body[side].hulls.flat(), ...body[side].bones]);
+    const pair = this.views.filter(({k}) => k >> 1 === first >> 1);
+    const spans = pair.map(({k}) => {
+      const points = bodies.flatMap(body => [...body[k & 1].hulls.flat(), ...body[k & 1].bones]);
       const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
       return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
     });

@@ -80,6 +80,18 @@ export class EnergyMap {
     return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
   }
 
+  /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
+  under({clientX, clientY}) {
+    const {left, top} = this.box.getBoundingClientRect();
+    return [(clientX - left) / this.unit, (clientY - top) / this.unit];
+  }
+
+  /** The posture under a pointer, within the limits. @param {PointerEvent} event */
+  postureAt(event) {
+    const [x, y] = this.under(event);
+    return this.posture(x, y);
+  }
+
   /** Shade E, and draw its contours. @param {Landscape | null} landscape null for the axes alone @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
@@ -106,7 +118,7 @@ export class EnergyMap {
     }
     most = Math.max(Math.min(most, Math.log(BRIGHTEST)), Math.log(DARKEST));
     least = Math.min(Math.max(least, most - Math.log(RANGE)), most - .5);
-    const style = getComputedStyle(document.documentElement), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+    const style = getComputedStyle(this.box), role = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
     this.#shade(rows, columns, least, most, role("hills"));
     const brush = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     const left = PAD.left, top = PAD.top, right = width - PAD.right, bottom = height - PAD.bottom;

@@ -447,6 +447,14 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     event.preventDefault();
     zoom(Math.exp(.0012 * event.deltaY));
   }, {passive: false});
+  canvas.addEventListener("keydown", event => {
+    const turns = {ArrowUp: [0, 20], ArrowDown: [0, -20], ArrowRight: [-20, 0], ArrowLeft: [20, 0]}[event.key];
+    if (turns) turn(turns[0], turns[1]);
+    else if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? .9 : 1.1);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
   new ResizeObserver(later).observe(canvas);
   recolour();
   resize();

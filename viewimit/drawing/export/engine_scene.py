@@ -1,18 +1,22 @@
-"""A scene as numbers for the lab's engine, to the last digit."""
+"""A scene as numbers for the engine in app/lab/engine, to the last digit."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing.svg import joint_symbol
-from viewimit.simulation.camera import Camera
-from viewimit.simulation.robot import robot_names
-from viewimit.simulation.scene import Scene
-from viewimit.simulation.world import World
+from ...simulation.appearance import extreme_vertices
+from ...simulation.camera import Camera
+from ...simulation.robot import BodyPoints, link_meshes, robot_names
+from ...simulation.scene import Scene
+from ...simulation.world import World
+from ..svg import joint_symbol
 
 JOINT_NAMES = {1: "Base", 2: "Shoulder", 3: "Upper arm", 4: "Elbow", 5: "Forearm", 6: "Wrist", 7: "Hand"}
 MOVING_JOINTS = 2  # the map of E has as many axes
+HULL_DIGITS = 4  # of m
+MAX_RADIUS = 1e3  # focal lengths from the optical axis, instead of infinity
 
 
 def require_scene(scene: Scene) -> None:
@@ -34,7 +38,13 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
         For a scene of other than two moving joints, or with lenses that distort.
     """
     require_scene(scene)
-    world = World(scene, min(map(int, scene.points)))
+    bodies = {str(count): scene.body_points(count) for count in sorted(map(int, scene.points))}
+    return describe_world(World(scene, min(map(int, scene.points))), bodies)
+
+
+def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, Any]:
+    """Return a world of any number of joints as app/lab/engine/world.js documents it. bodies: layouts by name."""
+    scene = world.scene
     chain, links = world.robot.with_fixed_joints(np.radians(scene.posture_deg), scene.moving)
     free = [k for k, joint in enumerate(chain.joints) if joint.leader is None]
     joints = []
@@ -50,9 +60,9 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
             }
         )
     layouts = {}
-    for count in sorted(map(int, scene.points)):
-        body = links.points(scene.body_points(count))
-        layouts[str(count)] = [{"on": int(on), "at": at.tolist()} for on, at in zip(body.link, body.local)]
+    for name, layout in bodies.items():
+        body = links.points(layout)
+        layouts[name] = [{"on": int(on), "at": at.tolist()} for on, at in zip(body.link, body.local)]
     return {
         "title": scene.title,
         "joints": [joint_symbol(joint) for joint in scene.moving_joints],
@@ -69,6 +79,13 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
     }
 
 
+def describe_hulls(robot: str) -> dict[str, Sequence]:
+    """Return the outermost vertices of each link, m, from which its outlines in the images are drawn."""
+    meshes = link_meshes(robot)
+    corners = {link: extreme_vertices(np.asarray(mesh.vertices, float)) for link, mesh in meshes.items()}
+    return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
+
+
 def _joint_name(scene: Scene, joint: int) -> str:
     """What a joint is called, with its symbol: the shipped robots' are those of a human arm."""
     named = JOINT_NAMES if scene.robot in robot_names() else {}
@@ -76,7 +93,11 @@ def _joint_name(scene: Scene, joint: int) -> str:
 
 
 def _camera(camera: Camera) -> dict[str, Any]:
-    T = camera.T_world_camera
+    T, lens = camera.T_world_camera, camera.lens
+    bends = {}
+    if lens.is_distorted:
+        by = ((each.k1, each.k2, min(each.max_radius, MAX_RADIUS)) for each in (lens.distortion, lens.correction))
+        bends["distortion"] = [{"k1": k1, "k2": k2, "maxRadius": radius} for k1, k2, radius in by]
     return {
         "rotation": T[:3, :3].ravel().tolist(),
         "centre": T[:3, 3].tolist(),
@@ -84,6 +105,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
         "principal": list(map(float, camera.lens.centre)),
         "width": camera.width,
         "height": camera.height,
+        **bends,
     }
 
 

@@ -1,0 +1,354 @@
+"""What types do not check in a lesson: unknown names, numbers that contradict each other, questions without an answer.
+
+Each check yields faults as (field, what is wrong), with the field as .step[2].ask.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from viewimit.loop.settings import Settings
+from viewimit.sensing.files import parse_toml
+from viewimit.servo import SERVOS
+
+from .format import (
+    MAX_WORDS,
+    QUESTION_COUNT,
+    SCENE_FIELDS,
+    Bet,
+    Choice,
+    Do,
+    Figure,
+    Item,
+    Lesson,
+    Number,
+    Place,
+    Pose,
+    Predict,
+    Questions,
+    Select,
+    Slider,
+    Step,
+    measures_in,
+    measures_of,
+    settings_of,
+    texts_with_measures,
+)
+from .situation import Situation
+
+HERE = Path(__file__).parent
+GUESS_SLIDERS = ("guess 1", "guess 2")
+KNOB_SLIDERS = ("knob 1", "knob 2")
+HEAD_RANGES = ("head distance", "head baseline", "head toe-in")
+MAX_STEPS, MAX_SLIDERS, MAX_NUMBERS, MAX_TIMES = 60, 3, 40, 20
+WORDS_PER_MINUTE = 200
+SECONDS_TO_ACT = 20  # of each round of a step: to look, to think, to click
+ID = re.compile(r"[a-z][a-z0-9-]{0,30}")
+Faults = Iterator[tuple[str, str]]
+
+
+class FigureKind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A figure that steps can name."""
+
+    layers: tuple[str, ...]
+    placeable: bool = False  # a click in it gives a place
+
+
+@cache
+def figure_kinds() -> Mapping[str, FigureKind]:
+    """Return the figures of the lab by name."""
+    table = parse_toml(HERE.joinpath("figures", "layers.toml").read_bytes())
+    return msgspec.convert(table, dict[str, FigureKind])
+
+
+@cache
+def measure_units() -> Mapping[str, str]:
+    """Return the unit of each measure that steps can name."""
+    table = parse_toml(HERE.joinpath("measures.toml").read_bytes())
+    return {**table["browser"], **table["library"]}
+
+
+def faults(lesson: Lesson) -> Faults:
+    """Yield what is wrong in a lesson, without its scenes."""
+    if not 1 <= len(lesson.step) <= MAX_STEPS:
+        yield "", f"a lesson needs a [[step]], and at most {MAX_STEPS}; it has {len(lesson.step)}"
+    ids: set[str] = set()
+    for k, step in enumerate(lesson.step):
+        for where, what in _of_step(lesson, step, ids):
+            yield f".step[{k}]{where}", what
+        ids.add(step.id)
+    least = round(least_minutes(lesson))
+    if lesson.minutes < least:
+        yield (
+            ".minutes",
+            f"it takes {least}: {WORDS_PER_MINUTE} words a minute, and {SECONDS_TO_ACT} s for each step",
+        )
+
+
+def faults_in_scenes(lesson: Lesson) -> Faults:
+    """Yield joints, points and settings that the scenes of a lesson do not have. This loads them."""
+    for k, step in enumerate(lesson.step):
+        for where, what in _of_scene(lesson, step):
+            yield f".step[{k}]{where}", what
+
+
+def faults_of_questions(questions: Questions, lessons: Mapping[str, Lesson]) -> Faults:
+    """Yield what is wrong in the eight questions."""
+    if len(questions.item) != QUESTION_COUNT:
+        yield "", f"{len(questions.item)} questions; there are {QUESTION_COUNT}"
+    for k, item in enumerate(questions.item):
+        for where, what in _of_item(item, lessons):
+            yield f".item[{k}]{where}", what
+    if len({item.id for item in questions.item}) < len(questions.item):
+        yield ".item", "two questions have the same id"
+
+
+def _of_item(item: Item, lessons: Mapping[str, Lesson]) -> Faults:
+    right = sum(answer.right for answer in item.answers)
+    if len(item.answers) != 4 or right != 1:
+        yield ".answers", f"needs four answers, one of them right; it has {len(item.answers)}, {right} right"
+    for k, answer in enumerate(item.answers):
+        if bool(answer.belief) == answer.right:
+            yield f".answers[{k}].belief", "each wrong answer has the tag of its belief, the right one has none"
+        yield from _known(f".answers[{k}].because", measures_in(answer.because), "measure", measure_units())
+    name, _, step = item.step.partition("/")
+    yield from _known(".step", (name,), "lesson", lessons)
+    if name in lessons:
+        yield from _known(".step", (step,), f"step of {name}", [one.id for one in lessons[name].step])
+
+
+def least_minutes(lesson: Lesson) -> float:
+    """Return the time in which a fast reader can take a lesson: reading, and acting on each step."""
+    words = sum(len(text.split()) for step in lesson.step for text in _read(step))
+    rounds = sum(getattr(step.ask, "times", 1) for step in lesson.step)
+    return words / WORDS_PER_MINUTE + rounds * SECONDS_TO_ACT / 60
+
+
+def _read(step: Step) -> Iterator[str]:
+    """All that somebody reads who answers; of a question's replies, the longest."""
+    ask = step.ask
+    yield from (step.title, step.text, step.after, step.say, ask.question, *(slider.label for slider in step.sliders))
+    if step.told is not None:
+        yield from (step.told.label, step.told.note)
+    replies: list[str] = []
+    if isinstance(ask, Choice):
+        yield from (answer.text for answer in ask.answers)
+        replies = [answer.because for answer in ask.answers]
+    elif isinstance(ask, Select):
+        yield ask.reason
+        for field in ask.fields:
+            yield field.label
+            yield from (f"{value.text} {value.says}" for value in field.values)
+        yield from (reason.text for reason in ask.reasons)
+        replies = [reason.because for reason in ask.reasons]
+    elif isinstance(ask, Place | Number | Pose):
+        replies = [ask.close, ask.far]
+    yield max(replies, key=lambda text: len(text.split()), default="")
+
+
+def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
+    if not ID.fullmatch(step.id):
+        yield ".id", f"{step.id[:40]!r} must be of small letters, digits and hyphens, a letter first"
+    if step.id in before:
+        yield ".id", f"another step is called {step.id!r}"
+    words = len(re.sub(r"[*{}]", "", step.text).split())
+    if words > MAX_WORDS:
+        yield ".text", f"{words} words; at most {MAX_WORDS} are read"
+    try:
+        if settings_of(lesson, step).sensor != "projected":
+            yield ".settings.sensor", "lessons are about image points: it must be 'projected'"
+    except ValueError as error:
+        yield ".settings", str(error)
+        return
+    yield from _known(".scene", step.scene, "field that a step can change", SCENE_FIELDS)
+    if not step.main:
+        yield ".main", "a step needs a figure to look at"
+    for place, figures in (("main", step.main), ("side", step.side)):
+        for i, figure in enumerate(figures):
+            for where, what in _of_figure(figure):
+                yield f".{place}[{i}]{where}", what
+    if step.carry is not None and step.carry not in before:
+        yield ".carry", f"no step {step.carry!r} before this one; there are {', '.join(sorted(before)) or 'none'}"
+    yield from _known(".race", step.race, "servo", SERVOS)
+    if step.play is not None and step.play <= 0:
+        yield ".play", "must be above 0 s"
+    yield from _of_sliders(step.sliders)
+    yield from _of_dealt(lesson, step)
+    yield from _of_ask(lesson, step)
+    for where, said in texts_with_measures(step):
+        if re.search(r"[{}]", re.sub(r"\{[^{}]*\}", "", said)):
+            yield where, "has a brace without its partner; a measure stands in braces"
+    for name, where in measures_of(step).items():
+        yield from _known(where, (name,), "measure", measure_units())
+
+
+def _of_figure(figure: Figure) -> Faults:
+    kinds = figure_kinds()
+    if figure.figure not in kinds:
+        yield ".figure", _unknown("figure", figure.figure, kinds)
+        return
+    for name in ("show", "reveal", "hide"):
+        layers = kinds[figure.figure].layers
+        yield from _known(f".{name}", getattr(figure, name), f"layer of {figure.figure}", layers)
+
+
+def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
+    if len(sliders) > MAX_SLIDERS:
+        yield ".sliders", f"{len(sliders)} sliders; there is room for {MAX_SLIDERS}"
+    for k, slider in enumerate(sliders):
+        at = f".sliders[{k}]"
+        if not slider.low < slider.high:
+            yield f"{at}.low", f"must be less than high, {slider.high:g}"
+        elif not slider.low <= slider.start <= slider.high:
+            yield f"{at}.start", f"must be from low to high, {slider.low:g} to {slider.high:g}"
+        if slider.step <= 0:
+            yield f"{at}.step", "must be above 0"
+        if slider.logarithmic and slider.low <= 0:
+            yield f"{at}.low", "must be above 0 on a logarithmic scale"
+        if slider.name in [other.name for other in sliders[:k]]:
+            yield f"{at}.name", f"another slider is called {slider.name!r}"
+
+
+def _of_dealt(lesson: Lesson, step: Step) -> Faults:
+    if step.dealt and not step.deal:
+        yield ".dealt", "needs deal = true"
+    for k, one in enumerate(step.dealt):
+        if not (one.low <= one.high and one.step > 0):
+            yield f".dealt[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
+        elif one.name not in HEAD_RANGES:
+            why = _unsettled(lesson, step, one.name, one.low) or _unsettled(lesson, step, one.name, one.high)
+            if why:
+                yield f".dealt[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
+
+
+def _of_ask(lesson: Lesson, step: Step) -> Faults:
+    ask = step.ask
+    names = tuple(slider.name for slider in step.sliders)
+    if isinstance(ask, Choice):
+        yield from _of_choice(ask)
+    elif isinstance(ask, Place):
+        yield from _of_place(step, ask)
+    elif isinstance(ask, Number):
+        yield from _of_number(ask)
+    elif isinstance(ask, Select):
+        yield from _of_select(lesson, step, ask)
+    elif isinstance(ask, Do):
+        if (ask.below is None) == (ask.above is None):
+            yield ".ask", "needs below or above, one of them"
+        if not step.sliders:
+            yield ".ask", "do needs sliders in its step"
+    elif isinstance(ask, Predict):
+        yield from _of_asking_figure(step, ask.figure)
+        if names != KNOB_SLIDERS:
+            yield ".sliders", f"predict turns two knobs: it needs the sliders {' and '.join(KNOB_SLIDERS)}"
+    elif isinstance(ask, Pose):
+        if names != GUESS_SLIDERS:
+            yield ".sliders", f"a pose has two joints: it needs the sliders {' and '.join(GUESS_SLIDERS)}"
+        if ask.near <= 0:
+            yield ".ask.near", "must be above 0"
+    if not isinstance(ask, Pose) and any(name.startswith("guess ") for name in names):
+        yield ".sliders", "the ghost arm is turned where its posture is asked for, with kind = 'pose'"
+    if isinstance(ask, Predict | Bet) and not 1 <= ask.times <= MAX_TIMES:
+        yield ".ask.times", f"must be from 1 to {MAX_TIMES}"
+
+
+def _of_choice(ask: Choice) -> Faults:
+    if not 2 <= len(ask.answers) <= 4:
+        yield ".ask.answers", f"two to four are needed, not {len(ask.answers)}"
+    right = sum(answer.right for answer in ask.answers)
+    if ask.right is None and right != 1:
+        yield ".ask.answers", f"one of them must have right = true, not {right}; or `right` names a measure"
+    if ask.right is not None and right:
+        yield ".ask.answers", "none may have right = true where `right` names a measure"
+
+
+def _of_asking_figure(step: Step, name: str) -> Faults:
+    main = [figure.figure for figure in step.main]
+    if name not in main:
+        yield ".ask.figure", f"{name!r} is none of the step's main figures, {', '.join(main)}"
+    elif name in figure_kinds() and not figure_kinds()[name].placeable:
+        able = [figure for figure, kind in figure_kinds().items() if kind.placeable]
+        yield ".ask.figure", f"nothing can be marked in {name!r}, only in {', '.join(able)}"
+
+
+def _of_place(step: Step, ask: Place) -> Faults:
+    yield from _of_asking_figure(step, ask.figure)
+    if (ask.line is None) != (ask.on_line is None):
+        yield ".ask", "line and on_line need each other"
+    for k, near in enumerate((ask.near, *(other.near for other in ask.elsewhere))):
+        if near <= 0:
+            yield ".ask.near" if k == 0 else f".ask.elsewhere[{k - 1}].near", "must be above 0"
+
+
+def _of_number(ask: Number) -> Faults:
+    if not ask.low < ask.high:
+        yield ".ask.low", f"must be less than high, {ask.high:g}"
+    elif ask.logarithmic and ask.low <= 0:
+        yield ".ask.low", "must be above 0 on a logarithmic scale"
+    elif ask.step is not None and not 0 < (ask.high - ask.low) / MAX_NUMBERS <= ask.step:
+        yield ".ask.step", f"must be so large that there are at most {MAX_NUMBERS} numbers"
+    if (ask.factor is None) == (ask.within is None):
+        yield ".ask", "needs factor or within, one of them"
+    elif ask.factor is not None and ask.factor <= 1:
+        yield ".ask.factor", "must be above 1"
+    elif ask.within is not None and ask.within <= 0:
+        yield ".ask.within", "must be above 0"
+
+
+def _of_select(lesson: Lesson, step: Step, ask: Select) -> Faults:
+    if not ask.fields:
+        yield ".ask.fields", "needs a [[step.ask.fields]]"
+    for k, field in enumerate(ask.fields):
+        if len(field.values) < 2:
+            yield f".ask.fields[{k}].values", f"two or more are needed, not {len(field.values)}"
+        for value in field.values:
+            why = _unsettled(lesson, step, field.name, value.value)
+            if why:
+                yield f".ask.fields[{k}]", why
+    if bool(ask.reason) != bool(ask.reasons):
+        yield ".ask", "reason and reasons need each other"
+
+
+def _unsettled(lesson: Lesson, step: Step, name: str, value: Any) -> str:
+    """Return what is wrong with a setting; nothing for one that can be."""
+    try:
+        settings_of(lesson, step, **{name: value})
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+def _of_scene(lesson: Lesson, step: Step) -> Faults:
+    situation = Situation(settings_of(lesson, step), step.scene)
+    try:
+        joints, points = len(situation.start.theta), len(situation.world.body)
+    except (ValueError, OSError) as error:
+        yield ".scene" if step.scene else ".settings", str(error)
+        return
+    if joints != 2:
+        yield ".settings", f"the lab shows arms with two moving joints, not {joints}"
+    if step.chosen is not None and not 0 <= step.chosen < points:
+        yield ".chosen", f"no point {step.chosen}; there are {points}, counted from 0"
+    for k, slider in enumerate(step.sliders):
+        kind, _, number = slider.name.partition(" ")
+        if kind in ("own", "demo", "guess") and number.isdigit() and not 1 <= int(number) <= joints:
+            yield f".sliders[{k}].name", f"no joint {number} among those that move; there are {joints}, from 1"
+        if slider.name in Settings.__struct_fields__:
+            for end in (slider.low, slider.high):
+                why = _unsettled(lesson, step, slider.name, end)
+                if why:
+                    yield f".sliders[{k}]", why
+
+
+def _known(where: str, names: Iterable[str], what: str, known: Iterable[str]) -> Faults:
+    for name in names:
+        if name not in known:
+            yield where, _unknown(what, name, known)
+
+
+def _unknown(what: str, name: str, known: Iterable[str]) -> str:
+    return f"no {what} {name[:60]!r}; there are {', '.join(known) or 'none'}"

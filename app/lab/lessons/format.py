@@ -1,0 +1,306 @@
+"""The format of a lesson file: an ordered list of steps, each of which asks before it reveals.
+
+`msgspec` checks names and types; checks.py checks the rest.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from viewimit.loop.settings import PAPER_FIELDS, Settings
+from viewimit.sensing.renamed import current_settings
+
+MAX_WORDS = 60  # of a step's text
+SCENE_FIELDS = ("head", "demonstrator", "learner", "points")  # of a scene file, that a step may change
+QUESTION_COUNT = 8
+FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_fields": True}
+_BRACES = re.compile(r"\{([^{}]*)\}")
+
+
+class Figure(msgspec.Struct, **FIELDS):
+    """A drawing of a step, with its layers before and after the answer."""
+
+    figure: str  # of figures/layers.toml
+    show: tuple[str, ...] = ()  # layers, from the beginning
+    reveal: tuple[str, ...] = ()  # layers that the answer adds
+    hide: tuple[str, ...] = ()  # layers that the answer removes
+
+
+class Option(msgspec.Struct, **FIELDS):
+    """One answer to choose."""
+
+    text: str
+    because: str  # the reply to it
+    right: bool = False
+    belief: str = ""  # tag of the misconception behind it
+
+
+class Choice(msgspec.Struct, tag="choice", tag_field="kind", **FIELDS):
+    """Two to four answers. Wrong ones are beliefs that people really hold."""
+
+    question: str
+    answers: tuple[Option, ...]
+    right: str | None = None  # a measure: the number of the right answer, from 1, where it is computed
+
+
+class Elsewhere(msgspec.Struct, **FIELDS):
+    """A place or a line other than the truth, and the reply to a click near it. It comes before `close` and `far`."""
+
+    truth: str  # a measure: a point or a line of the figure
+    near: float  # in the figure's unit
+    because: str
+    belief: str = ""
+
+
+class Place(msgspec.Struct, tag="place", tag_field="kind", **FIELDS):
+    """A click in one of the step's main figures."""
+
+    question: str
+    figure: str
+    truth: str  # a measure: a point or a line of that figure
+    near: float  # in the figure's unit: a click within it is close
+    close: str
+    far: str
+    line: str | None = None  # a measure: a far click is on the right way if it is below `near`
+    on_line: str | None = None  # the reply to such a click
+    elsewhere: tuple[Elsewhere, ...] = ()  # other replies; the first that fits is given
+
+
+class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
+    """A number on a scale."""
+
+    question: str
+    unit: str
+    low: float
+    high: float
+    truth: str  # a measure
+    close: str
+    far: str
+    step: float | None = None
+    factor: float | None = None  # a guess up to so many times too large or too small is close
+    within: float | None = None  # or one that differs by this at most
+    less: str | None = None  # the reply to a guess that is too small, instead of `far`
+    logarithmic: bool = False
+
+
+class Do(msgspec.Struct, tag="do", tag_field="kind", **FIELDS):
+    """A goal to reach with the step's sliders: a measure below or above a number."""
+
+    question: str
+    measure: str
+    below: float | None = None
+    above: float | None = None
+    counted: bool = False  # steps are counted, and can begin again
+
+
+class Pose(msgspec.Struct, tag="pose", tag_field="kind", **FIELDS):
+    """A posture of the ghost arm, set with the sliders `guess 1` and `guess 2`."""
+
+    question: str
+    truth: str  # a measure: a posture
+    near: float  # degrees
+    close: str
+    far: str
+
+
+class Predict(msgspec.Struct, tag="predict", tag_field="kind", **FIELDS):
+    """Rounds of two parts: set the knobs and click where a point will go, then turn. Knobs act on the turn only."""
+
+    question: str
+    figure: str
+    measure: str  # what a turn brings nearer to the goal
+    below: float  # the goal
+    times: int = 8  # rounds at most
+    counted: bool = True
+
+
+class Bet(msgspec.Struct, tag="bet", tag_field="kind", **FIELDS):
+    """How sure somebody is that a claim holds: 0 to 100 %, in steps of 5."""
+
+    question: str
+    truth: str  # a measure: 1 if the claim holds, else 0
+    times: int = 1  # the step is asked so many times, each time with the next of its records
+
+
+class Value(msgspec.Struct, **FIELDS):
+    """One value of a field, and its words."""
+
+    value: str | bool | int | float
+    text: str
+    says: str = ""  # one line: how the method works
+
+
+class Field(msgspec.Struct, **FIELDS):
+    """A field of `Settings` and the values to select from."""
+
+    name: str
+    label: str
+    values: tuple[Value, ...]
+
+
+class Select(msgspec.Struct, tag="select", tag_field="kind", **FIELDS):
+    """Values of fields of `Settings`, and the reason for them, which is asked before the result is shown."""
+
+    question: str
+    fields: tuple[Field, ...]
+    reason: str = ""  # the question about the reason
+    reasons: tuple[Option, ...] = ()
+
+
+Ask = Choice | Place | Number | Do | Pose | Select | Predict | Bet
+
+
+class Slider(msgspec.Struct, **FIELDS):
+    """What a slider turns, by its name.
+
+    `demo 1`, `own 1`, `guess 1`, … are joints of the demonstrator, the learner and the ghost arm. A field of `Settings`
+    sets that field. `distance`, `camera distance` and `baseline` move the eyes. Other names are for the step's figures.
+    """
+
+    name: str
+    label: str
+    low: float
+    high: float
+    start: float
+    step: float = 1.0
+    unit: str | None = None  # None shows no number
+    logarithmic: bool = False
+
+
+class Range(msgspec.Struct, **FIELDS):
+    """What is dealt at random besides the postures, evenly from low to high.
+
+    Its name is a field of `Settings`, or `head distance` (m), `head baseline` (m), `head toe-in` (degrees).
+    """
+
+    name: str
+    low: float
+    high: float
+    step: float
+
+
+class Told(msgspec.Struct, **FIELDS):
+    """A number that a reveal shows in large."""
+
+    measure: str
+    label: str
+    note: str = ""
+
+
+class Step(msgspec.Struct, **FIELDS):
+    """One screen: a text, figures, and a question. Words in braces are measures."""
+
+    id: str
+    title: str
+    text: str  # at most MAX_WORDS words, **bold**
+    say: str  # the sentence that one can say afterwards
+    ask: Ask
+    settings: dict[str, Any] = {}  # fields of `Settings` that differ from the lesson's
+    scene: dict[str, Any] = {}  # fields of a scene file that differ, of SCENE_FIELDS
+    chosen: int | None = None  # a body point, whose lines are drawn
+    main: tuple[Figure, ...] = ()  # large figures
+    side: tuple[Figure, ...] = ()
+    sliders: tuple[Slider, ...] = ()
+    race: tuple[str, ...] = ()  # servos that run from the same start
+    play: float | None = None  # seconds that the animation of the reveal takes
+    meets: bool = False  # the reveal brings the learner to the demonstrator's posture
+    carry: str | None = None  # the id of an earlier step whose state and path continue here
+    deal: bool = False  # postures are dealt at random
+    dealt: tuple[Range, ...] = ()
+    told: Told | None = None
+    after: str = ""
+
+
+class Lesson(msgspec.Struct, **FIELDS):
+    """A lesson file. minutes: the time it takes; settings: fields of `Settings` for all steps."""
+
+    title: str
+    short: str  # its name in a list
+    about: str  # one sentence
+    minutes: int
+    step: tuple[Step, ...]
+    settings: dict[str, Any] = {}
+    questions: bool = False  # asks the eight questions before and after
+
+
+class Item(msgspec.Struct, **FIELDS):
+    """One of the eight questions, asked before and after in the same words."""
+
+    id: str
+    text: str
+    answers: tuple[Option, ...]
+    step: str  # lesson/step that explains it
+
+
+class Questions(msgspec.Struct, **FIELDS):
+    """The file of the questions."""
+
+    item: tuple[Item, ...]
+
+
+def settings_of(lesson: Lesson, step: Step, **changes: Any) -> Settings:
+    """Return a step's settings: the paper's, changed by the lesson, the step and `changes`.
+
+    Raises
+    ------
+    ValueError
+        For a value that a setting cannot have; the message names the setting.
+    """
+    fields = current_settings({**lesson.settings, **step.settings, **changes})
+    return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)
+
+
+def figures_of(step: Step) -> tuple[Figure, ...]:
+    """Return a step's figures, the large ones first."""
+    return (*step.main, *step.side)
+
+
+def measures_in(words: str) -> list[str]:
+    """Return the measures that stand in braces."""
+    return _BRACES.findall(words)
+
+
+def texts_with_measures(step: Step) -> Iterator[tuple[str, str]]:
+    """Yield (field, words) of all words of a step in which measures may stand."""
+    for name in ("text", "after", "say"):
+        yield f".{name}", getattr(step, name)
+    if step.told is not None:
+        yield ".told.label", step.told.label
+        yield ".told.note", step.told.note
+    ask = step.ask
+    yield ".ask.question", ask.question
+    if isinstance(ask, Choice):
+        for k, answer in enumerate(ask.answers):
+            yield f".ask.answers[{k}].because", answer.because
+    if isinstance(ask, Place):
+        for k, other in enumerate(ask.elsewhere):
+            yield f".ask.elsewhere[{k}].because", other.because
+    if isinstance(ask, Select):
+        for k, reason in enumerate(ask.reasons):
+            yield f".ask.reasons[{k}].because", reason.because
+    for name in ("close", "far", "less", "on_line"):
+        words = getattr(ask, name, None)
+        if words:
+            yield f".ask.{name}", words
+
+
+def measures_of(step: Step) -> Mapping[str, str]:
+    """Return all measures that a step names, each with the field that names it first."""
+    found: dict[str, str] = {}
+    for field in ("truth", "measure", "right", "line"):
+        name = getattr(step.ask, field, None)
+        if name is not None:
+            found.setdefault(name, f".ask.{field}")
+    if isinstance(step.ask, Place):
+        for k, other in enumerate(step.ask.elsewhere):
+            found.setdefault(other.truth, f".ask.elsewhere[{k}].truth")
+    if step.told is not None:
+        found.setdefault(step.told.measure, ".told.measure")
+    for field, words in texts_with_measures(step):
+        for name in measures_in(words):
+            found.setdefault(name, field)
+    return found

@@ -1,0 +1,117 @@
+/**
+ * Arms, cameras and rays as somebody beside them sees them, as SVG: a parallel projection, in which parallel rays stay
+ * parallel and a place on a line is easy to drag.
+ *
+ * @typedef {[number, number, number]} Vector m in the world
+ * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as vi-demo
+ * @typedef {{camera: import("../engine/camera.js").Camera, kind: string, name: string}} Eye
+ * @typedef {Object} Seen
+ * @property {Body[]} bodies the farthest first
+ * @property {Eye[]} eyes
+ * @property {[ArrayLike<number>, ArrayLike<number>, string][]} lines from, to, class
+ * @property {[ArrayLike<number>, string][]} dots place, class
+ * @property {[ArrayLike<number>, string, string][]} labels place, text, class
+ */
+import {backProject, transform} from "../engine/engine.js";
+import {outermost, silhouette} from "./images.js";
+import {add, drawingUnit, px, set} from "./svg.js";
+
+const MARGIN_PX = 12, LENS_M = 0.16, LENS_SHARE = 0.42; // LENS: from a camera to its image plate, and what is drawn of that
+
+/** @param {number[]} a @param {ArrayLike<number>} b */
+const along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+export class Outside {
+  /** @param {HTMLElement} box @param {Record<string, number[][]>} hulls outermost vertices of links */
+  constructor(box, hulls) {
+    this.box = box;
+    this.hulls = outermost(hulls);
+    this.svg = add(box, "svg", {class: "vi", role: "img"});
+    this.plane = add(this.svg, "rect", {class: "vi-plane", x: .5, y: .5, rx: 5});
+    this.inside = add(this.svg, "g");
+    /** Axes of the drawing in the world: to the right, up, towards the spectator. */
+    this.axes = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];
+    this.window = {x: 0, y: 0, scale: 1};
+    this.width = 1;
+    this.height = 1;
+    this.unit = 1;
+    this.last = "";
+  }
+
+  /** The size of the drawing is that of its box. */
+  measure() {
+    this.unit = drawingUnit();
+    this.width = Math.max(this.box.clientWidth, 40) / this.unit;
+    this.height = Math.max(this.box.clientHeight, 40) / this.unit;
+    set(this.svg, {viewBox: `0 0 ${px(this.width)} ${px(this.height)}`});
+    set(this.plane, {width: px(this.width - 1), height: px(this.height - 1)});
+  }
+
+  /**
+   * Look from a direction, so that all of some places are in sight.
+   *
+   * @param {number} azimuth rad, from the world's x to where the spectator stands
+   * @param {number} elevation rad
+   * @param {ArrayLike<number>[]} places
+   */
+  aim(azimuth, elevation, places) {
+    const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
+    this.axes = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
+    const xs = places.map(p => along(this.axes[0], p)), ys = places.map(p => -along(this.axes[1], p));
+    const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const scale = Math.min((this.width - 2 * MARGIN_PX) / (right - left || 1), (this.height - 2 * MARGIN_PX) / (bottom - top || 1));
+    this.window = {x: (left + right) / 2 - this.width / scale / 2, y: (top + bottom) / 2 - this.height / scale / 2, scale};
+  }
+
+  /** Where a point of the world is drawn, in the drawing's units. @param {ArrayLike<number>} point @returns {[number, number]} */
+  place(point) {
+    const {x, y, scale} = this.window;
+    return [(along(this.axes[0], point) - x) * scale, (-along(this.axes[1], point) - y) * scale];
+  }
+
+  /** Where in the drawing a pointer is. @param {PointerEvent} event @returns {[number, number]} */
+  under(event) {
+    const box = this.svg.getBoundingClientRect();
+    return [(event.clientX - box.left) / box.width * this.width, (event.clientY - box.top) / box.height * this.height];
+  }
+
+  /** The point of a line that is drawn nearest to a place. @param {[number, number]} place @param {Vector} from @param {Vector} to @returns {number} 0 at `from`, 1 at `to` */
+  share([x, y], from, to) {
+    const [a, b] = this.place(from), [c, d] = this.place(to), u = c - a, v = d - b;
+    return ((x - a) * u + (y - b) * v) / (u * u + v * v);
+  }
+
+  /** @param {Seen} seen @param {string} label what a screen reader says */
+  draw({bodies, eyes, lines, dots, labels}, label) {
+    const at = (/** @type {ArrayLike<number>} */ p) => this.place(p).map(px).join(" ");
+    const html = [...bodies.map(body => this.#arm(body)), ...eyes.map(eye => this.#eye(eye)),
+      ...lines.map(([a, b, kind]) => `<path class="${kind}" d="M${at(a)}L${at(b)}"/>`),
+      ...dots.map(([p, kind]) => `<path class="${kind}" d="M${at(p)}h0"/>`),
+      ...labels.map(([p, text, kind]) => {
+        const [x, y] = this.place(p), end = x > this.width * .7;
+        return `<text class="vi-halo ${kind}${end ? " vi-end" : ""}" x="${px(x + (end ? -9 : 9))}" y="${px(y + 4)}">${text}</text>`;
+      })].join("");
+    if (html !== this.last) this.inside.innerHTML = this.last = html;
+    set(this.svg, {"aria-label": label});
+  }
+
+  /** The links of an arm, the farthest first. @param {Body} body */
+  #arm({frames, kind}) {
+    const links = this.hulls.map(({link, vertices}) => {
+      const corners = vertices.map(v => transform(frames[link], v));
+      const depth = corners.reduce((sum, p) => sum + along(this.axes[2], p), 0) / corners.length;
+      return {depth, d: `M${silhouette(corners.map(p => this.place(p))).map(p => p.map(px).join(" ")).join("L")}z`};
+    }).sort((a, b) => a.depth - b.depth);
+    return `<g class="vi-solid ${kind}">${links.map(({d}) => `<path class="vi-blank" d="${d}"/><path class="vi-hull" d="${d}"/>`).join("")}</g>`;
+  }
+
+  /** A camera as a pyramid: its eye, and the plate on which its image lies. @param {Eye} eye */
+  #eye({camera, kind, name}) {
+    const {width, height, principal: [x, y]} = camera, [w, h] = [LENS_SHARE * width / 2, LENS_SHARE * height / 2];
+    const corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(([a, b]) => backProject(camera, x + a, y + b, LENS_M));
+    const at = (/** @type {ArrayLike<number>} */ p) => this.place(p).map(px).join(" "), eye = at(camera.centre);
+    const [u, v] = this.place(camera.centre), label = `<text class="vi-halo vi-name vi-mid" x="${px(u)}" y="${px(v - 9)}">${name}</text>`;
+    return `<g class="${kind}"><path class="vi-plate" d="M${corners.map(at).join("L")}z"/>
+<path class="vi-frustum" d="${corners.map(p => `M${eye}L${at(p)}`).join("")}"/><path class="vi-pupil" d="M${eye}h0"/></g>${label}`;
+  }
+}

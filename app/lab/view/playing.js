@@ -1,0 +1,122 @@
+/** Playing: while it is on, a learner at rest wakes when the demonstrator moves. */
+
+/** ms of a step, by law */
+const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, PROBE_MS = 1100;
+const GLIDE = 0.75, MIN_GLIDE_MS = 100; // share of a period in which the arm moves
+const HELD = .25; // share of a period while something is dragged
+
+export class Player {
+  /**
+   * @param {import("./experiment.js").Experiment} experiment
+   * @param {() => void} draw a frame
+   * @param {() => void} stepped
+   */
+  constructor(experiment, draw, stepped) {
+    this.experiment = experiment;
+    this.drawNow = draw;
+    this.stepped = stepped;
+    this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.isPlaying = false;
+    this.isHeld = false;
+    /** Playing, but the servo has no motion to make. */
+    this.isAsleep = false;
+    this.isTicking = false;
+    this.isDue = false;
+    this.due = 0;
+    /** @type {{from: number[], began: number, lasts: number} | null} */
+    this.glide = null;
+    /** At which the servo had no motion to make. @type {import("../engine/session.js").Moment | null} */
+    this.restedAt = null;
+  }
+
+  get isFollowing() {
+    return this.isPlaying && this.isAsleep;
+  }
+
+  get isAtRest() {
+    const {now} = this.experiment;
+    return now === this.restedAt && Boolean(now.fitted);
+  }
+
+  /** Draw in the next frame, once. */
+  redraw() {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => {
+      this.isDue = false;
+      if (!this.isTicking) this.drawNow();
+    });
+  }
+
+  /** @param {boolean} on */
+  play(on) {
+    this.isPlaying = on;
+    document.body.classList.toggle("playing", on);
+    if (on) this.wake();
+    this.redraw();
+  }
+
+  /** Go on, if it is playing. */
+  wake() {
+    this.isAsleep = false;
+    if (this.isTicking) return;
+    this.isTicking = true;
+    requestAnimationFrame(now => this.#tick(now));
+  }
+
+  /** Something else is shown from here. */
+  interrupt() {
+    this.glide = null;
+    if (this.isPlaying) this.wake();
+    this.redraw();
+  }
+
+  step() {
+    this.play(false);
+    this.glide = null;
+    if (this.#advance()) this.wake();
+    this.redraw();
+  }
+
+  undo() {
+    this.play(false);
+    this.glide = null;
+    this.experiment.session.undo();
+    this.redraw();
+  }
+
+  /** The moment on display: the present one, or one on the way there. */
+  shown() {
+    const {now, session} = this.experiment;
+    if (!this.glide) return now;
+    const {from, began, lasts} = this.glide, share = Math.min(1, (performance.now() - began) / lasts);
+    const eased = share * share * (3 - 2 * share);
+    return session.observe(now.theta.map((v, k) => from[k] + eased * (v - from[k])));
+  }
+
+  #advance() {
+    const {session, state} = this.experiment, from = session.now.theta;
+    if (!session.step()) {
+      this.restedAt = session.now;
+      return false;
+    }
+    const usual = session.now.probe ? PROBE_MS : PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)];
+    const period = usual * (this.isHeld ? HELD : 1), now = performance.now();
+    this.glide = this.still.matches || period < MIN_GLIDE_MS ? null : {from, began: now, lasts: GLIDE * period};
+    this.due = now + period;
+    this.stepped();
+    return true;
+  }
+
+  /** @param {number} now */
+  #tick(now) {
+    if (this.glide && now - this.glide.began >= this.glide.lasts) this.glide = null;
+    if (this.isPlaying && !this.glide && now >= this.due && !this.#advance()) {
+      this.isAsleep = true;
+      if (!this.experiment.now.fitted) this.play(false);
+    }
+    this.drawNow();
+    if (this.glide || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
+    else this.isTicking = false;
+  }
+}

@@ -1,0 +1,185 @@
+/**
+ * How a moment looks: four images, the map of E, its curve, the joints and both robots in 3-D, in the lab and in
+ * replays.
+ */
+import {backProject, transform, triangulate} from "../engine/engine.js";
+import {Curve} from "./curve.js";
+import {Images} from "./images.js";
+import {EnergyMap} from "./map.js";
+import {byId as $} from "./page.js";
+import {openSpace} from "./space.js";
+import {fixed, say} from "./svg.js";
+
+/**
+ * @typedef {import("./space.js").Vector} Vector
+ * @typedef {import("./space.js").Who} Who
+ * @typedef {import("../engine/world.js").World} World
+ * @typedef {import("../engine/affine.js").Line} Line
+ * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage,
+ *   page?: {scene: string, layouts: string[]}}} Scene page: how the page of viewimit names it
+ * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
+ * @typedef {import("./images.js").Picture & {rays: boolean}} Shown
+ *   rays: whether each point is joined with its images in 3-D
+ */
+
+const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
+/** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
+const LINES = {points: [1.6, .8], chosen: [2.6, .9]};
+
+export class View {
+  /**
+   * @param {Common} common
+   * @param {ArrayBuffer} meshes
+   * @param {() => void} changed when a drawing's size has changed
+   */
+  constructor({robot, hulls}, meshes, changed) {
+    this.images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, hulls);
+    this.map = new EnergyMap($("map"));
+    this.curve = new Curve($("curve"));
+    this.space = opened(robot, meshes);
+    /** @type {Scene | null} */
+    this.scene = null;
+    for (const [drawing, box] of /** @type {const} */ ([[this.images, $("images")], [this.curve, $("curve")]])) {
+      drawing.measure();
+      new ResizeObserver(() => { drawing.measure(); changed(); }).observe(box);
+    }
+    for (const [name, selector] of [["--head", "header"], ["--foot", ".bar"]]) {
+      const element = /** @type {Element} */ (document.querySelector(selector)), root = document.documentElement;
+      new ResizeObserver(() => root.style.setProperty(name, `${element.clientHeight}px`)).observe(element);
+    }
+  }
+
+  /** Another scene, or the same again. @param {Scene} scene */
+  setScene(scene) {
+    if (scene === this.scene) return;
+    this.scene = scene;
+    this.space?.setStage(scene.stage);
+    this.images.fresh = true;
+  }
+
+  /**
+   * Images, scene and what is said of the chosen point.
+   *
+   * @param {World} world
+   * @param {Shown} shown
+   * @returns {boolean} whether the windows of the images have still to move
+   */
+  draw(world, shown) {
+    const moves = this.images.draw(world, shown);
+    say($("missed"), missed(shown));
+    this.#drawSpace(world, shown);
+    return moves;
+  }
+
+  /** Light or dark, in turn. */
+  recolour() {
+    const root = document.documentElement.dataset;
+    root.scheme = root.scheme === "dark" ? "light" : "dark";
+    this.space?.recolour();
+  }
+
+  /** @param {World} world @param {Shown} shown */
+  #drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
+    const {space, scene} = this;
+    if (!space || !scene) return;
+    const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
+    const points = {
+      demonstrator: triples(demonstrator.points(thetaDemo, world.body)),
+      learner: triples(learner.points(theta, world.body)),
+    };
+    const plates = scene.cameras.map((camera, k) => each.map(i => {
+      const [images, seen] = k < 2 ? [views.demo, views.demoSeen] : [views.own, views.ownSeen], at = 2 * i + (k & 1);
+      if (!seen[at]) return null;
+      return vector(backProject(camera, images[2 * at], images[2 * at + 1], PLATE_M * scene.stage.size));
+    }));
+    const found = each.map(i => Number.isFinite(recovered[4 * i])
+      ? vector(triangulate(world.pairs.learner, recovered.subarray(4 * i, 4 * i + 4))) : null);
+    const chosenPoints = scene.cameras.map((camera, k) => {
+      const who = /** @type {Who} */ (k < 2 ? "demonstrator" : "learner");
+      return strip(camera.centre, points[who][chosen], who, LINES.points);
+    });
+    space.show({
+      points, plates, rays, recovered: found,
+      frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
+      ghost: goal ? learner.linkFrames(thetaDemo) : null,
+      lines: N ? [
+        ...chosenPoints, ...rayOf(scene, points.demonstrator[chosen]),
+        ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
+      ] : [],
+    });
+  }
+}
+
+/** The 3-D view, or null with a word on it. @param {import("./space.js").Common} robot @param {ArrayBuffer} meshes */
+function opened(robot, meshes) {
+  let space = null;
+  try { space = openSpace($("space"), $("labels"), robot, meshes); } catch (error) { console.warn(error); }
+  if (!space) {
+    document.body.classList.add("flat");
+    say($("labels"), "This browser draws no WebGL: everything but the 3-D view is here.");
+  }
+  return space;
+}
+
+/** How far the chosen point's arrows reach. @param {Shown} shown */
+function missed({moment: {views}, recovered, chosen}) {
+  const off = (/** @type {number} */ k) => recovered[4 * chosen + k] - views.own[4 * chosen + k];
+  const far = [Math.hypot(off(0), off(1)), Math.hypot(off(2), off(3))];
+  return Number.isFinite(far[0] + far[1]) ? `point ${chosen}: off by ${fixed(far[0])} and ${fixed(far[1])} px`
+    : `point ${chosen} is not seen in all four pictures`;
+}
+
+/** @typedef {[Vector, Vector, string, number, number]} Strip a line in 3-D, as space.js takes it */
+
+/**
+ * @param {ArrayLike<number>} from
+ * @param {ArrayLike<number>} to
+ * @param {string} role
+ * @param {[number, number]} how
+ * @returns {Strip}
+ */
+const strip = (from, to, role, [width, opacity]) => [vector(from), vector(to), role, width, opacity];
+
+/**
+ * The left camera's ray, on past the point: anything on it looks the same to that camera.
+ *
+ * @param {Scene} scene
+ * @param {Vector} point
+ * @returns {Strip[]}
+ */
+function rayOf(scene, point) {
+  if (!point) return [];
+  const {centre} = scene.cameras[0];
+  const on = (/** @type {number} */ share) => centre.map((c, i) => c + share * (point[i] - c));
+  return [strip(on(.3), on(1.5), "chosen", LINES.chosen)];
+}
+
+/**
+ * An epipolar line, where it crosses the plate of its picture in the scene.
+ *
+ * @param {Scene} scene
+ * @param {Line} line
+ * @returns {Strip[]}
+ */
+function plated(scene, {into, a, b, c}) {
+  const camera = scene.cameras[into], {width, height} = camera;
+  const inside = [[0, -c / b], [width, -(c + a * width) / b], [-c / a, 0], [-(c + b * height) / a, height]]
+    .filter(([x, y]) => x >= 0 && x <= width && y >= 0 && y <= height);
+  if (inside.length < 2) return [];
+  const [from, to] = inside.map(([x, y]) => backProject(camera, x, y, PLATE_M * scene.stage.size));
+  return [strip(from, to, "chosen", LINES.chosen)];
+}
+
+/**
+ * Where a link, or a place on it, is drawn in 3-D: px.
+ *
+ * @param {NonNullable<View["space"]>} space
+ * @param {ArrayLike<number>} frame
+ * @param {number[]} at
+ */
+export const projected = (space, frame, at) => space.project(transform(frame, at)).slice(0, 2);
+
+/** @param {ArrayLike<number>} p @returns {Vector} */
+const vector = p => [p[0], p[1], p[2]];
+/** @param {Float64Array} points (3 N) */
+const triples = points => Array.from({length: points.length / 3}, (_, i) => vector(points.subarray(3 * i, 3 * i + 3)));

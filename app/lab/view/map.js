@@ -8,7 +8,7 @@ const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2; // of a letter
-const PAD = {left: 46, top: 8, right: 12, bottom: 31};
+const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
 /**
  * Marching squares: where a grid of values crosses a level, in grid units.
@@ -169,7 +169,8 @@ export class EnergyMap {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
     const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
-      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
+      const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
+      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
         : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}

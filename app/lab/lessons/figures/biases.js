@@ -7,23 +7,24 @@
  */
 import {fixed, px} from "../../view/svg.js";
 import {stageSmallest} from "../maps.js";
+import {short} from "../measured.js";
 import {farthest} from "./bowl.js";
 import {
-  axis, circles, crossHair, dots, Drawing, legend, legendHeight, Names, path, polyline, short, text, widthOf,
+  axis, circles, crossHair, dots, Drawing, legend, legendHeight, Names, path, polyline, text, widthOf,
 } from "./drawing.js";
 
 const FLOOR = .01, HIGHEST = 30; // degrees; smaller ones are raised to the floor
 const ASKED = 10; // times the distance
 const DEGREES = [.01, .1, 1, 10], TIMES = [1, 3, 10, 30];
 const STYLES = new Map([["epipolar", "used"], ["linear", "second"], ["rank3", "third"], ["projective", "exact"]]);
-const HEAD = 44, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this width on, names stand beside their curves
+const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this width on, names stand beside their curves
 
 /** @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
 
 /** @type {FigureKind} */
 export const BIASES = {
   layers: ["curves", "here", "foretold", "found"],
-  title: "How far off the smallest E is",
+  title: "From the smallest E to the demonstrator: the joint that is farthest off",
   aspect: 1.8,
   create(box) {
     const drawing = new Drawing(box, "lesson-biases");
@@ -55,9 +56,7 @@ function drawn({width, height}, stage, layers) {
   const at = (/** @type {number} */ v, /** @type {number} */ value) =>
     [x(v), y(Math.min(Math.max(value, FLOOR), HIGHEST))];
   const names = new Names(LEFT, HEAD, right, bottom);
-  let svg = text(4, 16, "From the smallest E to the demonstrator", "vi-b");
-  svg += text(4, 33, "the joint that is farthest off", "vi-2nd");
-  svg += path("vi-rule", DEGREES.map(v => `M${LEFT} ${px(y(v))}H${px(right)}`).join(""));
+  let svg = path("vi-rule", DEGREES.map(v => `M${LEFT} ${px(y(v))}H${px(right)}`).join(""));
   const ticks = TIMES.map(v => `M${px(x(v))} ${px(bottom)}v4`).join("");
   svg += path("vi-axis", `M${LEFT} ${HEAD}V${px(bottom)}H${px(right)}${ticks}`);
   svg += DEGREES.map(v => text(LEFT - 6, y(v) + 4.5, `${v}°`, "vi-2nd vi-end")).join("");
@@ -68,7 +67,8 @@ function drawn({width, height}, stage, layers) {
     names.takeLine(points, 4);
     svg += path(`lesson-bias lesson-bias-${STYLES.get(name)}`, polyline(points));
   }
-  const ends = shown.map(name => ({name, at: y(Math.max(degrees[name][times.length - 1], FLOOR)), words: nameOf(name)}));
+  const end = (/** @type {string} */ name) => y(Math.max(degrees[name][times.length - 1], FLOOR));
+  const ends = shown.map(name => ({name, at: end(name), words: nameOf(name)}));
   svg += isWide ? besideCurves(ends, right) : legend(rows, 4, height - legendHeight(rows, width) + 6, width).drawn;
   const here = stage.sliders.get("distance") ?? 1, now = biasNow(stage);
   if (layers.has("here")) {
@@ -103,15 +103,15 @@ function besideCurves(ends, right) {
   }).join("");
 }
 
-/** Between two distances, by the logarithm of them. @param {number} asked @param {number[]} times @param {number[]} values */
-function valueAt(asked, times, values) {
-  const k = Math.max(1, times.findIndex(v => v >= asked));
-  const share = Math.log(asked / times[k - 1]) / Math.log(times[k] / times[k - 1]);
+/** Between distances, by their logarithm. @param {number} at @param {number[]} times @param {number[]} values */
+function valueAt(at, times, values) {
+  const k = Math.max(1, times.findIndex(v => v >= at));
+  const share = Math.log(at / times[k - 1]) / Math.log(times[k] / times[k - 1]);
   return values[k - 1] + share * (values[k] - values[k - 1]);
 }
 
 /** Degrees from the smallest E to the demonstrator as the eyes stand. @param {Stage} stage */
-export function biasNow(stage) {
+function biasNow(stage) {
   const lowest = stageSmallest(stage);
   return lowest && farthest(lowest, stage.moment.thetaDemo);
 }

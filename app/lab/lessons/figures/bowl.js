@@ -13,7 +13,7 @@
 import {stageMap, stageSmallest} from "../maps.js";
 import {EnergyMap} from "../../view/map.js";
 import {add, fixed} from "../../view/svg.js";
-import {circles, crosses, crossHair, crowd, diamonds, distance, dots, Names, path, polyline, text} from "./drawing.js";
+import {circles, crosses, diamonds, dots, Names, path, polyline, text} from "./drawing.js";
 
 const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
 const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
@@ -23,14 +23,14 @@ const TITLES = new Map([
   ["gradient-retuned", "gradient law"],
 ]);
 const NOTE = "hollow: a test move", NOTE_WIDE = 122;
+const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is at its right; with its name
 
 /** @type {FigureKind} */
 export const LANDSCAPE = {
-  layers: ["relief", "smallest", "demonstrator", "paths", "others", "apart"],
+  layers: ["relief", "smallest", "demonstrator", "paths", "others"],
   title: "Map of E",
   unit: "rad",
   aspect: 1.7,
-  motions: stage => Math.max(0, ...racesOf(stage).map(([, race]) => race.postures.length - 1)),
   create(box) {
     box.classList.add("lesson-map");
     box.append(document.createElement("canvas"));
@@ -68,20 +68,17 @@ function marks(map, stage, layers) {
   const place = (/** @type {ArrayLike<number>} */ theta) => map.place([theta[0], theta[1]]);
   const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
   const demo = layers.has("demonstrator") ? place(stage.moment.thetaDemo) : null;
-  const cross = lowest && place(lowest), you = mark && place(mark), ways = waysOf(stage, layers);
-  const names = new Names(...map.plot);
-  for (const each of [cross, demo, you]) if (each) names.takePoint(each, each === you ? 16 : 9);
-  let below = "", above = stage.others.length ? crowd(stage.others.map(place)) : "";
+  const cross = lowest && place(lowest), ways = waysOf(stage, layers), names = new Names(...map.plot);
+  for (const each of [cross, demo]) if (each) names.takePoint(each, 9);
+  if (mark) takeMark(names, place(mark), stage.isRevealed ? cross : null);
+  let below = "", above = "";
   for (const way of ways) {
     const points = way.postures.map(place);
     names.takeLine(points);
     below += drawnWay(points, way);
   }
-  if (cross && lowest && mark && you && layers.has("apart"))
-    above += distance(you, cross, `${fixed(farthest(mark, lowest), 0)}°`, names);
   if (cross) above += path("lesson-cross-case", crosses([cross], 8)) + path("vi-cross", crosses([cross], 8));
   if (demo) above += path("vi-seen", diamonds([demo], 6.5));
-  if (you) above += crossHair(you, names);
   for (const way of ways)
     above += names.beside(place(way.postures[way.best]), way.name, `lesson-way-${way.role}-words`, {reach: 3});
   if (demo) above += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
@@ -92,6 +89,20 @@ function marks(map, stage, layers) {
     level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
   }
   return below + above;
+}
+
+/**
+ * Leave the visitor's mark free, its name, and the pill between it and the truth.
+ *
+ * @param {Names} names
+ * @param {number[]} mark
+ * @param {number[] | null} truth
+ */
+function takeMark(names, [x, y], truth) {
+  names.takePoint([x, y], 18);
+  if (x < NEAR_EDGE) names.take([x, y - 10, x + MARK_WIDE, y + 10]);
+  else names.take([x - MARK_WIDE, y - 10, x, y + 10]);
+  if (truth) names.takePoint([(x + truth[0]) / 2, (y + truth[1]) / 2], 16);
 }
 
 /** What hollow marks are, in a corner that is free. @param {number[]} plot @param {Names} names */

@@ -5,8 +5,8 @@
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("../stage.js").FigureKind} FigureKind
  * @typedef {import("../../engine/world.js").World} World
- * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which the lines were found, and those
- *   by which the learner followed
+ * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those by
+ *   which the learner followed
  * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} Carried rad
  * @typedef {Object} Way of one hand, frame by frame
  * @property {number[][][]} arms px in L, base to hand
@@ -21,10 +21,14 @@
  */
 import {projectPoint, TRANSFERS} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
-import {axis, diamonds, dots, Drawing, legend, legendHeight, path, polyline, short, text, widthOf} from "./drawing.js";
+import {short} from "../measured.js";
+import {
+  axis, decades, diamonds, dots, Drawing, fitted, legend, legendHeight, path, polyline, rectangle, text, widthOf,
+} from "./drawing.js";
 
 const MARGIN = 18, CURVE_HIGH = 96, LEAST_PICTURE = 190; // units
 const BARS = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // of the scale, in its unit
+const ROLES = {right: "learner", early: "opponent"};
 const FROZEN = {right: "lines found at agreement", early: "lines found too early"};
 
 /** @type {FigureKind} */
@@ -68,13 +72,13 @@ function inImage(stage, layers) {
   if (layers.has("truth") && !stage.truthHidden)
     hands.push({role: "demonstrator", name: "the true path", path: ways.right.truth, arms: null});
   for (const which of /** @type {const} */ (["right", "early"])) {
-    const {arms, target, still} = ways[which], role = which === "right" ? "learner" : "opponent";
-    if (layers.has(which)) {
-      if (hasTargets) hands.push({role: "recovered", name: "where the lines say it should be", path: target, arms: null});
-      hands.push({role, name: hasTargets ? "its own hand" : FROZEN[which], path: arms.map(last), arms});
-    } else if (layers.has(`still ${which}`)) hands.push({role, name: FROZEN[which], path: [], arms: [still], still: true});
+    const {arms, target, still} = ways[which], role = ROLES[which], name = hasTargets ? "its own hand" : FROZEN[which];
+    if (layers.has(which) && hasTargets)
+      hands.push({role: "recovered", name: "where the lines say it should be", path: target, arms: null});
+    if (layers.has(which)) hands.push({role, name, path: arms.map(last), arms});
+    else if (layers.has(`still ${which}`)) hands.push({role, name, path: [], arms: [still], still: true});
   }
-  const {right, early} = ways, room = [...right.truth, ...[right, early].flatMap(way => [...way.target, ...way.arms.flat()])];
+  const room = [ways.right, ways.early].flatMap(({truth, target, arms}) => [...truth, ...target, ...arms.flat()]);
   return {hands, curves: [], room, upwards: false, unit: "px", perUnit: 1};
 }
 
@@ -83,17 +87,24 @@ function fromSide(stage, layers) {
   const ways = waysOf(stage), runs = /** @type {const} */ (["right", "early"]).filter(which => layers.has(which));
   const demo = demonstratorFromSide(stage);
   /** @type {Hand[]} */
-  const hands = layers.has("circle") ? [{role: "demonstrator", name: "the demonstrator", path: demo.map(last), arms: demo}] : [];
-  const roleOf = (/** @type {"right" | "early"} */ which) => which === "right" ? "learner" : "opponent";
-  for (const which of runs)
-    hands.push({role: roleOf(which), name: FROZEN[which], path: ways[which].side.map(last), arms: ways[which].side});
+  const hands = [];
+  if (layers.has("circle"))
+    hands.push({role: "demonstrator", name: "the demonstrator", path: demo.map(last), arms: demo});
+  for (const which of runs) {
+    const {side} = ways[which];
+    hands.push({role: ROLES[which], name: FROZEN[which], path: side.map(last), arms: side});
+  }
   const of = runs.length ? runs : /** @type {const} */ (["early"]);
   /** @type {Curve[]} */
   const curves = [];
-  if (layers.has("px")) curves.push({title: "Apart in its image", unit: "px, from where its lines say",
-    values: of.map(which => [roleOf(which), ways[which].overlapPx]), low: .1, high: 10});
-  if (layers.has("mm") && !stage.truthHidden) curves.push({title: "Hands apart in space", unit: "mm, hidden from the learner",
-    values: of.map(which => [roleOf(which), ways[which].handMm]), low: 1, high: 1000});
+  if (layers.has("px")) curves.push({
+    title: "Apart in its image", unit: "px, from where its lines say", low: .1, high: 10,
+    values: of.map(which => [ROLES[which], ways[which].overlapPx]),
+  });
+  if (layers.has("mm") && !stage.truthHidden) curves.push({
+    title: "Hands apart in space", unit: "mm, hidden from the learner", low: 1, high: 1000,
+    values: of.map(which => [ROLES[which], ways[which].handMm]),
+  });
   const room = [...demo, ...ways.right.side, ...ways.early.side].flat();
   return {hands, curves, room, upwards: true, unit: "mm", perUnit: 1000};
 }
@@ -123,8 +134,9 @@ function wayOf({world, session, moment}, {demonstrator}, {frozen, postures}) {
   const seen = world.look("demonstrator", moment.thetaDemo).images, own = world.look("learner", frozen).images;
   const lines = TRANSFERS[session.settings.transfer].fit(seen, own);
   const hands = demonstrator.map(theta => inImages("demonstrator", theta).flatMap(last));
-  const targets = lines.recover(Float64Array.from(hands.flat())), arms = postures.map(theta => inImages("learner", theta));
-  const side = postures.map(theta => fromBase(world, theta));
+  const targets = lines.recover(Float64Array.from(hands.flat()));
+  const arms = postures.map(theta => inImages("learner", theta));
+  const [side, demo] = [postures, demonstrator].map(of => of.map(theta => fromBase(world, theta)));
   return {
     arms: arms.map(([left]) => left),
     target: hands.map((_, k) => [targets[4 * k], targets[4 * k + 1]]),
@@ -132,7 +144,7 @@ function wayOf({world, session, moment}, {demonstrator}, {frozen, postures}) {
     side: side.map(upright),
     overlapPx: arms.map((both, k) => both.reduce((sum, arm, eye) =>
       sum + Math.hypot(last(arm)[0] - targets[4 * k + 2 * eye], last(arm)[1] - targets[4 * k + 2 * eye + 1]) / 2, 0)),
-    handMm: side.map((arm, k) => 1000 * Math.hypot(...last(fromBase(world, demonstrator[k])).map((v, i) => v - last(arm)[i]))),
+    handMm: side.map((arm, k) => 1000 * Math.hypot(...last(demo[k]).map((v, i) => v - last(arm)[i]))),
     still: inImages("learner", frozen)[0],
   };
 }
@@ -155,51 +167,69 @@ const demonstratorFromSide = ({world, records}) =>
 
 /** @param {Drawing} drawing @param {Shown} shown @param {number} frame */
 function drawn({width, height}, {hands, curves, room, upwards, unit, perUnit}, frame) {
-  /** @type {[string, string, string][]} */
-  const rows = hands.map(hand => [`<g class="lesson-hand-${hand.role}">${
-    path(hand.still ? "lesson-limb" : "lesson-hand-line", "M0 0h30")}</g>`, hand.name, `vi-b lesson-hand-words-${hand.role}`]);
-  const foot = legendHeight(rows, width) + 10, each = Math.min(CURVE_HIGH, (height - foot - LEAST_PICTURE) / Math.max(curves.length, 1));
-  const bottom = height - foot - curves.length * each, low = [0, 1].map(k => Math.min(...room.map(p => p[k])));
-  const high = [0, 1].map(k => Math.max(...room.map(p => p[k])));
-  const scale = Math.min((width - 2 * MARGIN) / (high[0] - low[0]), (bottom - 2 * MARGIN) / (high[1] - low[1]));
-  const place = (/** @type {number[]} */ p) => [width / 2 + (p[0] - (low[0] + high[0]) / 2) * scale,
-    bottom / 2 + (p[1] - (low[1] + high[1]) / 2) * scale * (upwards ? -1 : 1)];
-  let svg = `<rect class="vi-plane" x=".5" y=".5" width="${px(width - 1)}" height="${px(bottom - 1)}" rx="5"/>`;
+  const rows = hands.map(rowOf), foot = legendHeight(rows, width) + 10;
+  const each = Math.min(CURVE_HIGH, (height - foot - LEAST_PICTURE) / Math.max(curves.length, 1));
+  const bottom = height - foot - curves.length * each, turned = upwards ? -1 : 1;
+  const flip = (/** @type {number[]} */ [x, y]) => [x, turned * y];
+  const {scale, place: at} = fitted(room.map(flip), [MARGIN, MARGIN, width - MARGIN, bottom - MARGIN]);
+  const place = (/** @type {number[]} */ p) => at(flip(p));
+  let svg = rectangle("vi-plane", .5, .5, width - 1, bottom - 1, 5);
   for (const {role, arms} of hands) if (arms) {
     const bones = polyline(arms[Math.min(frame, arms.length - 1)].map(place));
     svg += `<g class="lesson-hand-${role}">${path("lesson-limb", bones)}${path("lesson-limb-line", bones)}</g>`;
   }
   for (const {role, path: way, still} of hands) if (!still) {
     const points = way.slice(0, frame + 1).map(place), end = points.slice(-1);
-    const mark = role === "learner" || role === "opponent" ? path("lesson-hand-dot", dots(end)) : path("lesson-hand-mark", diamonds(end, 5));
+    const isArm = role === "learner" || role === "opponent";
+    const mark = isArm ? path("lesson-hand-dot", dots(end)) : path("lesson-hand-mark", diamonds(end, 5));
     svg += `<g class="lesson-hand-${role}">${path("lesson-hand-line", polyline(points))}${mark}</g>`;
   }
-  const length = BARS.filter(size => size * scale / perUnit < width / 3).pop() ?? 1, x = width - 12;
-  svg += path("vi-lead", `M${px(x - length * scale / perUnit)} ${px(bottom - 10)}H${px(x)}`);
-  svg += text(x, bottom - 15, `${length} ${unit}`, "vi-2nd vi-end vi-halo") + legend(rows, 2, bottom + 14, width).drawn;
+  const size = BARS.filter(bar => bar * scale / perUnit < width / 3).pop() ?? 1, long = size * scale / perUnit;
+  const isTaken = room.map(place).some(p => p[0] > width - long - 24 && p[1] > bottom - 34);
+  const x = isTaken ? 12 : width - 12 - long;
+  svg += path("vi-lead", `M${px(x)} ${px(bottom - 10)}h${px(long)}`);
+  svg += text(x, bottom - 15, `${size} ${unit}`, "vi-2nd vi-halo");
+  svg += legend(rows, 2, bottom + 14, width).drawn;
   return svg + curves.map((curve, k) => drawnCurve(curve, bottom + foot + k * each, each, width, frame)).join("");
 }
 
-/** Over the way, on a logarithmic scale. @param {Curve} curve @param {number} top @param {number} high @param {number} width @param {number} frame */
+/** What a line is. @param {Hand} hand @returns {[string, string, string]} */
+const rowOf = ({role, name, still}) => [
+  `<g class="lesson-hand-${role}">${path(still ? "lesson-limb" : "lesson-hand-line", still ? "M6 0h18" : "M0 0h30")}</g>`, name,
+  `vi-b lesson-hand-words-${role}`,
+];
+
+/**
+ * Over the way, on a logarithmic scale.
+ *
+ * @param {Curve} curve
+ * @param {number} top
+ * @param {number} high
+ * @param {number} width
+ * @param {number} frame
+ */
 function drawnCurve({title, unit, values, low, high: most}, top, high, width, frame) {
-  const from = 10 ** Math.floor(Math.log10(Math.min(low, ...values.flatMap(([, v]) => v).map(v => Math.max(v, 1e-3)))));
-  const to = 10 ** Math.ceil(Math.log10(Math.max(most, ...values.flatMap(([, v]) => v)))), left = 44, right = width - 8;
-  const y = axis(from, to, top + high - 6, top + 24, true), x = axis(0, Math.max(values[0][1].length - 1, 1), left, right);
-  const decades = Array.from({length: Math.round(Math.log10(to / from)) + 1}, (_, k) => from * 10 ** k);
-  const every = Math.ceil(decades.length / Math.max(2, (high - 30) / 16)), ticks = decades.filter((_, k) => k % every === 0);
+  const all = values.flatMap(([, of]) => of).map(v => Math.max(v, low / 100)), left = 44, right = width - 8;
+  const {from, to, ticks} = decades([low, most, ...all], Math.floor((high - 30) / 16));
+  const y = axis(from, to, top + high - 6, top + 24, true);
+  const x = axis(0, Math.max(values[0][1].length - 1, 1), left, right);
   let svg = text(0, top + 14, title, "vi-b") + text(widthOf(title, true) + 8, top + 14, unit, "vi-2nd");
   svg += path("vi-rule", ticks.map(v => `M${left} ${px(y(v))}H${px(right)}`).join(""));
-  svg += ticks.map(v => text(left - 6, y(v) + 4.5, short(v), "vi-2nd vi-end")).join("");
-  for (const [role, all] of values) {
-    const points = all.slice(0, frame + 1).map((v, k) => [x(k), y(Math.max(v, from))]);
-    svg += `<g class="lesson-hand-${role}">${path("lesson-hand-line", polyline(points))}${path("lesson-hand-dot", dots(points.slice(-1)))}</g>`;
+  svg += ticks.map(v => text(left - 6, y(v) + 4.5, String(v), "vi-2nd vi-end")).join("");
+  for (const [role, of] of values) {
+    const points = of.slice(0, frame + 1).map((v, k) => [x(k), y(Math.max(v, from))]);
+    const line = path("lesson-hand-line", polyline(points)), end = path("lesson-hand-dot", dots(points.slice(-1)));
+    svg += `<g class="lesson-hand-${role}">${line}${end}</g>`;
   }
   return svg;
 }
 
 /** @param {Shown} shown @param {number} frame */
 function described({hands, curves}, frame) {
-  const words = hands.map(({name, still}) => still ? `the arm when its lines were found: ${name}` : `the path of ${name}`);
-  for (const {title, unit, values} of curves) words.push(`${title}: ${values.map(([, v]) => short(v[Math.min(frame, v.length - 1)])).join(" and ")} ${unit.split(",")[0]}`);
+  const words = hands.map(({name, still}) => `${still ? "the arm when it found its lines" : "a path"}: ${name}`);
+  for (const {title, unit, values} of curves) {
+    const now = values.map(([, of]) => short(of[Math.min(frame, of.length - 1)]));
+    words.push(`${title}: ${now.join(" and ")} ${unit.split(",")[0]}`);
+  }
   return `${words.join("; ")}.`;
 }

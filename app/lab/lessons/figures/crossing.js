@@ -10,7 +10,9 @@
  * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad
  */
 import {fixed, px} from "../../view/svg.js";
-import {arrows, diamonds, Drawing, legend, legendHeight, Names, path, pill, polyline, text} from "./drawing.js";
+import {
+  arrows, diamonds, Drawing, legend, legendHeight, Names, path, pill, polyline, rectangle, text, within,
+} from "./drawing.js";
 
 const MOST_PX = 8, ROOM = .36; // units a pixel at most; share of a side that the way of the crossing may take
 const HEAD = 24, GAP = 14;
@@ -19,7 +21,7 @@ const FD_STEP_PX = .5, CHI2_95 = -2 * Math.log(.05); // the 95 % quantile of χ�
 /** @type {FigureKind} */
 export const CROSSING = {
   layers: ["lines", "moved line", "ellipse"],
-  title: "The crossing, enlarged",
+  title: "**L**, enlarged",
   aspect: .95,
   create(box) {
     const drawing = new Drawing(box, "lesson-crossing");
@@ -119,14 +121,12 @@ function drawn({width, height}, stage, layers, found) {
     svg += pill(from, to, `${fixed(shiftOf(found))} px`, names);
   }
   svg += path("vi-found lesson-found", diamonds([middle], 7));
-  const plane = `x="0.5" y="${HEAD}" width="${px(size[0])}" height="${px(size[1])}"`; // an SVG within cuts off the rest
-  return `<rect class="vi-plane" ${plane} rx="5"/>
-<svg ${plane} viewBox="0.5 ${HEAD} ${px(size[0])} ${px(size[1])}">${svg}</svg>
-${text(0, 16, `L, enlarged: the lines cross at ${fixed(angleOf(found))}°`, "vi-b")}${
+  const plane = rectangle("vi-plane", .5, HEAD, size[0], size[1], 5) + within([.5, HEAD, .5 + size[0], bottom], svg);
+  return `${plane}${text(0, 16, `The lines cross at ${fixed(angleOf(found))}°`, "vi-b")}${
   legend(rows, 0, bottom + GAP + 4, width).drawn}`;
 }
 
-/** Two points of a line, so far from the foot of a place. @param {Line} line @param {number[]} at @param {number} far px */
+/** Two points of a line, far from a place. @param {Line} line @param {number[]} at @param {number} far px */
 function chord({a, b, c}, [x, y], far) {
   const off = a * x + b * y + c, foot = [x - a * off, y - b * off];
   return [[foot[0] - b * far, foot[1] + a * far], [foot[0] + b * far, foot[1] - a * far]];

@@ -102,9 +102,10 @@ export class Names {
    * @param {number[]} at
    * @param {string} words
    * @param {string} kind classes of the words
-   * @param {{lead?: string, reach?: number}} [options] lead: class of the line; reach: least distance from the mark
+   * @param {{lead?: string, reach?: number, clear?: number}} [options] lead: class of the line; reach: added to the
+   *   distance from the mark; clear: the mark's radius, where a line begins
    */
-  beside(at, words, kind, {lead = "vi-lead", reach = 0} = {}) {
+  beside(at, words, kind, {lead = "vi-lead", reach = 0, clear = 6} = {}) {
     const wide = widthOf(words, true) + 4;
     for (const [k, out] of REACHES.entries()) for (const [right, down] of BESIDE) {
       const away = out + reach, x = at[0] + right * away + (right - 1) * wide / 2;
@@ -115,8 +116,8 @@ export class Names {
       this.take(box);
       const near = [Math.min(Math.max(at[0], box[0]), box[2]), Math.min(Math.max(at[1], box[1] + 3), box[3] - 3)];
       const long = Math.hypot(near[0] - at[0], near[1] - at[1]);
-      const from = Math.min(6 + reach, long) / Math.max(long, 1e-9);
-      const line = k ? `<path class="${lead}" d="M${px(at[0] + (near[0] - at[0]) * from)} ${
+      const from = Math.min(clear, long) / Math.max(long, 1e-9);
+      const line = k || reach > clear ? `<path class="${lead}" d="M${px(at[0] + (near[0] - at[0]) * from)} ${
         px(at[1] + (near[1] - at[1]) * from)}L${px(near[0])} ${px(near[1])}"/>` : "";
       return line + text(x + 2, y + 12.5, words, `${kind} vi-b vi-halo`);
     }
@@ -189,12 +190,6 @@ export function crossHair([x, y], names) {
   return `${path("lesson-you-case", hair)}${path("lesson-you", hair)}${name}`;
 }
 
-/** Marks of a class, without names. @param {number[][]} at */
-export function crowd(at) {
-  const d = at.map(([x, y]) => `M${px(x - 4.5)} ${px(y - 4.5)}l9 9m0-9l-9 9`).join("");
-  return path("lesson-crowd-case", d) + path("lesson-crowd", d);
-}
-
 /**
  * Words on a pill beside the middle of a line, or on it, where nothing is yet.
  *
@@ -218,16 +213,6 @@ export function pill(at, to, words, names) {
   }
   return "";
 }
-
-/**
- * How far it is from a mark to the truth: a dotted line, and words on it.
- *
- * @param {number[]} at
- * @param {number[]} to
- * @param {string} words
- * @param {Names} names
- */
-export const distance = (at, to, words, names) => path("lesson-apart", polyline([at, to])) + pill(at, to, words, names);
 
 /**
  * Rows that explain lines or marks, beside each other where there is room, and their height.
@@ -268,12 +253,44 @@ export function axis(low, high, from, to, logarithmic = false) {
   return (/** @type {number} */ value) => from + (to - from) * (of(value) - of(low)) / (of(high) - of(low));
 }
 
-/** A number in as many digits as it deserves, with a real minus. @param {number} value */
-export function short(value) {
-  if (!Number.isFinite(value)) return "–";
-  const size = Math.abs(value);
-  if (size > 0 && size < 1e-3) return "< 0.001";
-  if (!size || size >= 100) return value.toFixed(0).replace("-", "−");
-  const digits = size >= 10 ? 1 : size >= 1 ? 2 : 1 - Math.floor(Math.log10(size));
-  return value.toFixed(digits).replace("-", "−");
+/**
+ * @param {string} kind
+ * @param {number} x
+ * @param {number} y
+ * @param {number} width
+ * @param {number} height
+ * @param {number} [round] radius of the corners
+ */
+export const rectangle = (kind, x, y, width, height, round = 0) =>
+  `<rect class="${kind}" x="${px(x)}" y="${px(y)}" width="${px(width)}" height="${px(height)}" rx="${round}"/>`;
+
+/** A drawing that cuts off what leaves its box. @param {Rectangle} box @param {string} inside in the same units */
+export const within = ([left, top, right, bottom], inside) => {
+  const [x, y, width, height] = [left, top, right - left, bottom - top].map(px);
+  const size = `width="${width}" height="${height}" viewBox="${x} ${y} ${width} ${height}"`;
+  return `<svg x="${x}" y="${y}" ${size}>${inside}</svg>`;
+};
+
+/** @param {number[][]} points @returns {{low: [number, number], high: [number, number]}} */
+export const extent = points => {
+  const all = (/** @type {number} */ k) => points.map(p => p[k]);
+  return {low: [Math.min(...all(0)), Math.min(...all(1))], high: [Math.max(...all(0)), Math.max(...all(1))]};
+};
+
+/** From points to places in a rectangle, as large as fits. @param {number[][]} points @param {Rectangle} box */
+export function fitted(points, [left, top, right, bottom]) {
+  const {low, high} = extent(points);
+  const scale = Math.min((right - left) / (high[0] - low[0]), (bottom - top) / (high[1] - low[1]));
+  const middle = [(left + right) / 2, (top + bottom) / 2];
+  const place = (/** @type {number[]} */ p) => middle.map((v, k) => v + (p[k] - (low[k] + high[k]) / 2) * scale);
+  return {scale, place};
+}
+
+/** Powers of ten around values, and those that have room. @param {number[]} values @param {number} most ticks */
+export function decades(values, most) {
+  const first = Math.floor(Math.log10(Math.min(...values)));
+  const last = Math.max(first + 1, Math.ceil(Math.log10(Math.max(...values))));
+  const every = Math.ceil((last - first) / Math.max(1, most - 1)), ticks = [];
+  for (let k = first; k <= last; k += every) ticks.push(Number(`1e${k}`));
+  return {from: 10 ** first, to: 10 ** last, ticks};
 }

@@ -10,7 +10,7 @@ import {centred} from "../../engine/affine.js";
 import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
-import {diamonds, Drawing, path, polyline} from "./drawing.js";
+import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
 import {MapPanel, part} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;
@@ -72,16 +72,13 @@ function pointsPanel(within) {
       const frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
       const bones = frames.map(T => projectPoint(stage.world.pairs.demonstrator[0], [T[3], T[7], T[11]]));
       const points = stage.world.body.map((_, i) => [demo[4 * i], demo[4 * i + 1]]), all = [...bones, ...points];
-      const low = [0, 1].map(k => Math.min(...all.map(p => p[k])));
-      const high = [0, 1].map(k => Math.max(...all.map(p => p[k])));
-      const scale = Math.min((width - 30) / (high[0] - low[0]), (height - 30) / (high[1] - low[1]));
-      const place = (/** @type {number[]} */ p) =>
-        p.map((v, k) => (v - (low[k] + high[k]) / 2) * scale + (k ? height : width) / 2);
+      const {place} = fitted(all, [15, 15, width - 15, height - 15]);
       const left = points.filter((_, i) => !matched.includes(i)).map(place);
       note.textContent = left.length ? "hollow: left out" : "";
-      drawing.show(`<rect class="vi-plane" x=".5" y=".5" width="${width - 1}" height="${height - 1}" rx="5"/>
-<g class="vi-demo">${path("vi-bone lesson-quiet", polyline(bones.map(place)))}</g>${path("lesson-unmatched", diamonds(left, 5))}${
-        path("vi-seen", diamonds(matched.map(i => place(points[i])), 6))}`,
+      const arm = `<g class="vi-demo">${path("vi-bone lesson-quiet", polyline(bones.map(place)))}</g>`;
+      drawing.show(rectangle("vi-plane", .5, .5, width - 1, height - 1, 5) + arm
+        + path("lesson-unmatched", diamonds(left, 5))
+        + path("vi-seen", diamonds(matched.map(i => place(points[i])), 6)),
       `Image l: ${matched.length} of ${points.length} points of the demonstrator are matched`);
     },
   };
@@ -200,7 +197,7 @@ export function localMinima(map) {
   return found.sort((a, b) => E[a] - E[b]).map(g => map.posture(g));
 }
 
-/** The largest E with the first points, px²; 0 where that is rounding. @param {Stage} stage @param {number} count 0: all */
+/** The largest E with the first points, px²; 0 for rounding. @param {Stage} stage @param {number} count 0 for all */
 export function largestOf(stage, count) {
   const whole = mapOfFirst(stage, total(stage)).landscape, map = count ? mapOfFirst(stage, count).landscape : whole;
   return isFlat(map, whole) ? 0 : largest(map);

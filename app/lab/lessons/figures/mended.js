@@ -8,10 +8,10 @@
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row
  */
 import {select} from "../../engine/engine.js";
-import {fixed, px} from "../../view/svg.js";
+import {fixed} from "../../view/svg.js";
 import {Altered, mapOf, smallest} from "../maps.js";
 import {farthest} from "./bowl.js";
-import {diamonds, Drawing, path, text} from "./drawing.js";
+import {diamonds, Drawing, extent, path, polyline, rectangle, text} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 
 const LAYERS = ["as seen", "rectified"], TITLES = ["As the eyes see", "Rectified by matches alone"];
@@ -56,17 +56,16 @@ export const ROWS = {
       resize: () => drawing.measure(),
       draw(stage, layers) {
         const {views, usable} = stage.moment, images = select(views.demo, usable);
-        const shown = LAYERS.filter(layer => layers.has(layer)), high = drawing.height / LAYERS.length;
-        const cases = shown.map(layer => ({layer, images: layer === "rectified" ? rectified(images, of(stage)) : images}));
+        const by = /** @type {Rectification} */ (stage.records.rectification), high = drawing.height / LAYERS.length;
+        const cases = LAYERS.filter(layer => layers.has(layer)).map(layer =>
+          ({layer, images: layer === "rectified" ? rectified(images, by) : images}));
+        const words = cases.map(each => `${each.layer}, ${difference(each.images)}`).join("; ");
         drawing.show(cases.map((each, k) => rows(each, k * high, drawing.width, high - 8)).join(""),
-          `Matches of the left and the right eye: ${cases.map(each => `${each.layer}, ${difference(each.images)}`).join("; ")}.`);
+          `Matches of the left and the right eye: ${words}.`);
       },
     };
   },
 };
-
-/** @param {Stage} stage @returns {Rectification} */
-const of = stage => stage.records.rectification;
 
 /** @type {WeakMap<World, Altered>} */
 const rectifiedWorlds = new WeakMap();
@@ -75,7 +74,7 @@ const rectifiedWorlds = new WeakMap();
 export function seenIn(stage, layer) {
   const {world, session: {settings: {transfer}}} = stage;
   if (layer === "rectified" && !rectifiedWorlds.has(world)) rectifiedWorlds.set(world, new Altered(world, {
-    alter: ({images, seen}) => ({images: rectified(images, of(stage)), seen}),
+    alter: ({images, seen}) => ({images: rectified(images, stage.records.rectification), seen}),
   }));
   const used = layer === "rectified" ? /** @type {Altered} */ (rectifiedWorlds.get(world)) : world;
   return {world: used, transfer, demo: used.look("demonstrator", stage.moment.thetaDemo)};
@@ -101,24 +100,30 @@ function difference(images) {
   return `rows differ by ${off < LEAST_PX ? `less than ${LEAST_PX}` : fixed(off, 2)} px`;
 }
 
-/** Both images beside each other, equally large and at one height. @param {{layer: string, images: Float64Array}} what @param {number} top @param {number} width @param {number} high */
-function rows({layer, images}, top, width, high) {
-  const each = [(width - GAP) / 2, high - HEAD], points = [0, 1].map(side =>
-    Array.from({length: images.length / 4}, (_, i) => [images[4 * i + 2 * side], images[4 * i + 2 * side + 1]]));
-  const xs = points.map(of => of.map(p => p[0])), ys = points.flat().map(p => p[1]);
-  const low = Math.min(...ys), tall = Math.max(...ys) - low, wide = Math.max(...xs.map(of => Math.max(...of) - Math.min(...of)));
-  const scale = Math.min((each[0] - 2 * MARGIN) / wide, (each[1] - 2 * MARGIN) / tall);
+/**
+ * Both images beside each other, equally large and at one height.
+ *
+ * @param {{layer: string, images: Float64Array}} what
+ * @param {number} top
+ * @param {number} width
+ * @param {number} height
+ */
+function rows({layer, images}, top, width, height) {
+  const wide = (width - GAP) / 2, high = height - HEAD, count = images.length / 4;
+  const pointsOf = (/** @type {number} */ k) =>
+    Array.from({length: count}, (_, i) => [images[4 * i + k], images[4 * i + k + 1]]);
+  const points = [pointsOf(0), pointsOf(2)];
+  const each = points.map(extent), {low, high: most} = extent(points.flat());
+  const widest = Math.max(...each.map(of => of.high[0] - of.low[0]));
+  const scale = Math.min((high - 2 * MARGIN) / (most[1] - low[1]), (wide - 2 * MARGIN) / widest);
   const placed = points.map((of, side) => of.map(([x, y]) => [
-    side * (each[0] + GAP) + each[0] / 2 + (x - (Math.max(...xs[side]) + Math.min(...xs[side])) / 2) * scale,
-    top + HEAD + each[1] / 2 + (y - low - tall / 2) * scale,
+    side * (wide + GAP) + wide / 2 + (x - (each[side].low[0] + each[side].high[0]) / 2) * scale,
+    top + HEAD + high / 2 + (y - (low[1] + most[1]) / 2) * scale,
   ]));
-  const planes = [0, 1].map(side => {
-    const x = side * (each[0] + GAP);
-    return `<rect class="vi-plane" x="${px(x + .5)}" y="${px(top + HEAD)}" width="${px(each[0] - 1)}" height="${px(each[1])}" rx="5"/>
-${text(x + 8, top + HEAD + 18, "lr"[side], "vi-name")}`;
-  }).join("");
-  const joined = placed[0].map((p, i) => `M${px(p[0])} ${px(p[1])}L${px(placed[1][i][0])} ${px(placed[1][i][1])}`).join("");
-  return `${text(0, top + 15, layer === "rectified" ? "Rectified" : "As seen", "vi-b")}${
-    text(width, top + 15, difference(images), "vi-2nd vi-end")}${planes}${path("lesson-rows-line", joined)}${
-    path("vi-seen", diamonds(placed.flat(), 4.2))}`;
+  const planes = [0, 1].map(side => rectangle("vi-plane", side * (wide + GAP) + .5, top + HEAD, wide - 1, high, 5)
+    + text(side * (wide + GAP) + 8, top + HEAD + 18, "lr"[side], "vi-name"));
+  const joined = placed[0].map((p, i) => polyline([p, placed[1][i]])).join("");
+  return text(0, top + 15, layer === "rectified" ? "Rectified" : "As seen", "vi-b")
+    + text(width, top + 15, difference(images), "vi-2nd vi-end") + planes.join("")
+    + path("lesson-rows-line", joined) + path("vi-seen", diamonds(placed.flat(), 4.2));
 }

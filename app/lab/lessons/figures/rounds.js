@@ -10,8 +10,10 @@
  * @typedef {{scene: number, what: string, yours: number, pages: number}} Result
  */
 import {px} from "../../view/svg.js";
-import {axis, diamonds, dots, Drawing, escaped, legend, path, short, text} from "./drawing.js";
+import {table} from "./cards.js";
+import {axis, diamonds, dots, Drawing, legend, path, polyline, text} from "./drawing.js";
 import {part} from "./panels.js";
+import {short} from "../measured.js";
 
 const LOW = .01, HIGH = 180, DEGREES = [.01, .1, 1, 10, 100];
 const LEFT = 44, TOP = 54, FOOT = 38, RIGHT = 10, EVERY = 5;
@@ -45,11 +47,10 @@ export const RESULTS = {
     box.classList.add("lesson-table");
     return {
       draw(stage) {
-        const results = resultsOf(stage);
-        const rows = results.slice(-MOST_SHOWN).reverse().map(({scene, what, yours, pages}) =>
-          `<tr><td>scene ${scene}: ${escaped(what)}</td><td>${yours}</td><td>${pages}</td></tr>`).join("");
-        box.innerHTML = rows ? `<table><thead><tr><th>choice</th><th>you there</th><th>the page there</th></tr></thead><tbody>${
-          rows}</tbody></table>` : '<p class="lesson-waits">No result yet.</p>';
+        const rows = resultsOf(stage).slice(-MOST_SHOWN).reverse().map(({scene, what, yours, pages}) =>
+          [`scene ${scene}: ${what}`, String(yours), String(pages)]);
+        box.innerHTML = rows.length ? table(["choice", "you there", "the page there"], rows)
+          : '<p class="lesson-waits">No result yet.</p>';
       },
     };
   },
@@ -60,7 +61,7 @@ export const roundsOf = stage => stage.records.rounds;
 
 /** Values of the fields that are selected; null until all of them are. @param {Stage} stage */
 function selected({step: {ask}, answer}) {
-  const fields = ask.fields ?? [], values = fields.map(({values}, k) => values[answer.selected?.[k] ?? -1]);
+  const values = (ask.fields ?? []).map(({values: all}, k) => all[answer.selected?.[k] ?? -1]);
   return values.length && values.every(Boolean) ? values : null;
 }
 
@@ -82,7 +83,8 @@ function resultsOf(stage) {
   if (stage.isRevealed && values && yours) {
     const what = values.map(value => value.text).join(", "), key = `${stage.seed} ${what}`;
     seen.delete(key);
-    seen.set(key, {scene: stage.seed, what, yours: there(rounds, yours), pages: there(rounds, rounds.runs[rounds.page])});
+    const pages = there(rounds, rounds.runs[rounds.page]);
+    seen.set(key, {scene: stage.seed, what, yours: there(rounds, yours), pages});
   }
   return [...seen.values()];
 }
@@ -98,10 +100,11 @@ function drawn({width, height}, rounds, yours) {
   svg += starts.map(k => text(x(k), bottom + 16, String(k), "vi-2nd vi-mid")).join("");
   svg += text((LEFT + right) / 2, bottom + 32, "start", "vi-2nd vi-mid");
   svg += path("lesson-goal", `M${LEFT} ${px(y(rounds.withinDeg))}H${px(right)}`);
-  if (!yours) svg += text((LEFT + right) / 2, (TOP + y(rounds.withinDeg)) / 2, `both start from the same ${rounds.starts} poses`, "vi-2nd vi-mid");
+  const middle = [(LEFT + right) / 2, (TOP + y(rounds.withinDeg)) / 2];
+  if (!yours) svg += text(middle[0], middle[1], `both from the same ${rounds.starts} starts`, "vi-2nd vi-mid vi-halo");
   else {
     const [a, b] = [at(yours), at(pages)];
-    svg += path("lesson-round-link", a.map((p, k) => `M${px(p[0])} ${px(p[1])}L${px(b[k][0])} ${px(b[k][1])}`).join(""));
+    svg += path("lesson-round-link", a.map((p, k) => polyline([p, b[k]])).join(""));
     svg += path("lesson-round-page", dots(b)) + path("lesson-round-you", diamonds(a, 5.5));
   }
   return svg + legend([
@@ -113,13 +116,13 @@ function drawn({width, height}, rounds, yours) {
 
 /** @param {Rounds} rounds @param {Runs | null} yours */
 function standing(rounds, yours) {
-  const rows = /** @type {const} */ ([["your choice", yours], ["the page's choice", yours && rounds.runs[rounds.page]]]).map(([name, runs]) => {
-    const cells = runs ? [`${there(rounds, runs)} of ${runs.length}`, `${short(median(runs.map(([off]) => off)))}°`,
-      String(Math.round(median(runs.map(([, motions]) => motions))))] : ["–", "–", "–"];
-    return `<tr><td>${name}</td>${cells.map(cell => `<td>${cell}</td>`).join("")}</tr>`;
-  });
-  return `<table><thead><tr><th>${rounds.motions} motions at most</th><th>there</th><th>off, median</th><th>motions, median</th></tr></thead><tbody>${
-    rows.join("")}</tbody></table>`;
+  /** @type {[string, Runs | null][]} */
+  const both = [["your choice", yours], ["the page's choice", yours && rounds.runs[rounds.page]]];
+  const rows = both.map(([name, runs]) => runs ? [
+    name, `${there(rounds, runs)} of ${runs.length}`, `${short(median(runs.map(([off]) => off)))}°`,
+    String(Math.round(median(runs.map(([, motions]) => motions)))),
+  ] : [name, "–", "–", "–"]);
+  return table([`${rounds.motions} motions at most`, "there", "off, median", "motions, median"], rows);
 }
 
 /** @param {number[]} values */

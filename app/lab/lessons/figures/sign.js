@@ -20,7 +20,10 @@
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {axis, diamonds, dots, Drawing, escaped, path, polyline, text, widthOf} from "./drawing.js";
+import {card, table} from "./cards.js";
+import {
+  axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
+} from "./drawing.js";
 
 const NO_IDEA = .5; // what a bet is where nothing is claimed
 const LEAST_E = 1e-4, MARGIN = 16, GAP = 10;
@@ -71,7 +74,9 @@ export const E_HISTORY = {
       resize: () => drawing.measure(),
       draw(stage) {
         const {E, probes} = runOf(stage);
-        drawing.show(history(drawing, E, probes), `E after each of ${E.length - 1} steps: from ${words(E[0])} to ${words(E[E.length - 1])} px².`);
+        const last = E.length - 1;
+        drawing.show(history(drawing, E, probes),
+          `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`);
       },
     };
   },
@@ -91,10 +96,12 @@ export const BETS = {
     return {
       resize: () => drawing.measure(),
       draw(stage) {
-        const score = scores(stage);
-        said.innerHTML = score.count ? `<b>Your Brier score so far: ${fixed(score.yours, 2)}.</b> The learner's own certificate: ${
-          fixed(score.certificate, 2)}. Always 50 %: 0.25. Less is better.` : "Each bet costs (bet − outcome)². Always 50 % costs 0.25.";
-        drawing.show(bars(drawing, stage), score.costs.map((cost, k) => cost === null ? "" : `Run ${k + 1} cost ${fixed(cost, 2)}. `).join("") || "No bet yet.");
+        const {costs, count, yours, certificate} = scores(stage);
+        said.innerHTML = !count ? "Each bet costs (bet − outcome)². Always 50 % costs 0.25."
+          : `<b>Your Brier score so far: ${fixed(yours, 2)}.</b> The learner's own certificate: ${
+            fixed(certificate, 2)}. Always 50 %: 0.25. Less is better.`;
+        const each = costs.map((cost, k) => cost === null ? "" : `Run ${k + 1} cost ${fixed(cost, 2)}. `);
+        drawing.show(bars(drawing, stage), each.join("") || "No bet yet.");
       },
     };
   },
@@ -134,9 +141,12 @@ export const isOver = stage => stage.isRevealed && stage.run === runsOf(stage).l
 /** Mean squared differences between bets and outcomes. @param {Stage} stage */
 export function scores(stage) {
   const runs = runsOf(stage), bets = betsOf(stage);
-  const costs = runs.map(({holds}, k) => typeof bets[k] === "number" ? (Number(bets[k]) / 100 - Number(holds)) ** 2 : null);
-  const own = runs.map(({holds, certificate}) => ((certificate ?? NO_IDEA) - Number(holds)) ** 2).filter((_, k) => costs[k] !== null);
-  const known = costs.filter(cost => cost !== null), mean = (/** @type {number[]} */ of) => of.reduce((sum, v) => sum + v, 0) / of.length;
+  const cost = (/** @type {number} */ bet, /** @type {boolean} */ holds) => (bet - Number(holds)) ** 2;
+  const costs = runs.map(({holds}, k) => typeof bets[k] === "number" ? cost(Number(bets[k]) / 100, holds) : null);
+  const known = costs.filter(each => each !== null);
+  const judged = runs.filter((_, k) => costs[k] !== null);
+  const own = judged.map(({holds, certificate}) => cost(certificate ?? NO_IDEA, holds));
+  const mean = (/** @type {number[]} */ of) => of.reduce((sum, v) => sum + v, 0) / of.length;
   return {costs, count: known.length, yours: mean(known), certificate: mean(own)};
 }
 
@@ -146,70 +156,76 @@ const words = E => E < LEAST_E ? "< 0.0001" : E < .1 ? String(Number(E.toPrecisi
 /** @param {Stage} stage @param {Set<string>} layers */
 function claimed(stage, layers) {
   const run = runOf(stage), names = stage.world.scene.names.map(name => name.split(" ")[0].toLowerCase());
-  const rows = [["How it ended", run.ended], ["E", `<b class="lesson-E">${words(run.E[run.E.length - 1])} px²</b>`],
-    ["Steps made", String(run.E.length - 1)], ["Points seen", run.points], ["Noise in the pictures", run.noise]];
-  const known = layers.has("learner knows") ? `<div class="lesson-says"><small>What the learner knows</small><table>${
-    rows.map(([name, value]) => `<tr><th>${name}</th><td>${value}</td></tr>`).join("")}</table></div>` : "";
+  const rows = [
+    ["How it ended", run.ended], ["E", `${words(run.E[run.E.length - 1])} px²`],
+    ["Steps made", String(run.E.length - 1)], ["Points seen", run.points], ["Noise in the pictures", run.noise],
+  ].map(([name, value]) => `<tr><th>${name}</th><td class="lesson-of-${name[0]}">${escaped(value)}</td></tr>`);
+  const known = card("plain", "What the learner knows", "", `<table>${rows.join("")}</table>`);
   const off = run.offDeg.map((v, k) => `${fixed(v)}° off at the ${names[k]}`).join(", ");
-  const truth = layers.has("truth") && !stage.truthHidden ? `<div class="lesson-says lesson-says-truth"><small>The truth (hidden from the learner)</small><b>${
-    run.holds ? "True" : "False"}: ${off}.</b></div>` : "";
-  return `<div class="lesson-says lesson-says-learner"><small>Run ${stage.run + 1} of ${runsOf(stage).length}: the claim</small>
-<b>“Both joints are within 1° of the demonstrator's.”</b></div>${known}${truth}`;
+  const truth = card("truth", "The truth (hidden from the learner)", `${run.holds ? "True" : "False"}: ${off}.`);
+  const head = `Run ${stage.run + 1} of ${runsOf(stage).length}: the claim`;
+  const claim = card("learner", head, "“Both joints are within 1° of the demonstrator's.”");
+  const isTrueShown = layers.has("truth") && !stage.truthHidden;
+  return claim + (isTrueShown ? truth : "") + (layers.has("learner knows") ? known : "");
 }
 
-/** One of both images at the end. @param {Drawing} drawing @param {Run} run @param {import("../../view/images.js").Outline} arm @param {number} side */
+/**
+ * One of both images at the end.
+ *
+ * @param {Drawing} drawing
+ * @param {Run} run
+ * @param {import("../../view/images.js").Outline} arm
+ * @param {number} side
+ */
 function image({width, height}, {own, recovered}, {hulls, bones}, side) {
-  const wide = (width - GAP) / 2, left = side * (wide + GAP), all = [...hulls.flat(), ...bones];
-  const low = [0, 1].map(k => Math.min(...all.map(p => p[k]))), high = [0, 1].map(k => Math.max(...all.map(p => p[k])));
-  const scale = Math.min((wide - 2 * MARGIN) / (high[0] - low[0]), (height - 2 * MARGIN) / (high[1] - low[1]));
-  const place = (/** @type {number[]} */ p) => [left + wide / 2 + (p[0] - (low[0] + high[0]) / 2) * scale,
-    height / 2 + (p[1] - (low[1] + high[1]) / 2) * scale];
+  const wide = (width - GAP) / 2, left = side * (wide + GAP);
+  const {place} = fitted([...hulls.flat(), ...bones], [left + MARGIN, MARGIN, left + wide - MARGIN, height - MARGIN]);
   const points = (/** @type {number[]} */ of) =>
     Array.from({length: of.length / 4}, (_, i) => place([of[4 * i + 2 * side], of[4 * i + 2 * side + 1]]));
-  return `<rect class="vi-plane" x="${px(left + .5)}" y=".5" width="${px(wide - 1)}" height="${px(height - 1)}" rx="5"/>
-${path("vi-hull", hulls.map(hull => `${polyline(hull.map(place))}z`).join(""))}${path("vi-bone", polyline(bones.map(place)))}${
-    path("vi-own", dots(points(own)))}${path("vi-found", diamonds(points(recovered), 5))}${
-    text(left + 8, 19, "LR"[side], "vi-name vi-halo")}`;
+  const outline = hulls.map(hull => `${polyline(hull.map(place))}z`).join("");
+  return rectangle("vi-plane", left + .5, .5, wide - 1, height - 1, 5) + path("vi-hull", outline)
+    + path("vi-bone", polyline(bones.map(place))) + path("vi-own", dots(points(own)))
+    + path("vi-found", diamonds(points(recovered), 5)) + text(left + 8, 19, "LR"[side], "vi-name vi-halo");
 }
 
 /** On a logarithmic scale. @param {Drawing} drawing @param {number[]} all @param {boolean[]} probes */
 function history({width, height}, all, probes) {
-  const E = all.map(v => Math.max(v, LEAST_E)), from = 10 ** Math.floor(Math.log10(Math.min(...E))), to = 10 ** Math.ceil(Math.log10(Math.max(...E)));
-  const left = 50, right = width - 12, top = 10, bottom = height - 34, y = axis(from, to, bottom, top, true), x = axis(0, Math.max(E.length - 1, 1), left, right);
-  const count = Math.round(Math.log10(to / from)), every = Math.ceil(count / Math.max(2, (bottom - top) / 20));
-  const ticks = Array.from({length: count + 1}, (_, k) => from * 10 ** k).filter((_, k) => k % every === 0);
-  const steps = Math.ceil((E.length - 1) / Math.max(3, (right - left) / 34)) || 1, points = E.map((v, k) => [x(k), y(v)]);
+  const E = all.map(v => Math.max(v, LEAST_E)), left = 50, right = width - 12, bottom = height - 34;
+  const {from, to, ticks} = decades(E, Math.floor((bottom - 10) / 20) + 1);
+  const y = axis(from, to, bottom, 10, true), x = axis(0, Math.max(E.length - 1, 1), left, right);
+  const every = Math.ceil((E.length - 1) / Math.max(3, (right - left) / 34)) || 1;
+  const points = E.map((v, k) => [x(k), y(v)]);
   let svg = path("vi-rule", ticks.map(v => `M${left} ${px(y(v))}H${px(right)}`).join(""));
-  svg += ticks.map(v => text(left - 6, y(v) + 4.5, v < 1 ? String(Number(v.toPrecision(1))) : v.toFixed(0), "vi-2nd vi-end")).join("");
-  for (let k = 0; k < E.length; k += steps) svg += text(x(k), bottom + 16, String(k), "vi-2nd vi-mid");
+  svg += ticks.map(v => text(left - 6, y(v) + 4.5, String(v), "vi-2nd vi-end")).join("");
+  for (let k = 0; k < E.length; k += every) svg += text(x(k), bottom + 16, String(k), "vi-2nd vi-mid");
   svg += text((left + right) / 2, bottom + 31, "step", "vi-2nd vi-mid") + path("vi-line-E", polyline(points));
   return svg + path("lesson-E-dots", dots(points.filter((_, k) => !probes[k])))
-    + points.filter((_, k) => probes[k]).map(p => `<circle class="vi-probe-E" cx="${px(p[0])}" cy="${px(p[1])}" r="3.6"/>`).join("");
+    + path("vi-probe-E", circles(points.filter((_, k) => probes[k]), 3.6));
 }
 
 /** The cost of each bet. @param {Drawing} drawing @param {Stage} stage */
 function bars({width, height}, stage) {
-  const {costs} = scores(stage), each = width / costs.length, bottom = height - 20, y = axis(0, 1, bottom, 16), wide = Math.min(30, each * .62);
-  const quarter = `costs ${fixed(NO_IDEA ** 2, 2)}`;
-  let svg = path("vi-rule", `M0 ${px(bottom)}H${px(width)}`) + path("lesson-goal", `M0 ${px(y(.25))}H${px(width)}`);
+  const {costs, count} = scores(stage), each = width / costs.length, bottom = height - 20;
+  const y = axis(0, 1, bottom, 16), wide = Math.min(30, each * .62), quarter = NO_IDEA ** 2;
+  let svg = path("vi-rule", `M0 ${px(bottom)}H${px(width)}`) + path("lesson-goal", `M0 ${px(y(quarter))}H${px(width)}`);
+  if (!count) svg += text(width - 2, y(quarter) - 5, `50 % costs ${quarter}`, "vi-2nd vi-end");
   costs.forEach((cost, k) => {
-    const middle = each * (k + .5), kind = k === stage.run ? "vi-b vi-mid" : "vi-2nd vi-mid";
-    svg += text(middle, bottom + 15, String(k + 1), kind);
+    const middle = each * (k + .5), top = Math.min(y(cost ?? 0), bottom - 1.5);
+    svg += text(middle, bottom + 15, String(k + 1), k === stage.run ? "vi-b vi-mid" : "vi-2nd vi-mid");
     if (cost === null) return;
-    const top = Math.min(y(cost), bottom - 1.5);
-    svg += `<rect class="lesson-bet" x="${px(middle - wide / 2)}" y="${px(top)}" width="${px(wide)}" height="${px(bottom - top)}" rx="2"/>`;
+    svg += rectangle("lesson-bet", middle - wide / 2, top, wide, bottom - top, 2);
     if (each > 27) svg += text(middle, top - 4, fixed(cost, 2), "vi-2nd vi-mid vi-halo");
   });
-  return costs.some(cost => cost !== null) ? svg : svg + text(width - widthOf(quarter) - 2, y(.25) - 5, quarter, "vi-2nd");
+  return svg;
 }
 
 /** @param {Stage} stage */
 function review(stage) {
-  const bets = betsOf(stage), rows = runsOf(stage).map(({name, E, offDeg, holds, certificate}, k) => {
-    const cells = [words(E[E.length - 1]), `${fixed(Math.max(...offDeg))}°`, holds ? "true" : "false",
-      typeof bets[k] === "number" ? `${bets[k]} %` : "–", certificate === null ? "no claim" : `${Math.round(100 * certificate)} %`];
-    return `<tr><td>${k + 1}. ${escaped(name)}</td>${cells.map(cell => `<td>${cell}</td>`).join("")}</tr>`;
-  });
-  const heads = ["run", "E, px²", "truly off", "within 1°?", "you", "its certificate"];
-  return `<table><thead><tr>${heads.map(head => `<th>${head}</th>`).join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
+  const bets = betsOf(stage);
+  return table(["run", "E, px²", "truly off", "within 1°?", "you", "its certificate"],
+    runsOf(stage).map(({name, E, offDeg, holds, certificate}, k) => [
+      `${k + 1}. ${name}`, words(E[E.length - 1]), `${fixed(Math.max(...offDeg))}°`, holds ? "true" : "false",
+      typeof bets[k] === "number" ? `${bets[k]} %` : "–",
+      certificate === null ? "no claim" : `${Math.round(100 * certificate)} %`,
+    ]));
 }

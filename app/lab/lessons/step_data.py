@@ -43,7 +43,9 @@ def situation_of(lesson: Lesson, step: Step) -> Situation:
     goal = ask.below if isinstance(ask, Do) and ask.measure == "E" else None
     settings = settings_of(lesson, step, **{**origin.settings, **step.settings})
     chosen = origin.chosen if step.chosen is None else step.chosen
-    return Situation(settings, {**origin.scene, **step.scene}, chosen, step.race, goal)
+    choices = {field.name: [str(one.value) for one in field.values] for field in getattr(step.ask, "fields", ())}
+    scene = {**origin.scene, **step.scene}
+    return Situation(settings, scene, chosen, step.race, goal, dealt=origin.dealt, choices=choices)
 
 
 def _origin(lesson: Lesson, step: Step) -> Step:

@@ -45,20 +45,21 @@ def bundle(entry: str) -> str:
     declarations, one name each, or names of other modules. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
+    at = lambda path: f"MODULES[{path.relative_to(SCRIPTS.resolve()).as_posix()!r}]"
 
     def add(path: Path) -> str:
         if path not in parts:
             text = re.sub(r"^ *(/\*\*.*?\*/|// .*?$)\n?", "", path.read_text("utf-8"), flags=re.M | re.S)
             names = EXPORT.findall(text)
-            module = lambda match: add((path.parent / match[2] / match[3]).resolve())
-            text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {module(match)};\n", text)
+            imported = lambda match: add((path.parent / match[2] / match[3]).resolve())
+            text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
             for match in REEXPORT.finditer(text):
                 names += [name.strip() for name in match[1].strip("{}").split(",")]
-            text = REEXPORT.sub(lambda match: f"const {match[1]} = {module(match)};\n", text)
+            text = REEXPORT.sub(lambda match: f"const {match[1]} = {imported(match)};\n", text)
             text = re.sub(r"^export ", "", text, flags=re.M)
-            name = f"MODULES[{path.name!r}]"
-            parts[path] = text if path == first else f"{name} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
-        return f"MODULES[{path.name!r}]"
+            module = f"{at(path)} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
+            parts[path] = text if path == first else module
+        return at(path)
 
     first = (SCRIPTS / entry).resolve()
     add(first)

@@ -8,6 +8,7 @@
  */
 import {energyText} from "../view/svg.js";
 import {distance, placed, told} from "./measured.js";
+import {LIMITS_MEASURES} from "./measures_limits.js";
 
 const DEGREE = Math.PI / 180;
 
@@ -84,6 +85,7 @@ export const MEASURES = {
   "E of your posture": stage => energy(energyAt(stage, stage.guessed)),
   "noise": stage => told(stage.session.settings.noisePx ?? 0, " px"),
   "lost points": stage => told(100 * (stage.session.settings.missing ?? 0), " %", 0),
+  ...LIMITS_MEASURES,
 };
 
 /** @param {Stage} stage @param {string} name @returns {Measured} with NaN for what nothing computes */

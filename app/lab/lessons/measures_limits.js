@@ -13,10 +13,10 @@ import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
 import {chosenRuns, roundsOf, there} from "./figures/rounds.js";
 import {runOf} from "./figures/sign.js";
-import {Altered, energyAt, stageMap} from "./maps.js";
+import {Altered, energyAt} from "./maps.js";
 import {told} from "./measured.js";
 
-const FEWEST = 4, FINEST_DEG = 1;
+const FEWEST = 4; // matches
 const NEAR_ZERO = 1, NEAR_DEG = 5; // px², of an E that is explained; degrees
 const ASIDE_M = 1e-4; // for the slope of a projection
 
@@ -57,17 +57,12 @@ function withoutDepth({world, session, moment}) {
   return energyAt(affine, session.settings.transfer, affine.look("demonstrator", moment.thetaDemo), [...moment.theta]);
 }
 
-/** Where the smallest E of the map is. @param {Stage} stage */
-const lowest = stage => stageMap(stage, FINEST_DEG).landscape.minimum;
-
-/** Degrees from there to the demonstrator. @param {Stage} stage */
-function lowestOff(stage) {
-  const found = lowest(stage);
-  return found ? farthest(found.theta, stage.moment.thetaDemo) : NaN;
-}
-
 /** Of the answers: near 0, above it at the demonstrator's posture, above it elsewhere. @param {Stage} stage */
-const swappedAnswer = stage => (lowest(stage)?.E ?? NaN) < NEAR_ZERO ? 1 : lowestOff(stage) < NEAR_DEG ? 2 : 3;
+function swappedAnswer(stage) {
+  const found = stage.landscape().minimum;
+  if (!found) return NaN;
+  return found.E < NEAR_ZERO ? 1 : farthest(found.theta, stage.moment.thetaDemo) < NEAR_DEG ? 2 : 3;
+}
 
 /** From how many starts the posture was reached. @param {Stage} stage @param {boolean} isPage @returns {Measured} */
 function reached(stage, isPage) {
@@ -83,8 +78,6 @@ function nearer(stage) {
 
 /** @type {Record<string, Measure>} */
 export const LIMITS_MEASURES = {
-  "smallest E": stage => energy(lowest(stage)?.E ?? NaN),
-  "smallest E is off": stage => told(lowestOff(stage), "°", 0),
   "how E is with swapped points": stage => told(swappedAnswer(stage), "", 0),
   "E without depth": stage => energy(withoutDepth(stage)),
   "crossing angle": ofCrossing(angleOf, "°"),

@@ -28,11 +28,11 @@ const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is
 /** @type {FigureKind} */
 export const LANDSCAPE = {
   layers: ["relief", "smallest", "demonstrator", "paths", "others"],
-  title: "Map of E",
+  title: "Map of E for every pose, in px²",
   unit: "rad",
   aspect: 1.7,
   create(box) {
-    box.classList.add("lesson-map");
+    box.classList.add("bare", "lesson-map");
     box.append(document.createElement("canvas"));
     add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);

@@ -29,7 +29,7 @@ import {
 const MARGIN = 18, CURVE_HIGH = 96, LEAST_PICTURE = 190; // units
 const BARS = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // of the scale, in its unit
 const ROLES = {right: "learner", early: "opponent"};
-const FROZEN = {right: "lines found at agreement", early: "lines found too early"};
+const FROZEN = {right: "lines kept when poses agreed", early: "lines kept too early"};
 
 /** @type {FigureKind} */
 export const CARRIED_IN_L = {
@@ -226,7 +226,7 @@ function drawnCurve({title, unit, values, low, high: most}, top, high, width, fr
 
 /** @param {Shown} shown @param {number} frame */
 function described({hands, curves}, frame) {
-  const words = hands.map(({name, still}) => `${still ? "the arm when it found its lines" : "a path"}: ${name}`);
+  const words = hands.map(({name, still}) => `${still ? "the arm when it kept its lines" : "a path"}: ${name}`);
   for (const {title, unit, values} of curves) {
     const now = values.map(([, of]) => short(of[Math.min(frame, of.length - 1)]));
     words.push(`${title}: ${now.join(" and ")} ${unit.split(",")[0]}`);

@@ -92,6 +92,7 @@ function drawn(drawing, stage, layers, known) {
   svg += legend(rowsOf(stage, layers), 4, bottom + FOOT + 8, drawing.width).drawn;
   if (layers.has("spread")) shown.forEach((name, row) => svg += spread(clouds[name], name, row, to, names));
   names.takePoint(demo, 9);
+  for (const name of shown) for (const theta of clouds[name]) names.takePoint(at(theta), 2);
   const middle = layers.has("middle") && clouds.averaged ? at(moments(clouds.averaged).mean) : null;
   const lowest = layers.has("bias") ? smallest(...undisturbed(stage)) : null, cross = lowest && at(lowest);
   for (const each of [middle, cross]) if (each) names.takePoint(each, 10);

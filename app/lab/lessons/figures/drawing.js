@@ -9,7 +9,7 @@ import {add, drawingUnit, px, set} from "../../view/svg.js";
 
 const LINE = 16, LETTER_PX = 12.5; // height of a line, size of letters, in units
 const BESIDE = [[1, -.5], [-1, -.5], [1, .5], [-1, .5], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a mark: right, down
-const REACHES = [9, 22, 38, 58, 80]; // units from a mark to its name: from the second on, a line leads there
+const REACHES = [9, 22, 38, 58, 80, 110, 150]; // units from a mark to its name: from the second on, a line leads there
 const PILL_HIGH = 21;
 
 /** @type {CanvasRenderingContext2D | null} */
@@ -33,11 +33,13 @@ export class Drawing {
   /** @param {HTMLElement} box @param {string} kind class of the drawing */
   constructor(box, kind) {
     this.box = box;
+    box.classList.add("bare");
     this.svg = add(box, "svg", {class: `vi lesson-drawing ${kind}`, role: "img"});
     this.unit = 1;
     this.width = 1;
     this.height = 1;
     this.last = "";
+    this.measure();
   }
 
   /** The drawing takes the size of its box. */
@@ -262,11 +264,12 @@ export function axis(low, high, from, to, logarithmic = false) {
  * @param {number} [round] radius of the corners
  */
 export const rectangle = (kind, x, y, width, height, round = 0) =>
-  `<rect class="${kind}" x="${px(x)}" y="${px(y)}" width="${px(width)}" height="${px(height)}" rx="${round}"/>`;
+  `<rect class="${kind}" x="${px(x)}" y="${px(y)}" width="${px(Math.max(width, 0))}" height="${px(Math.max(height, 0))}"
+ rx="${round}"/>`;
 
 /** A drawing that cuts off what leaves its box. @param {Rectangle} box @param {string} inside in the same units */
 export const within = ([left, top, right, bottom], inside) => {
-  const [x, y, width, height] = [left, top, right - left, bottom - top].map(px);
+  const [x, y, width, height] = [left, top, Math.max(right - left, 1), Math.max(bottom - top, 1)].map(px);
   const size = `width="${width}" height="${height}" viewBox="${x} ${y} ${width} ${height}"`;
   return `<svg x="${x}" y="${y}" ${size}>${inside}</svg>`;
 };

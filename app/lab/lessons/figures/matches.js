@@ -24,7 +24,7 @@ export const MATCHES = {
   title: "Maps of E with other matches",
   aspect: 1.5,
   create(box) {
-    box.classList.add("lesson-panels");
+    box.classList.add("bare", "lesson-panels");
     const all = new MapPanel(box), few = new MapPanel(box), body = pointsPanel(box), plane = new MapPanel(box);
     return {
       resize() {
@@ -41,7 +41,7 @@ export const MATCHES = {
           const title = `${shown} matches`, made = stage.isRevealed ? mapOfFirst(stage, shown) : null;
           if (!made) few.draw({title, words: "", instead: "?", ...hidden}, scene);
           else if (isFlat(made.landscape, whole.landscape))
-            few.draw({title, words: "every posture fits", instead: "E is 0 at every posture", ...hidden}, scene);
+            few.draw({title, words: "every pose fits", instead: "E is 0 at every pose", ...hidden}, scene);
           else few.draw({title, ...relief(made), demonstrator}, scene);
         }
         body.draw(stage, shown);

@@ -24,7 +24,7 @@ export const MENDED = {
   title: "Maps of E, as seen and rectified",
   aspect: 1.1,
   create(box) {
-    box.classList.add("lesson-panels", "lesson-panels-column");
+    box.classList.add("bare", "lesson-panels", "lesson-panels-column");
     const panels = LAYERS.map(() => new MapPanel(box));
     return {
       resize() {

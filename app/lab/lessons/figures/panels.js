@@ -58,7 +58,9 @@ export class MapPanel {
     if (demo) over += path("vi-seen", diamonds([demo], 5.5));
     if (apart && demo) over += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
     if (apart && at.length) over += names.beside(at[0], "smallest E", "");
-    if (instead) over += text((left + right) / 2, (top + bottom) / 2 + 6, instead, "lesson-large vi-b vi-mid");
+    const size = instead.length > 1 ? "lesson-large" : "lesson-huge";
+    const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
+    if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
     map.moving.innerHTML = over;
     for (const level of map.standing.querySelectorAll(".vi-level")) {
       const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));

@@ -25,7 +25,7 @@ export const ROUNDS = {
   title: "Off the demonstrator at the end, in degrees",
   aspect: 1.1,
   create(box) {
-    box.classList.add("lesson-rounds");
+    box.classList.add("bare", "lesson-rounds");
     const drawing = new Drawing(part(box, "lesson-plain"), ""), table = part(box, "lesson-table");
     return {
       resize: () => drawing.measure(),
@@ -44,7 +44,7 @@ export const RESULTS = {
   title: "Your results so far",
   aspect: 2,
   create(box) {
-    box.classList.add("lesson-table");
+    box.classList.add("bare", "lesson-table");
     return {
       draw(stage) {
         const rows = resultsOf(stage).slice(-MOST_SHOWN).reverse().map(({scene, what, yours, pages}) =>

@@ -34,7 +34,7 @@ export const CLAIM = {
   title: "",
   aspect: 1.2,
   create(box) {
-    box.classList.add("lesson-claim");
+    box.classList.add("bare", "lesson-claim");
     let last = "";
     return {
       draw(stage, layers) {
@@ -88,7 +88,7 @@ export const BETS = {
   title: "What each bet cost",
   aspect: 2.2,
   create(box) {
-    box.classList.add("lesson-bets");
+    box.classList.add("bare", "lesson-bets");
     const said = document.createElement("p"), plain = document.createElement("div");
     plain.className = "lesson-plain";
     box.append(said, plain);
@@ -113,7 +113,7 @@ export const REVIEW_OF_RUNS = {
   title: "All runs",
   aspect: 1.6,
   create(box) {
-    box.classList.add("lesson-table");
+    box.classList.add("bare", "lesson-table");
     return {
       draw(stage) {
         box.innerHTML = isOver(stage) ? review(stage) : "";

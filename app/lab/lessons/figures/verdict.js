@@ -24,7 +24,7 @@ export const VERDICT = {
   title: "What the learner says",
   aspect: 4,
   create(box) {
-    box.classList.add("lesson-verdict");
+    box.classList.add("bare", "lesson-verdict");
     let last = "";
     return {
       draw(stage, layers) {

@@ -9,6 +9,9 @@
 import {energyText} from "../view/svg.js";
 import {distance, placed, told} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
+import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
+import {RAY_MEASURES} from "./measures_ray.js";
+import {TOUR_MEASURES} from "./measures_tour.js";
 
 const DEGREE = Math.PI / 180;
 
@@ -57,6 +60,9 @@ function energyAt(stage, theta) {
 
 /** @type {Record<string, Measure>} */
 export const MEASURES = {
+  ...RAY_MEASURES,
+  ...TOUR_MEASURES,
+  ...JACOBIAN_MEASURES,
   "px apart": apart,
   "degrees apart": apart,
   "your bet": stage => told(stage.answer.bet ?? NaN, " %", 0),

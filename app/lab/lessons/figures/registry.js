@@ -9,10 +9,17 @@ import {MENDED, ROWS} from "./mended.js";
 import {RESULTS, ROUNDS} from "./rounds.js";
 import {BETS, CLAIM, E_HISTORY, REVIEW_OF_RUNS, RUN_IMAGES} from "./sign.js";
 import {VERDICT} from "./verdict.js";
+import {eye} from "./eyes.js";
+import {counts, energies, formula, predictions, progress, standings} from "./numbers.js";
+import {outside} from "./outside.js";
+import {energyAxis, roomFromAbove} from "./room.js";
+import {dotToGoal, threeGains, turnedPicture} from "./showing.js";
 import {viewKind} from "./view.js";
 
 /** @type {Record<string, import("../stage.js").FigureKind>} */
 export const FIGURES = {
+  1: eye(1),
+  2: eye(2),
   l: viewKind("l"),
   r: viewKind("r"),
   L: viewKind("L"),
@@ -34,4 +41,16 @@ export const FIGURES = {
   "E history": E_HISTORY,
   bets: BETS,
   "review of runs": REVIEW_OF_RUNS,
+  outside,
+  counts,
+  formula,
+  progress,
+  standings,
+  predictions,
+  "room from above": roomFromAbove,
+  "E axis": energyAxis,
+  "three gains": threeGains,
+  "turned picture": turnedPicture,
+  "dot to goal": dotToGoal,
+  "E of both": energies,
 };

@@ -51,7 +51,7 @@ const written = (draw, kind, about = {}) => ({
 export const counts = written(stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
   const rows = [["E", measure(stage, "E").text, "draw-name-E"],
-    ["Crossing to the ghost’s point", of("crossing to ghost"), ""], ["Crossing to the learner’s own point", of("crossing to own point"), ""]];
+    ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) => `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
 }, "draw-counts", {aspect: 2.6});
@@ -67,7 +67,7 @@ export const formula = written(stage => {
   const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0)), largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
   const total = Math.max(...squares.map(all => all.reduce((sum, {area}) => sum + Math.sqrt(area), 0))) || 1;
   const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="draw-squares"><b class="vi-name">${name}</b>
-<div style="max-width:calc(23cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
+<div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
     return `<span style="width:${fixed(share, 2)}%" class="${isLongest && stage.isRevealed ? "longest" : ""}"><i></i><small>${share > 4 ? i : ""}</small></span>`;
   }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
@@ -83,7 +83,7 @@ export const progress = {
   layers: [],
   aspect: 1,
   create: box => {
-    const made = holder(box, "draw-progress"), words = made.appendChild(document.createElement("div"));
+    const made = holder(holder(box, "draw-progress"), "draw-inside"), words = holder(made, "draw-words");
     const below = made.appendChild(document.createElement("div"));
     below.className = "draw-progress-curve";
     const chart = new Chart(below);

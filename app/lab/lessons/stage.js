@@ -328,6 +328,12 @@ export class Stage {
     return this.raced[servo];
   }
 
+  /** The motion of a race that reaches the goal, or else its last one. @param {Race} race */
+  last({E}) {
+    const {goal} = this, at = goal === null ? -1 : E.findIndex(value => value < goal);
+    return at < 0 ? E.length - 1 : at;
+  }
+
   /** How many motions of a race are shown. @param {number} all */
   played(all) {
     return Math.round(this.reveal * (all - 1));

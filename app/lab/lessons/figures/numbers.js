@@ -120,7 +120,8 @@ const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reac
  */
 function raceRow(stage, race) {
   if (!stage.isRevealed) return ["?", "", "", ""];
-  const {E, postures, status} = race, last = stage.last(race), shown = stage.played(last + 1), {goal} = stage;
+  const {E, postures, status} = race, last = stage.last(race), {goal} = stage;
+  const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
   if (shown < last) return ["…", energyText(E[shown]), "", ""];
   const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
   const isThere = goal !== null && E[last] < goal;
@@ -129,7 +130,7 @@ function raceRow(stage, race) {
 
 /** Who came how far from the same start, the visitor first. */
 export const standings = written(stage => {
-  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to E < ${goal}`, "E there", "off there", ""];
+  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal} px²`, "E", "off", ""];
   const rows = (stage.step.race ?? []).flatMap(servo => {
     const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
     return race ? [[role, title, ...raceRow(stage, race)]] : [];

@@ -19,7 +19,7 @@ WALK = Path(__file__).parent / "walk.toml"
 
 @cache
 def data() -> dict:
-    """The page's data, with starts dealt here and a claim that holds in the first run only."""
+    """The page's data, with starts dealt here and a claim that holds."""
     made = PAGE_DATA({"walk": load(WALK)})
     steps = {step["id"]: step for step in made["lessons"][0]["steps"]}
     servo, bet, place = steps["servo"], steps["bet"], steps["place"]

@@ -141,7 +141,7 @@ def test_data_are_computed_once_for_equal_contents(monkeypatch):
         assert step_data.cached("test", {"a": 1}, compute) == {"E": None, "values": [0, 1]}
     assert len(calls) == 1
     step_data.cached("test", {"a": 2}, compute)
-    monkeypatch.setattr(step_data, "_source_digest", lambda: "another version")
+    monkeypatch.setattr(step_data, "source_digest", lambda: "another version")
     step_data.cached("test", {"a": 2}, compute)
     assert len(calls) == 3
     monkeypatch.setenv(step_data.CACHE_FOLDER, "")
@@ -154,7 +154,7 @@ def test_a_change_of_words_computes_nothing_anew(monkeypatch):
 
     lesson = LESSONS["ray"]
     step_data.step_data(lesson, lesson.step[0])
-    monkeypatch.setattr(step_data, "_computed", lambda *_: pytest.fail("computed again"))
+    monkeypatch.setattr(step_data, "compute_step", lambda *_: pytest.fail("computed again"))
     step_data.step_data(lesson, msgspec.structs.replace(lesson.step[0], text="Other words."))
 
 

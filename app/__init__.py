@@ -1,2 +1,2 @@
-"""The page. Its rooms are server, panels, scene, control, jobs, sessions, lessons, classroom and static; the library
+"""The page. Its rooms are server, panels, scene, control, jobs, sessions, classroom, lab and static; the library
 knows none of it."""

@@ -11,7 +11,6 @@ from viser import ClientHandle
 
 from viewimit.loop.settings import Settings
 
-from .control.classroom.attendance import Attendance
 from .control.command_loop import CommandLoop
 from .control.commands.command import Command
 from .control.commands.experiments import LoadMotion
@@ -60,7 +59,6 @@ class Page:
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
-        self._attendance = Attendance(services.classroom, reach.of_class, self.model, self.queue)
         budget = TimeBudget(services.clock)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures, budget)
         try:
@@ -68,7 +66,7 @@ class Page:
                 self._resume(resumed)
             self._build(services, reach)
         except BaseException:
-            self.close(0.0)  # what it has taken in its class, and of the camera images
+            self.close(0.0)  # what it has taken of the camera images
             raise
         self.model.eye = self._scene.eye
         self._docking = Docking(client, waits=reach.address is not None)
@@ -103,10 +101,8 @@ class Page:
         self._commands.tick(now)
         if self._commands.drawable:
             self._pose()
-        if not self._commands.busy:
-            self._attendance.tick(now)
-            if self._redraw.due("kept", now, KEPT_EVERY):
-                self.model.unsaved = self._keep(self.memory())
+        if not self._commands.busy and self._redraw.due("kept", now, KEPT_EVERY):
+            self.model.unsaved = self._keep(self.memory())
 
     def drawings(self) -> list[Drawing]:
         """Of what has changed and is due, but the poses."""
@@ -136,7 +132,6 @@ class Page:
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
         """The page is gone. Whether its last turn has ended, within so many s, so that what `memory` tells is whole."""
-        self._attendance.end()
         ended = self._commands.wait(within)
         if ended:
             self.model.close()
@@ -181,7 +176,7 @@ class Page:
     def _pose(self) -> None:
         if not self._shown:
             return
-        world, docked = self.model.shown_session.world, self._docking.over(self._now)
+        world, docked = self.model.session.world, self._docking.over(self._now)
         if self._redraw.changed("world", world, docked):
             self._anew = True
             if docked:  # widgets of the world before are gone at once: what is sent to them would be lost
@@ -197,7 +192,7 @@ class Page:
         if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
             drawings.append((Scene3D, partial(self._scene.show, state)))
         for panel in self._panels:
-            if not panel.seen(state) or (state.course is not None and not panel.in_lessons):
+            if not panel.seen(state):
                 continue
             period = panel.period(state) * self._shedding.plots
             if period and not self._redraw.due(type(panel), self._now, period):

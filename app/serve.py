@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from viewimit.loop.session import Session
 
-from .server.address import address, invite, invite_lecturer, listen, require_free
+from .server.address import address, invite, listen, require_free
 from .server.options import ServerOptions
 from .server.origins import is_loopback
 from .server.seat_counts import SeatCounts
@@ -59,8 +59,6 @@ def serve(
         print(f"viewimit is listening on {url}", flush=True)
         if not is_loopback(host):
             invite(host, port)
-        if options.lecturer is not None:
-            invite_lecturer(host, port, options.lecturer)
         if open_browser:
             webbrowser.open(url)
         while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn

@@ -30,8 +30,6 @@ WAITING = (
     "test_leases.py",
     "test_faults.py",
     "test_deploy.py",
-    "test_lecturer.py",
-    "test_replicas.py",
 )
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []

@@ -89,13 +89,8 @@ MOTIONS_MADE = "vi-count"
 QR_CODE = "vi-qr"
 SEE_THROUGH = "vi-aim"  # the arm that is
 SCALE_OF_MORE = "vi-scale vi-scale-up"  # of a word of which more is better
-GUIDE, OFFER, LESSONS, REFUSED = "vi-guide", "vi-offer", "vi-lessons", "vi-guide-refused"
+OFFER, LESSONS = "vi-offer", "vi-lessons"
 DRAWING = "vi"  # any
-
-# Of a class
-INVITATION = "vi-join"
-TALLY, RIGHT_ANSWERS, ANSWERS_NOW = "vi-tally", "vi-bar-right", "vi-tally-now"
-OTHERS_MARKS = "vi-crowd"
 
 LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style
 LAYOUT_ONLY_OF_DUELS = {DUEL, ALL_TRANSFERS, SOLID}

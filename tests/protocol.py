@@ -92,8 +92,7 @@ class Client:
     def ready(self, seconds: float = 30.0) -> "Client":
         """Once its page is built."""
         built = {"Help", "Load"}  # of the keys and of the motions, the last that are built of each kind
-        drawn = lambda: self.status or any("data-screen" in html for html in list(self.html.values()))  # in a lesson
-        wait_until(lambda: drawn() and built <= {*self.commands, *self.widgets}, seconds)
+        wait_until(lambda: self.status and built <= {*self.commands, *self.widgets}, seconds)
         return self
 
     def closed(self, seconds: float = 10.0) -> tuple[int, str] | None:

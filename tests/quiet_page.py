@@ -4,7 +4,6 @@ import contextlib
 import time
 from types import SimpleNamespace
 
-from viewimit.app.control.classroom.attendance import Attendee
 from viewimit.app.control.redraw import draw_all
 from viewimit.app.control.scheduler import TICK
 from viewimit.app.control.services import Services
@@ -20,7 +19,6 @@ from waiting import wait_until
 from viewimit.loop.settings import Settings
 
 PERSON = 1  # a client's id
-ALONE = Attendee()
 
 
 class Widget(QuietHandle):
@@ -77,8 +75,6 @@ class QuietPage:
         keep=lambda memory: None,
         resumed=None,
         address=None,
-        classroom=None,
-        of_class=ALONE,
         landscapes=None,
         shared=None,
     ):
@@ -87,8 +83,8 @@ class QuietPage:
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
         clock = lambda: self.now
-        services = Services(*workers, shedding, lambda robot, arm: None, classroom=classroom, clock=clock)
-        reach = Reach(address, shared=shared, of_class=of_class)
+        services = Services(*workers, shedding, lambda robot, arm: None, clock=clock)
+        reach = Reach(address, shared=shared)
         self.page = Page(self.client, services, settings or Settings.paper(), keep, resumed, reach)
 
     def widget(self, label):

@@ -29,9 +29,7 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
     {"viser_private", "quiet_client", "static", "drawing", "lab"},
-    {"lessons"},
-    {"jobs", "sessions"},
-    {"classroom"},
+    {"jobs", "sessions", "classroom"},
     {"control"},
     {"scene"},
     {"panels"},
@@ -219,7 +217,9 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
             continue
         for module, node in imports_of(path):
             if module[:2] == ("viewimit", "app"):
-                assert module_of(path) in (("viewimit", "commands", "serve"), ("viewimit", "commands", "lab"))
+                assert module_of(path) in {
+                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam")
+                }
                 assert node.col_offset > 0, "at the top of the module"
 
 

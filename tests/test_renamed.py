@@ -6,7 +6,8 @@ import msgspec
 import numpy as np
 import pytest
 import zstandard
-from viewimit.app.lessons.format import settings_of
+from viewimit.app.lab.lessons.format import settings_of
+from viewimit.app.lab.lessons.source import shipped
 from viewimit.app.sessions.link import read
 
 from viewimit import Session, Settings
@@ -41,11 +42,16 @@ def changed(**fields):
     return session.settings
 
 
+def in_a_lesson(**fields):
+    lesson = shipped()["ray"]
+    return settings_of(lesson, msgspec.structs.replace(lesson.step[0], settings=fields))
+
+
 READERS = {
     "Settings": Settings,
     "Settings.paper": Settings.paper,
     "Session.change": changed,
-    "a lesson": lambda **fields: settings_of(fields),
+    "a lesson": in_a_lesson,
     "a link": settings_in_a_link,
 }
 

@@ -1,2 +1,3 @@
-"""A class on one server: what its pages tell each other through the store, whichever process each of them is in. What a
-page does of it is in control/."""
+"""A class: who is in it, what they are asked and answer, and the server that carries this between their browsers.
+
+The lessons run in the browsers themselves, in the lab."""

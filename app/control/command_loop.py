@@ -11,14 +11,14 @@ from functools import partial
 from ..jobs.camera_images import CameraLost
 from ..jobs.session_eyes import RemoteEyes
 from .background import Background
-from .commands.command import Command
+from .commands.command import Arrival, Command
 from .page_model import PageModel
 from .queue import CommandQueue
 from .shedding import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
-LONG_AT_ONCE = threading.BoundedSemaphore(2)  # of all pages: a class that follows a link leaves the others time
+LONG_AT_ONCE = threading.BoundedSemaphore(2)  # of all pages: many who follow a link leave the others time
 
 
 def _beside() -> float:
@@ -71,18 +71,14 @@ class CommandLoop:
             self._take_turn(now)
 
     def _take_turn(self, now: float) -> None:
-        """Carry out what the visitor did and make the motions that are due, or move the lesson on: beside the scheduler
-        if that takes camera images or long, at once if not."""
+        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
+        images or long, at once if not."""
         model, commands = self._model, self._queue.take()
         opens = any(command.opens_pictures(model) for command in commands)
         long = any(command.takes_long for command in commands)
-        in_lesson = model.guided.course is not None
-        if not opens and not long and (in_lesson or model.session.settings.sensor == "projected"):
+        if not opens and not long and model.session.settings.sensor == "projected":
             self._apply_within_budget(commands, now)
-            if in_lesson:  # also if it has just been left: what is below it may look with camera images
-                model.follow_lesson(now)
-            else:
-                self._move_on(now, self._shedding.step_budget)
+            self._move_on(now, self._shedding.step_budget)
             return
         first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
         if not self._apply_within_budget(commands[:first], now, commands[first:]):
@@ -104,9 +100,6 @@ class CommandLoop:
         self._move_on(now, budget)
 
     def _move_on(self, now: float, budget: Callable[[], float]) -> None:
-        if self._model.guided.course is not None:
-            self._model.follow_lesson(now)
-            return
         self._model.motions.tick()
         self._model.player.advance(now, budget)
         session = self._model.session
@@ -137,18 +130,11 @@ class CommandLoop:
 
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
-        held = self._model.role.holds
-        if held is not None and not command.when_locked:
-            self._model.refuse(held, now + MESSAGE_STAYS)
-            return
-        if self._model.guided.course is not None and not command.in_lesson:
-            self._model.refuse("In a lesson the page's own controls rest: Esc leaves it.", now + MESSAGE_STAYS)
-            return
         try:
             with LONG_AT_ONCE if command.takes_long else nullcontext():
                 command.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
             return
-        if not command.commutes and not command.in_lesson:  # what the page's own controls do
+        if not command.commutes and not isinstance(command, Arrival):  # what the page's own controls do
             self._model.accept()

@@ -5,14 +5,13 @@ from dataclasses import replace
 from typing import Any
 
 from ..sessions.saved import SavedPage, SavedSession
-from .classroom.summaries import name_of
 from .page_model import PageModel
 from .state import SWITCHES, View
 
 
 def memory_of(model: PageModel) -> SavedSession:
     """The opponent of a duel and what runs in the tab Experiments is not kept."""
-    there, view = model.role.own or model.past.present, model.view
+    there, view = model.past.present, model.view
     history, cursor, log = there.runs[0]
     head = SavedPage(
         begun=model.begun,
@@ -24,11 +23,8 @@ def memory_of(model: PageModel) -> SavedSession:
         show={name: getattr(view, name) for name in SWITCHES},
         dark=view.dark,
         motion=model.motions.file,
-        lessons=model.guided.kept,
-        lesson=model.guided.going_on,
-        offered=model.guided.offered,
+        offered=model.tour_offered,
         log=log,
-        name=model.role.name or "",
     )
     return SavedSession(head, history)
 
@@ -65,5 +61,4 @@ def _show_as(model: PageModel, head: SavedPage) -> None:
     model.presets.choose_named(head.preset)
     model.player.speed = head.speed
     model.view = replace(switched(model.view, head.show), dark=head.dark)
-    model.guided.resume(head.lessons, head.lesson, head.offered)
-    model.role.call(name_of(head.name))
+    model.tour_offered = head.offered

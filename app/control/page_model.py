@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
-from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
 from ..sessions.link import Linked
-from .classroom.role import Role
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .experiments import Experiments
@@ -24,7 +22,6 @@ from .history.shown_word import ShownWord
 from .history.undoable import UndoableSession
 from .joints import Freedom
 from .landscapes import Basins, DuelLandscapes, OwnLandscape
-from .moments.guided import Guided
 from .moments.seen import SeenMoments
 from .motions import Motions
 from .points.editing import PointEditing
@@ -32,15 +29,15 @@ from .presets import Preset
 from .queue import CommandQueue
 from .saving import Saving
 from .services import Services
-from .state import SWITCHES, Message, PageState, View, in_lesson
+from .state import SWITCHES, Message, PageState, View
 
 
 class PageModel:
     """settings: what its session begins with; send(name, data): a file for the visitor.
 
     generation: how often the session has begun anew, in a world of its own; refusals: how many commands could not be;
-    role: in a class; eye(): that looks at the 3-D scene, as the page knows it; unsaved: why the session is not kept, as
-    far as is known.
+    tour_offered: to somebody who has not been here before; eye(): that looks at the 3-D scene, as the page knows it;
+    unsaved: why the session is not kept, as far as is known.
     """
 
     def __init__(
@@ -69,8 +66,7 @@ class PageModel:
         self.duel_landscapes = DuelLandscapes(page_id, beside, queue)
         self.comparison = Comparison(page_id, beside, queue)
         self.basins = Basins(page_id, services.basins, queue)
-        self.guided = Guided(page_id, services.lessons, beside, queue)
-        self.role = Role()
+        self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
         self.generation, self.refusals = 0, 0
         self.message: Message | None = None
@@ -87,12 +83,6 @@ class PageModel:
         """Whether the settings are others than the preset's."""
         return self.presets.differ(self.session.settings)
 
-    @property
-    def shown_session(self) -> Session:
-        """The page's own, or a lesson's."""
-        course = self.guided.course
-        return self.session if course is None else course.session
-
     def say(self, text: str, until: float) -> None:
         """A message for the visitor, as long as now < until, s."""
         self.message = Message(text, until)
@@ -108,12 +98,6 @@ class PageModel:
         if self.message is self._refusal:
             self.message = None
 
-    def follow_lesson(self, now: float) -> None:
-        """Move on what moves by itself in it."""
-        if self.guided.course is not None:
-            self.guided.course.fit(self.view.narrow)
-            self.guided.course.tick(now, self.player.still)
-
     def ask_for_landscapes(self) -> None:
         """For what has changed since they were asked for last."""
         world, present = self.session.world, self.session.snapshot
@@ -124,8 +108,7 @@ class PageModel:
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and one more arm if there is one."""
-        course = self.guided.course
-        return self.moments.poses(now) if course is None else course.poses
+        return self.moments.poses(now)
 
     def linked(self) -> Linked:
         """What a link to this page holds. Raises ValueError where that cannot be said."""
@@ -136,16 +119,11 @@ class PageModel:
             speed=self.player.speed,
             chosen=view.chosen,
             show={name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)},
-            lesson=self.guided.place,
         )
 
     def state(self, now: float, shortest_motion: float = 0.0) -> PageState:
         """What the page shows. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
-        state = self._state(now, shortest_motion)
-        return state if self.guided.course is None else in_lesson(state, self.guided.course)
-
-    def _state(self, now: float, shortest_motion: float) -> PageState:
-        session, player, guided, role = self.session, self.player, self.guided, self.role
+        session, player = self.session, self.player
         if self.message is not None and now > self.message.until:
             self.message = None
         seen = self.moments.at(now, shortest_motion, self.view.chosen)
@@ -163,7 +141,7 @@ class PageModel:
             session=session,
             settings=session.settings,
             present=session.snapshot,
-            playing=player.playing or role.moves_along,
+            playing=player.playing,
             speed=player.speed,
             cursor=player.cursor,
             last=player.last,
@@ -182,23 +160,13 @@ class PageModel:
             linked=self.linked,
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
-            lessons=guided.lessons,
-            course=guided.course,
-            offered=guided.offered,
+            tour_offered=self.tour_offered,
             word=self.word.key,
-            holds=role.holds,
-            follows=role.follows,
-            asked=role.asked,
-            classroom=role.view(now),
-            name=role.name,
         )
 
     def save_picture(self, now: float) -> None:
-        """Of the panel that is chosen, or of a lesson's figures. Raises ValueError where there is none."""
-        if self.guided.course is not None:
-            self.saving.lesson(self.view.picture_as, self.guided.course)
-        else:
-            self.saving.picture(self.view.picture, self.view.picture_as, self.state(now), self.eye())
+        """Save the panel that is chosen. Raises ValueError where there is none."""
+        self.saving.picture(self.view.picture, self.view.picture_as, self.state(now), self.eye())
 
     def close(self) -> None:
         """What it looks with is given back."""

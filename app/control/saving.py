@@ -34,9 +34,6 @@ from viewimit.loop.session import Session
 from ..drawing.duel import draw_errors_alone, draw_race
 from ..jobs.landscapes import LandscapeWorker
 from ..jobs.png_child import render
-from ..lessons.course import Course
-from ..lessons.figure_area import draw_figures
-from ..static import LESSON_CSS
 from .moments.images import draw_shown
 from .queue import CommandQueue
 from .state import PageState
@@ -88,16 +85,6 @@ class Saving:
         citation = picture.citation or cite(session, state.present.motion)
         self._make("picture", partial(_saved, name, form, picture.draw, citation))
 
-    def lesson(self, form: str, course: Course) -> None:
-        """Figures of the step that is shown. Raises ValueError where there are none."""
-        require_form(form)
-        stage = course.stage
-        if stage is None:
-            raise ValueError("there is no figure here to be saved")
-        figure = stack([draw_figures(stage, None)], f"{course.lesson.title}: {stage.step.title}")
-        citation = cite(course.session.copy())
-        self._make("picture", partial(_saved, f"viewimit-lesson.{form.lower()}", form, lambda: figure, citation))
-
     def _make(self, kind: str, make: Callable[[], Saved]) -> None:
         self._worker.ask(self._page_id, make, self._queue.taker(("saved", kind), self._take), kind=kind)
 
@@ -126,7 +113,7 @@ def require_form(form: str) -> None:
 
 
 def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation) -> Saved:
-    picture = draw().captioned(citation, DRAWING_CSS + LESSON_CSS)
+    picture = draw().captioned(citation, DRAWING_CSS)
     return Saved(name, encode(picture, f".{form.lower()}", render))
 
 

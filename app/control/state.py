@@ -1,9 +1,8 @@
 """What a page shows at one moment. Panels read it and change nothing."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from numpy.typing import NDArray
 
@@ -19,12 +18,8 @@ from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
 
-from ..classroom.messages import Asked
 from ..jobs.experiments import Run
-from ..lessons.course import Course
-from ..lessons.format import Lesson
 from ..sessions.link import Linked
-from .classroom.class_view import ClassView
 from .duel import Duel
 from .experiments import Experiments
 from .moments.rehearsal import Rehearsal, rehearsal_of
@@ -33,7 +28,7 @@ from .points.editing import EditedPoints
 from .presets import Preset
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-TOLD = ("wide", "vast", "narrow", "prefers_dark", "truth", "unseen")  # by the browser itself
+TOLD = ("wide", "vast", "prefers_dark", "truth", "unseen")  # by the browser itself
 WINDOW = "window"  # in place of all tabs' names
 SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
 
@@ -41,8 +36,8 @@ SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows"
 @dataclass(frozen=True)
 class View:
     """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
-    whether it is open; fits: how often the visitor has asked for the default camera; wide, vast, narrow: whether the
-    window has room for more, for much more, or for little, as it says itself; share: whether the card with link and
+    whether it is open; fits: how often the visitor has asked for the default camera; wide, vast: whether the
+    window has room for more, or for much more, as it says itself; share: whether the card with link and
     code is open; large: of LARGE, which fills the window beside the controls; look_only: a posture that is touched is
     looked at by a see-through arm, and nothing moves; picture, picture_as: which panel is saved as a picture, and in
     which format; truth: whether what only the viewer knows is shown in 3-D, as before a class it is when it is asked
@@ -61,7 +56,6 @@ class View:
     fits: int = 0
     wide: bool = False
     vast: bool = False
-    narrow: bool = False
     look_only: bool = False
     share: bool = False
     large: str | None = None
@@ -97,12 +91,9 @@ class PageState:
     second; cursor, last: motions that are shown and kept. modified: the settings are others than the preset's.
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
-    be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. lessons: all there
-    are, by name; course: the one that goes on, whose session then is shown; offered: whether the first one is. word: of
-    the glossary that is shown, in place of what can be given back. In a class: holds: why the controls are locked, None
-    if they are not; follows: the page shows what the lecturer's does; asked: the question that goes on; name: that a
-    student has typed, None elsewhere; classroom: of the lecturer's page alone. Session, duel, experiments and motions
-    are those of the page: to be read only.
+    be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. tour_offered: to
+    somebody who has not been here before. word: of the glossary that is shown, in place of what can be given back.
+    Session, duel, experiments and motions are those of the page: to be read only.
     """
 
     generation: int
@@ -137,15 +128,8 @@ class PageState:
     linked: Callable[[], Linked]
     message: str | None
     unsaved: str | None
-    lessons: Mapping[str, Lesson]
-    course: Course | None
-    offered: bool
+    tour_offered: bool
     word: str | None
-    holds: str | None = None
-    follows: bool = False
-    asked: Asked | None = None
-    classroom: ClassView | None = None
-    name: str | None = None
 
     @property
     def seen(self) -> Snapshot:
@@ -192,12 +176,3 @@ class PageState:
         """(N, 3) m: where the learner's cameras would see the recovered points in space, NaN where there is none."""
         shown, cameras = self.shown, self.session.world.own_cameras
         return triangulate(*cameras, shown.recovered)
-
-
-def in_lesson(state: PageState, course: Course) -> PageState:
-    """What a page shows in a lesson: that one's session."""
-    step, moment = course.step, course.moments[-1]
-    chosen = None if step is None else step.chosen
-    view = replace(state.view, chosen=chosen, rays=False, residuals=False, gizmo=False, help=False, large=None)
-    seen: dict[str, Any] = {"session": course.session, "present": moment, "looked": moment, "shown": moment}
-    return replace(state, view=view, on_its_way=None, see_through=None, imitated=None, stage=None, pictures={}, **seen)

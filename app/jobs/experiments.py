@@ -144,8 +144,9 @@ class ExperimentWorker:
             with tempfile.TemporaryDirectory(prefix="viewimit-", ignore_cleanup_errors=True) as folder:
                 with self._process(job, folder) as connection:
                     self._listen(job, connection, began)
-        except Exception as error:  # no process, no folder: one page's fault must not end the others' experiments
-            traceback.print_exc()
+        except Exception as error:  # one page's fault must not end the others' experiments
+            if not isinstance(error, OSError):  # no process, no folder
+                traceback.print_exc()
             return f"it could not be run: {error}"
         return "its process ended unexpectedly"
 

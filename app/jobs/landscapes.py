@@ -81,6 +81,7 @@ class LandscapeWorker:
             try:
                 made = make()
             except Exception as error:  # one page's fault must not end the others' landscapes; its page says so
-                traceback.print_exc()
+                if not isinstance(error, ValueError):  # which is an answer
+                    traceback.print_exc()
                 made = error
             done(made)

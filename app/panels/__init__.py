@@ -3,8 +3,6 @@
 `PANELS` is the page in the order in which it is built; a panel is one class in one file, and one line here.
 """
 
-from .classroom.lecturer import LecturerPanel
-from .classroom.student import StudentPanel
 from .curves import CurvesPanel
 from .demonstrator import DemonstratorPanel
 from .display import DisplayPanel
@@ -14,7 +12,7 @@ from .equations import ConflictPanel, EquationsPanel, LawPanel
 from .experiments import ExperimentsPanel
 from .guide.glossary import GlossaryPanel
 from .guide.keys import KeysPanel
-from .guide.lesson import LessonPanel
+from .guide.lessons import LessonsPanel
 from .guide.share import SharePanel
 from .history import HistoryPanel
 from .images import ImagesPanel
@@ -32,8 +30,7 @@ from .views import ViewsPanel
 
 PANELS: list[type[Panel]] = [
     PlaybackPanel,
-    LessonPanel,
-    StudentPanel,
+    LessonsPanel,
     HistoryPanel,
     DemonstratorPanel,
     LearnerPanel,
@@ -56,6 +53,5 @@ PANELS: list[type[Panel]] = [
     DuelPanel,
     ExperimentsPanel,
     MotionsPanel,
-    LecturerPanel,
     LargerPanel,  # in the tabs that those before it have made
 ]

@@ -27,8 +27,6 @@ SWITCHES = (
 
 
 class DisplayPanel(Panel):
-    in_lessons = True
-
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, queue = layout.gui, layout.queue
         gui = self._gui

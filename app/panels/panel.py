@@ -1,14 +1,14 @@
 """What a panel is, and where it finds its place on the page."""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from contextlib import AbstractContextManager
 from typing import NamedTuple, Protocol
 
 from viser import ClientHandle
 
-from ..control.classroom.attendance import Attendee
 from ..control.queue import CommandQueue
 from ..control.state import PageState
+from ..lab.lessons.format import Lesson
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
 WIDTHS = (440, 560, 760)  # px of the right panels, by the room that a window has
@@ -18,12 +18,12 @@ LEFT_WIDTHS = (280, 300, 300)
 class Reach(NamedTuple):
     """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
     which it knows the server, None if it does not say; shared: by which others do, None where they cannot reach it;
-    of_class: who the page is in a class."""
+    lessons: of the lab, by name."""
 
     address: str | None = None
     origin: str | None = None
     shared: str | None = None
-    of_class: Attendee = Attendee()
+    lessons: Mapping[str, Lesson] = {}
 
 
 NOWHERE = Reach()
@@ -35,6 +35,7 @@ class Layout:
     def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
         self.client, self.gui, self.queue = client, client.gui, queue
         self.address, self.origin, self.shared = reach.address, reach.origin, reach.shared
+        self.lessons = reach.lessons
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._upper_tabs: dict[str, AbstractContextManager] = {}
@@ -79,11 +80,10 @@ def _tab(panel, made: dict[str, AbstractContextManager], name: str) -> AbstractC
 class Panel(Protocol):
     """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
 
-    in_lessons: it is shown in a lesson, too, in which all others rest; inside: the tab in which it stands.
+    inside: the tab in which it stands.
     `build` once, then `show` whenever it is seen and `depends_on` differs from what was shown last.
     """
 
-    in_lessons: bool = False
     inside: str = ""
 
     def build(self, layout: Layout, state: PageState) -> None:

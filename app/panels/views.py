@@ -16,12 +16,9 @@ VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "
 
 WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
 VAST = "(min-width:2400px) and (min-height:1200px)"  # much more
-NARROW = "(max-width:640px)"  # as a phone
 
 
 class ViewsPanel(Panel):
-    in_lessons = True
-
     def build(self, layout: Layout, state: PageState) -> None:
         self._layout, self._room = layout, 0
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
@@ -29,7 +26,6 @@ class ViewsPanel(Panel):
         if layout.address is not None:
             layout.gui.add_html(told(f"{layout.address}/layout", WIDE))
             layout.gui.add_html(told(f"{layout.address}/vast", VAST))
-            layout.gui.add_html(told(f"{layout.address}/narrow", NARROW))
 
     def depends_on(self, state: PageState) -> tuple:
         return state.view.wide, state.view.vast

@@ -21,8 +21,6 @@ from .. import viser_private
 from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
 from .cookie import cookie_for, token_of
-from .lecturer import ROOT as LECTURER_ROOT
-from .lecturer import LecturerAccess
 from .limits.connection_limits import Limits
 from .limits.fault_lines import in_a_line, logger_of
 from .limits.pending_connections import PendingConnections
@@ -49,7 +47,7 @@ NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equ
 class AccessControl:
     """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
-    its own; lecturer: the secret of one's address; lab: the page of the lab. touches: where its pages' links lead.
+    its own; lab: pages of the lab, itself "", lessons by name. touches: where its pages' links lead.
     """
 
     def __init__(
@@ -59,13 +57,12 @@ class AccessControl:
         counts: SeatCounts,
         worker: int = 0,
         listening: socket.socket | None = None,
-        lecturer: str | None = None,
-        lab: Callable[[], str] = lambda: "",
+        lab: Callable[[str], str | None] = lambda lesson: None,
     ):
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
-        self.touches, self._lecturer = Touches(worker), LecturerAccess(lecturer)
+        self.touches = Touches(worker)
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
@@ -149,13 +146,13 @@ class AccessControl:
         path = request.path.partition("?")[0]
         if path == "/health":
             return self._tell_health()
-        if path == "/lab":
-            page = await asyncio.to_thread(self._lab)  # half a second, the first time
+        if path == "/lab" or path.startswith("/lab/"):
+            page = await asyncio.to_thread(self._lab, path[5:])  # the first time, some seconds of another process
+            if page is None:
+                return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
             return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
         if path.startswith(ROOT):
             return self._touch(connection, request)
-        if path.startswith(LECTURER_ROOT):
-            return self._admit_lecturer(connection, request)
         try:
             answer = viser_answers(connection, request)
         except (OSError, ValueError):  # a path that no file can have
@@ -165,11 +162,10 @@ class AccessControl:
         if answer.status_code == http.HTTPStatus.NOT_FOUND:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
-        welcome = self._lecturer.is_lecturer(request.headers)  # who leads a class has a seat, however full it is
-        if is_page and self._counts.seats >= self.limits.seats_of_all and not welcome:  # another may have one left
+        if is_page and self._counts.seats >= self.limits.seats_of_all:  # another may have one left
             why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
             answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
-        elif is_page and self.full_for(connection.network) and not welcome:
+        elif is_page and self.full_for(connection.network):
             why = (
                 f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have"
             )
@@ -179,13 +175,6 @@ class AccessControl:
             if token_of(request.headers) is None:
                 answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
-        return answer
-
-    def _admit_lecturer(self, connection: GuardedConnection, request: Request) -> Response:
-        answer = self._lecturer.answer(request.path, request.headers)
-        if answer is None:
-            self.note(connection, "an address of a lecturer that is not this class's")
-            return plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         return answer
 
     def _touch(self, connection: GuardedConnection, request: Request) -> Response:
@@ -203,19 +192,17 @@ class AccessControl:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
             return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
-        lecturer = self._lecturer.is_lecturer(request.headers)
-        if self.full and not lecturer:
+        if self.full:
             self.note(connection, f"a seat: all {self.limits.seats} are taken")
             return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
-        if self.full_for(connection.network) and not lecturer:
+        if self.full_for(connection.network):
             most = self.limits.seats_of_one
             self.note(connection, f"a seat: its address has {most} already; --max-per-address allows more")
             return plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
         self.pending.discard(connection)
-        if not lecturer:  # theirs is beside those of the class
-            self.seats.add(connection)
-            self._own.take(connection.network)
-        connection.take_seat(token_of(request.headers), lecturer)
+        self.seats.add(connection)
+        self._own.take(connection.network)
+        connection.take_seat(token_of(request.headers))
         return None
 
     def leave(self, connection: GuardedConnection) -> None:

@@ -9,10 +9,10 @@ from urllib.parse import urlsplit
 
 import segno
 
-from .lecturer import ROOT as LECTURER
 from .origins import PORTS, is_loopback, lan_address
 
 PORTS_TO_TRY = 100
+EVERYWHERE = {"0.0.0.0": socket.AF_INET, "::": socket.AF_INET6}  # hosts, and the addresses that they listen on
 BACKLOG = 100  # connections that wait to be accepted
 
 
@@ -25,7 +25,7 @@ def listen(host: str, port: int) -> list[socket.socket]:
     listeners: list[socket.socket] = []
     for family, *_, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE):
         listener = socket.socket(family, socket.SOCK_STREAM)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        _claim(listener)
         if family == socket.AF_INET6:
             listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         chosen = listeners[0].getsockname()[1] if listeners else port
@@ -49,7 +49,7 @@ def _is_free(host: str, port: int) -> bool:
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            _claim(probe)
             probe.bind(address)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
@@ -58,15 +58,23 @@ def _is_free(host: str, port: int) -> bool:
     return True
 
 
+def _claim(listener: socket.socket) -> None:
+    """Let it bind a port that was left lately, but none at which a program listens."""
+    if sys.platform == "win32":  # where SO_REUSEADDR would take the port of a program that listens
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+    else:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+
+
 def address(host: str, port: int) -> str:
     """What to type into a browser on this machine."""
-    shown = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
+    shown = "localhost" if host in EVERYWHERE else f"[{host}]" if ":" in host else host
     return f"http://{shown}:{port}"
 
 
 def address_for_others(host: str, port: int) -> str | None:
     """What to type elsewhere on the network; None where nobody there can reach it."""
-    reached = lan_address() if host in ("0.0.0.0", "::") else None if is_loopback(host) else host
+    reached = lan_address(EVERYWHERE[host]) if host in EVERYWHERE else None if is_loopback(host) else host
     return None if reached is None else address(reached, port)
 
 
@@ -80,11 +88,6 @@ def origin_for_others(host: str, origin: str | None) -> str | None:
     if not is_loopback(name) and ("." in name or ":" in name):
         return origin
     return address_for_others(host, page.port or PORTS[page.scheme])
-
-
-def invite_lecturer(host: str, port: int, secret: str) -> None:
-    """Print what who leads the class opens. To standard output alone: it is no line of a log."""
-    print(f"the lecturer opens {address(host, port)}{LECTURER}{secret}\nand shows it to nobody", flush=True)
 
 
 def invite(host: str, port: int) -> None:

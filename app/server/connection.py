@@ -48,13 +48,12 @@ class Host(Protocol):
 
 class GuardedConnection(ServerConnection):
     """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one;
-    lecturer: whether that is the lecturer's; network: where it comes from."""
+    network: where it comes from."""
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
         self._host = host
         self.token: str | None = None
-        self.lecturer = False
         self.network = network_of(None)
         self._unsent = Unsent()
         self._received = b""  # of a request that has not come as a whole; then what came behind it before its answer
@@ -96,8 +95,8 @@ class GuardedConnection(ServerConnection):
                 timer.cancel()
         super().connection_lost(exc)
 
-    def take_seat(self, token: str | None, lecturer: bool = False) -> None:
-        self.token, self.lecturer = token, lecturer
+    def take_seat(self, token: str | None) -> None:
+        self.token = token
         self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
 
     def data_received(self, data: bytes) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from viewimit.loop.settings import Settings
 
-from ..lessons.format import Lesson
+from ..lab.lessons.format import Lesson
 from .limits.connection_limits import Limits
 
 PENDING = 200  # connections of a process without a seat, such as page loads
@@ -16,8 +16,8 @@ PAGE_CONNECTIONS = 12  # that a browser or two open at once
 class ServerOptions:
     """settings: what each session begins with; store: where sessions are kept, as `open_store` has it; max_clients:
     tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors;
-    max_per_address: tabs of one address at a time, None: as many as there are; lessons: shown before those that are
-    shipped, by name; lecturer: the secret by which one is known, None without a class; host: on which it listens."""
+    max_per_address: tabs of one address at a time, None: as many as there are; lessons: of a lecturer's own, by name,
+    before those that are shipped; host: on which it listens."""
 
     settings: Settings = Settings.paper()
     store: str | None = None
@@ -26,7 +26,6 @@ class ServerOptions:
     workers: int = 1
     max_per_address: int | None = None
     lessons: Mapping[str, Lesson] = field(default_factory=dict)
-    lecturer: str | None = field(default=None, repr=False)
     host: str = "127.0.0.1"
 
     def clients_of(self, worker: int) -> int:

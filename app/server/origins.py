@@ -3,10 +3,12 @@
 import ipaddress
 import re
 import socket
+import threading
 from collections.abc import Collection
 from functools import cache
 from urllib.parse import urlsplit
 
+OF_DOCUMENTATION = {socket.AF_INET: "192.0.2.1", socket.AF_INET6: "2001:db8::1"}  # reserved: RFC 5737, RFC 3849
 PORTS = {"http": 80, "https": 443}
 NAME = re.compile(r"[\w.-]{1,253}", re.ASCII)  # of a machine, as browsers send it
 
@@ -59,17 +61,23 @@ def is_loopback(host: str) -> bool:
 
 
 @cache
-def own_names() -> frozenset[str]:
-    """Names of this machine."""
+def own_names() -> set[str]:
+    """Return the names of this machine; its full one is added once the network has told it, which may take seconds."""
     name = socket.gethostname().lower()
-    return frozenset({"localhost", name, f"{name}.local", socket.getfqdn().lower()})
+    names = {"localhost", name, f"{name}.local"}
+    threading.Thread(target=lambda: names.add(socket.getfqdn().lower()), name="viewimit-name", daemon=True).start()
+    return names
 
 
-def lan_address() -> str | None:
-    """Address under which other machines reach this one, None without a network. Nothing is sent."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+def lan_address(family: socket.AddressFamily = socket.AF_INET) -> str | None:
+    """Return the address of a family under which others reach this machine; None without a network. Nothing is sent."""
+    try:
+        probe = socket.socket(family, socket.SOCK_DGRAM)
+    except OSError:  # a system without IPv6
+        return None
+    with probe:
         try:
-            probe.connect(("192.0.2.1", 9))  # reserved for documentation (RFC 5737): tells only the way out
+            probe.connect((OF_DOCUMENTATION[family], 9))  # tells only the way out
         except OSError:
             return None
         address = probe.getsockname()[0]

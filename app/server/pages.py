@@ -9,7 +9,7 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 
 import viser
@@ -19,16 +19,13 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..classroom.boards import open_board
-from ..classroom.classroom import Classroom
-from ..control.classroom.attendance import Attendee
 from ..control.scheduler import Scheduler
 from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
-from ..lab.page import served_page
-from ..lessons.source import shipped
+from ..lab.lessons.format import Lesson
+from ..lab.lessons.page import LabPages
 from ..page import LEAVES_WITHIN, CannotResume, Page
 from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
@@ -39,10 +36,9 @@ from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
 from .address import origin_for_others
-from .connection import GuardedConnection
-from .lecturer import class_name
 from .limits.fault_lines import in_a_line
 from .options import ServerOptions
+from .origins import own_names
 from .seat_counts import SeatCounts
 from .touches import Touches
 
@@ -64,16 +60,17 @@ def serving(
     worker: which of the processes this one is; listening: a socket in place of host and port.
     Raises OSError for a store that cannot be used.
     """
+    own_names()  # begins to ask for them
     autosave = Autosave(open_store(options.store))
     scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
-    lab = partial(served_page, options.settings.scene, options.settings.robot)
-    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, options.lecturer, lab)
+    lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)
+    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, lab.page)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=options.host, port=port, label="viewimit", verbose=False)
-    app = App(server, options, scheduler, autosave, access.touches)
+    app = App(server, options, scheduler, autosave, access.touches, lab.lessons)
     access.guard(server)
     gc.collect()
     gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
@@ -88,7 +85,7 @@ def serving(
 class App:
     """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    touches: where the pages' links lead.
+    touches: where the pages' links lead; lessons: of the lab, by name.
     """
 
     def __init__(
@@ -98,9 +95,10 @@ class App:
         scheduler: Scheduler,
         autosave: Autosave,
         touches: Touches,
+        lessons: Mapping[str, Lesson],
     ):
         self._server, self._settings, self._scheduler, self._autosave = server, options.settings, scheduler, autosave
-        self._touches, self._host = touches, options.host
+        self._touches, self._host, self._lessons = touches, options.host, lessons
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         viser_private.wake_in_loop(server)
@@ -109,9 +107,7 @@ class App:
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
         camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
         workers = LandscapeWorker(), ExperimentWorker(), camera
-        classroom = _classroom(options)
-        lessons = {**options.lessons, **shipped()}
-        self.services = Services(*workers, scheduler.shedding, share, lessons, classroom=classroom)
+        self.services = Services(*workers, scheduler.shedding, share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -130,8 +126,6 @@ class App:
             for client_id in list(self._pages):
                 self._retire(client_id, max(until - time.monotonic(), 0.0))
             self._autosave.stop()
-        if self.services.classroom is not None:
-            self.services.classroom.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
 
@@ -175,10 +169,8 @@ class App:
         """What was kept goes on, or the page says why it does not."""
         key = place.key
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
-        connection = viser_private.connection_of(self._server, client.client_id)
-        of_class = Attendee(key, isinstance(connection, GuardedConnection) and connection.lecturer)
         origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(address, origin, origin_for_others(self._host, origin), of_class)
+        reach = Reach(address, origin, origin_for_others(self._host, origin), self._lessons)
         try:
             page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:
@@ -224,13 +216,3 @@ class App:
 async def _close_soon(connection: ServerConnection) -> None:
     await asyncio.sleep(AGAIN_AFTER)
     await connection.close(CloseCode.TRY_AGAIN_LATER, "the page cannot be shown")
-
-
-def _classroom(options: ServerOptions) -> Classroom | None:
-    """Where there is a lecturer. Raises OSError for a store that cannot be used."""
-    if options.lecturer is None:
-        return None
-    name = class_name(options.lecturer)
-    classroom = Classroom(open_board(options.store, name, options.workers > 1), name)
-    classroom.start()
-    return classroom

@@ -15,12 +15,14 @@ MOST_SEATS = 10_000  # of a process
 
 class WorkerCounts(ctypes.Structure):
     """Of one process. seats: its clients; ended: its connections of any kind that there were; seen: s, its last sign
-    of life, 0 before the first; addresses: of its clients, as `network_of` has them, 0 where there is none."""
+    of life while it serves, 0 before the first; begins: s, the last one while it was beginning; addresses: of its
+    clients, as `network_of` has them, 0 where there is none."""
 
     _fields_ = (
         ("seats", ctypes.c_long),
         ("ended", ctypes.c_long),
         ("seen", ctypes.c_double),
+        ("begins", ctypes.c_double),
         ("addresses", ctypes.c_uint64 * MOST_SEATS),
     )
 

@@ -34,15 +34,13 @@ Name = Annotated[str, msgspec.Meta(max_length=80)]
 
 
 class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
-    """script: what leads to the moment shown; chosen: a point; show: switches of the page that are on or off; lesson:
-    its name, and the screen of it."""
+    """script: what leads to the moment shown; chosen: a point; show: switches of the page that are on or off."""
 
     script: Script
     preset: Name = ""
     speed: Speed = 2.0
     chosen: Index | None = None
     show: dict[Name, bool] = {}
-    lesson: tuple[Name, Index] | None = None
 
 
 def written(linked: Linked) -> str:
@@ -104,6 +102,8 @@ def _unpacked(text: str) -> Linked:
         packed = base64.b64decode(text[1:] + "=" * (-len(text[1:]) % 4), altchars="-_", validate=True)
         plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=MOST_BYTES)
         found = msgspec.msgpack.decode(plain)
+        if isinstance(found.pop("lesson", None), list):
+            raise ValueError("it opens a lesson, which are in the lab now, at /lab/tour")
         script = current_script(found.get("script"))
         return msgspec.convert({**found, "script": script}, Linked)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, *PACKING_ERRORS) as error:

@@ -12,7 +12,6 @@ from viewimit.loop.script import Log
 from viewimit.loop.settings import OWN, Settings
 from viewimit.loop.snapshot import Snapshot
 
-from ..lessons.progress import Progress
 from . import codec
 
 CHUNK = 32  # motions a part
@@ -28,8 +27,7 @@ Speed = Annotated[float, msgspec.Meta(ge=0, le=MOST_SPEED)]  # NaN is neither
 
 class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A page but for its history. begun: what the server was started with; motion: a recorded one, as a file has it;
-    lessons: what was answered in them; lesson: the one that goes on; offered: whether the first one is; log: how the
-    session came to where it is; name: that a student has typed."""
+    offered: whether the tour is; log: how the session came to where it is."""
 
     version: str = __version__
     begun: Settings
@@ -41,11 +39,8 @@ class SavedPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     show: dict[str, bool]
     dark: bool | None
     motion: bytes | None
-    lessons: tuple[Progress, ...] = ()
-    lesson: str | None = None
     offered: bool = False
     log: Log | None = None
-    name: Annotated[str, msgspec.Meta(max_length=80)] = ""
 
 
 @dataclass(frozen=True, eq=False)

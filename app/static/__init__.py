@@ -6,10 +6,7 @@ from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 
-PAGE_CSS, LAYOUT_CSS, LESSON_CSS, CLASSROOM_CSS = (
-    Path(__file__).with_name(name).read_text("utf-8")
-    for name in ("page.css", "layout.css", "lesson.css", "classroom.css")
-)
+PAGE_CSS, LAYOUT_CSS = (Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
 
 PAGE_JS = Path(__file__).with_name("page.js").read_text("utf-8")
 
@@ -17,4 +14,4 @@ PAGE_JS = Path(__file__).with_name("page.js").read_text("utf-8")
 def stylesheet() -> str:
     """All of the page's CSS, for both colour schemes."""
     schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
-    return "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, LAYOUT_CSS, DRAWING_CSS, LESSON_CSS, CLASSROOM_CSS))
+    return "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, LAYOUT_CSS, DRAWING_CSS))

@@ -34,13 +34,9 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = ("large large-figures large-l large-r large-L large-R card guide guide-minimum sliders-1 sliders-2 sliders-3"
-  + " hole alone figure-verdict figure-clouds figure-rows banner banner-asks banner-leads banner-freezes join");
+const ALONE = "large large-figures large-l large-r large-L large-R card";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
-  "vi-has-side-progress": ".vi-guide-side .vi-figure-progress",
-  "vi-has-side-hole": ".vi-guide-side .vi-hole",
-  "vi-has-figures-hole": ".vi-guide-figures .vi-hole",
   "vi-views-controls": "#vi-view-controls:checked",
   "vi-views-images": "#vi-view-images:checked",
   "vi-views-landscape": "#vi-view-landscape:checked",
@@ -148,8 +144,6 @@ document.addEventListener("focusout", event => {
   box.dispatchEvent(new Event("input", {bubbles: true}));
 });
 
-// A lesson: marks, sliders and keys. Its buttons are links; what a link cannot tell is told here
-const guide = () => document.querySelector(".vi-guide");
 const tell = address => fetch(address, {credentials: "same-origin"});
 // A link that is followed gives up the one before it if that is not on its way yet: of two quick clicks one would be lost
 document.addEventListener("click", event => {
@@ -158,11 +152,6 @@ document.addEventListener("click", event => {
   event.preventDefault();
   tell(link.getAttribute("href"));
 });
-const sent = new Map();
-const tellSoon = (address, value, wait) => {
-  clearTimeout(sent.get(address));
-  sent.set(address, setTimeout(() => { sent.delete(address); tell(address + value); }, wait));
-};
 // What nobody sees need not be drawn: tabs that are not open, and all of a window that another hides
 const unseen = () => {
   const closed = Array.from(document.querySelectorAll("[role=tab][aria-selected=false]"), tab => tab.textContent);
@@ -182,78 +171,19 @@ const tellUnseen = async () => {
 };
 document.addEventListener("visibilitychange", tellUnseen);
 for (const event of ["click", "keydown"]) document.addEventListener(event, () => later());
-let mark = null, markOf = "", focused = "";
-const putMark = (place, [x, y], wait) => {
-  [mark, markOf] = [[x, y], place.dataset.place];
-  tellSoon(place.dataset.place, `${x.toFixed(1)},${y.toFixed(1)}`, wait);
-};
-document.addEventListener("click", event => {
-  const place = event.target.closest("[data-place]");
-  if (!place) return;
-  const svg = place.querySelector("svg");
-  const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-  const {width, height} = svg.viewBox.baseVal;
-  if (at.x < 0 || at.y < 0 || at.x > width || at.y > height) return;
-  putMark(place, [at.x, at.y], 0);
-});
-const moveMark = (place, event) => {
-  const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
-  if (!step) return false;
-  const {width, height} = place.querySelector("svg").viewBox.baseVal;
-  const [x, y] = markOf === place.dataset.place && mark ? mark : [width / 2, height / 2];
-  const by = Math.max(width, height) / (event.shiftKey ? 200 : 50);
-  const within = (value, most) => Math.min(Math.max(value, 0), most);
-  putMark(place, [within(x + by * step[0], width), within(y + by * step[1], height)], 120);
-  return true;
-};
-const valueOf = slider => slider.dataset.log === undefined ? Number(slider.value) : 10 ** Number(slider.value);
-const turned = (slider, wait) => tellSoon(slider.dataset.turn, String(Number(valueOf(slider).toPrecision(5))), wait);
-document.addEventListener("input", event => {
-  const slider = event.target;
-  if (!slider.matches("[data-turn]")) return;
-  const shown = slider.nextElementSibling;
-  if (shown) {
-    shown.textContent = shown.textContent.replace(/^[−\d.]+/,
-      String(Number(valueOf(slider).toPrecision(3))).replace("-", "−"));
-    slider.setAttribute("aria-valuetext", shown.textContent);
-  }
-  if (slider.dataset.live !== undefined && !sent.has(slider.dataset.turn)) turned(slider, 220);
-});
-document.addEventListener("change", event => {
-  if (event.target.matches("[data-turn]")) turned(event.target, event.target.dataset.live === undefined ? 400 : 60);
-  if (event.target.matches("[data-go]") && event.target.reportValidity()) tell(event.target.dataset.go + event.target.value);
-});
 window.addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const here = event.target, offer = document.querySelector(".vi-offer a");
-  if (!here.matches("input,textarea,[data-place]") && presents(event.key)) {
+  if (!here.matches("input,textarea") && presents(event.key)) {
     event.preventDefault();
     return event.stopPropagation();
-  }
-  const join = event.key === "Escape" && document.querySelector(".vi-join");
-  if (join) {
-    event.stopPropagation();
-    return join.click();
   }
   if (event.key === " " && here.matches("a[role=button]")) {
     event.preventDefault();
     event.stopPropagation();
     return here.click();
   }
-  if (!guide() && offer && event.key === "Enter" && here === document.body) return offer.click();
-  if (!guide() || document.querySelector(".mantine-Modal-content")) return;
-  const place = here.closest && here.closest("[data-place]");
-  const follow = (selector, k = 0) => {
-    const found = document.querySelectorAll(`.vi-guide ${selector}`)[k];
-    const link = found && found.closest("a");
-    if (link) { event.preventDefault(); event.stopPropagation(); link.click(); }
-  };
-  if (here.matches("input,[data-place]")) event.stopPropagation();  // all other keys are the page's, which says no
-  if (place && moveMark(place, event)) return event.preventDefault();
-  if (event.key === "Escape") return follow(".vi-guide-leave a");
-  if (here.matches("input:not([type=range])")) return;
-  if (/^[1-9]$/.test(event.key)) return follow(".vi-options a", event.key - 1);
-  if (event.key === "Enter" && !here.matches("a")) return follow(".vi-guide-main");
+  if (offer && event.key === "Enter" && here === document.body) offer.click();
 }, true);
 
 // Keys of the page that viser turns its camera by while they are held: at once it is told that they are not
@@ -263,7 +193,7 @@ window.addEventListener("keydown", event => {
 });
 
 // Before a class: P, or ?present in the address. Letters are larger, controls folded, a ring goes with the pointer; what
-// is true is hidden until T, in 3-D by the server; a lesson goes on by arrows or a remote
+// is true is hidden until T, in 3-D by the server
 const pointer = document.createElement("div");
 pointer.className = "vi-pointer";
 const presenting = () => root.classList.contains("vi-presents");
@@ -272,9 +202,8 @@ const tellPresenting = () => {
   const told = document.querySelector("[data-link]"), on = presenting();
   if (!told) return;
   toldTo = told.dataset.link;
-  const narrow = on || matchMedia("(max-width:640px)").matches;  // whose drawings have large letters
   const truth = !on || root.classList.contains("vi-reveals");
-  for (const [name, holds] of Object.entries({narrow, truth})) tell(toldTo.replace(/link\/$/, `${name}/${Number(holds)}`));
+  tell(toldTo.replace(/link\/$/, `truth/${Number(truth)}`));
 };
 const present = (on, reveals) => {
   root.classList.toggle("vi-presents", on);
@@ -287,48 +216,13 @@ const present = (on, reveals) => {
 const presents = key => {
   if (key === "p" || key === "P") return present(!presenting(), false), true;
   if (!presenting()) return false;
-  if (key === "t" || key === "T") return present(true, !root.classList.contains("vi-reveals")), true;
-  const verb = {PageDown: "present", ArrowRight: "present", PageUp: "back", ArrowLeft: "back"}[key];
-  if (!guide() || !verb) return false;
-  tell(guide().dataset.lesson + verb);
-  return true;
+  if (key !== "t" && key !== "T") return false;
+  return present(true, !root.classList.contains("vi-reveals")), true;
 };
 document.addEventListener("pointermove", event => {
   pointer.style.translate = `${event.clientX}px ${event.clientY}px`;
 });
 
-// What is drawn anew keeps focus and scrolling; another screen is begun at its heading. What has become known is spoken,
-// and nothing else
-const spoken = document.createElement("div");
-spoken.className = "vi-spoken";
-spoken.setAttribute("aria-live", "polite");
-let drawn = null, screenOf = "", scrolled = {};
-document.addEventListener("focusin", event => {
-  const here = event.target;
-  if (here.closest(".vi-guide")) focused = here.id ? `#${here.id}` : `a[href$="${(here.getAttribute("href") || "").slice(-24)}"]`;
-});
-document.addEventListener("scroll", event => {
-  const part = event.target.classList;
-  if (part && part.contains("vi-guide")) scrolled.all = event.target.scrollTop;
-  if (part && part.contains("vi-guide-card")) scrolled.card = event.target.scrollTop;
-}, true);
-new MutationObserver(() => {
-  const here = guide();
-  if (here === drawn) return;
-  drawn = here;
-  if (!here) return screenOf = "";
-  if (!spoken.isConnected) document.body.append(spoken);
-  if (spoken.textContent !== here.dataset.spoken) spoken.textContent = here.dataset.spoken;
-  const card = here.querySelector(".vi-guide-card"), another = here.dataset.screen !== screenOf;
-  screenOf = here.dataset.screen;
-  if (another) scrolled = {};
-  here.scrollTop = scrolled.all || 0;
-  card.scrollTop = scrolled.card || 0;
-  if (!another && (!focused || document.activeElement !== document.body)) return;
-  const onwards = here.querySelector(".vi-guide-main");
-  const again = another ? null : here.querySelector(focused) || (onwards && onwards.closest("a"));
-  (again || here.querySelector("h2")).focus({preventScroll: true});
-}).observe(document, {childList: true, subtree: true});
 // A question that keys have come to keeps the focus when the numbers beside it are drawn anew
 let question = null;
 document.addEventListener("focusin", ({target}) => { question = target.matches(".vi-ask:focus-visible") ? target : null; });

@@ -1,11 +1,13 @@
 """A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
 
+import base64
 import threading
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
+import zstandard
 from drawn import QR_CODE
 from quiet_page import QuietPage
 from viewimit.app.control.commands.links import FollowLink
@@ -34,9 +36,8 @@ def settled(page: QuietPage) -> None:
     page.tick(0.1)
 
 
-@pytest.mark.parametrize("below", [(), ("begin,tour",)], ids=["page", "lesson"])
-def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_a_time(below, monkeypatch):
-    """In a lesson, too: each follows in a thread of its own, and its page's tick returns at once."""
+def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_a_time(monkeypatch):
+    """Each follows in a thread of its own, and its page's tick returns at once."""
     going_on, most, may_end, play = set(), [], threading.Event(), Session.play
 
     def slow(session, script):
@@ -50,9 +51,6 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
     text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
     pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
     for page in pages:
-        for action in below:
-            page.page.touch("lesson", action)
-            page.tick(0.1)
         page.page.put(FollowLink(text))
         page.tick(0.1)  # returns, though the link cannot be followed yet
         assert page.page.busy
@@ -61,7 +59,7 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
     for page in pages:
         settled(page)
         model = page.page.model
-        assert model.session.settings.transfer == "linear" and model.guided.course is None
+        assert model.session.settings.transfer == "linear"
     assert max(most) == 2
 
 
@@ -87,35 +85,12 @@ def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
     assert got.session.snapshot.theta.tobytes() == left.theta.tobytes() and got.session.cursor == 2
 
 
-def test_a_link_made_in_a_lesson_opens_that_step_elsewhere():
-    """The receiver's page is the sender's, below it; what the receiver answered before is kept; a lesson that is not
-    there is refused, and a screen beyond the last is the last."""
-    sender, receiver = (
-        QuietPage(Settings.paper(), address="/touch/0.x"),
-        QuietPage(Settings.paper(), address="/touch/0.x"),
-    )
-    sent, got = sender.page.model, receiver.page.model
-    for page, places in ((sender, 5), (receiver, 1)):
-        page.page.put(Step())
-        page.tick_until(lambda page=page: page.page.model.session.snapshot.motion == 1)
-        for k in range(places):  # each only when the last has been carried out: a page's time is rationed
-            page.page.touch("lesson", "next" if k else "begin,tour")
-            page.tick_until(lambda page=page, k=k: page.page.model.guided.place == ("tour", k))
-    receiver.page.touch("lesson", "choose,1")
-    receiver.tick_until(lambda: "before 0" in got.guided.course.progress.given)
-    shown = share_html(sent.state(0.0), "http://here:8080")
-    assert f"/?s={written(sent.linked())}" in shown and "step of the lesson" in shown and "Python" not in shown
-    receiver.page.put(FollowLink(written(sent.linked())))
-    settled(receiver)
-    assert got.guided.place == sent.guided.place == ("tour", 4) and got.guided.course.screen.id == "line"
-    assert got.guided.course.progress.given["before 0"].choice == 1
-    assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
-    before = got.session.snapshot
-    for lesson, says in ((("nowhere", 1), "not here"), (("tour", 99), None)):
-        receiver.page.put(FollowLink(written(msgspec.structs.replace(sent.linked(), lesson=lesson))))
-        settled(receiver)
-        assert says is None or (says in got.message.text and got.session.snapshot is before)
-        assert got.guided.place == (("tour", 4) if says else ("tour", len(got.guided.course.screens) - 1))
+def test_a_link_into_a_lesson_of_an_earlier_version_says_where_lessons_are_now():
+    page = QuietPage(Settings.paper())
+    linked = msgspec.msgpack.decode(msgspec.msgpack.encode(page.page.model.linked()))
+    packed = zstandard.compress(msgspec.msgpack.encode({**linked, "lesson": ["tour", 3]}))
+    with pytest.raises(ValueError, match="in the lab now, at /lab/tour"):
+        read("1" + base64.urlsafe_b64encode(packed).decode().rstrip("="), Settings.paper())
 
 
 def test_a_bad_link_says_why_and_changes_nothing():

@@ -32,7 +32,7 @@ from drawn import (
     used,
 )
 from viewimit.app.drawing.glossary import current_values
-from viewimit.app.static import LAYOUT_CSS, LESSON_CSS, stylesheet
+from viewimit.app.static import LAYOUT_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
@@ -523,7 +523,7 @@ class TestEverything:
 
     def test_names_only_roles_that_exist(self, drawings):
         used = {name for drawing in [*drawings, stylesheet()] for name in re.findall(r"var\(--([a-z-]+)", drawing)}
-        places = LAYOUT_CSS + LESSON_CSS + glossary.cards() + current_values({"E": 1.0})
+        places = LAYOUT_CSS + glossary.cards() + current_values({"E": 1.0})
         sizes = set(re.findall(r"--([a-z-]+):", places))
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 

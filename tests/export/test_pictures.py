@@ -208,19 +208,6 @@ def test_without_what_sets_equations_it_is_said(session, monkeypatch):
         figures.require_typesetter()
 
 
-def test_a_lesson_hands_out_its_figures():
-    page, got = QuietPage(address="/page/x"), {}
-    page.client.send_file_download = lambda name, data, **_: got.update({name: data})
-    lesson = next(iter(page.page.model.guided.lessons))
-    page.page.model.guided.begin(lesson)
-    course = page.page.model.guided.course
-    while course.stage is None or not course.stage.step.main:
-        assert course.go(1)
-    page.page.put(SavePicture())
-    page.tick_until(lambda: "viewimit-lesson.svg" in got)
-    assert course.lesson.title in text_of(got["viewimit-lesson.svg"].decode())
-
-
 def test_a_copy_of_a_session_does_not_follow_it():
     session = Session(Settings())
     session.run(2)

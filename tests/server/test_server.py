@@ -3,12 +3,15 @@
 import io
 import socket
 import sys
+import threading
 
 import pytest
 from viewimit.app import serve as serve_module
 from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
-from viewimit.app.server.address import PortInUse, address, invite, require_free
-from viewimit.app.server.origins import is_loopback
+from viewimit.app.server import address as address_module
+from viewimit.app.server.address import PortInUse, address, address_for_others, invite, require_free
+from viewimit.app.server.origins import is_loopback, is_own_page, own_names
+from waiting import wait_until
 
 from viewimit.loop.settings import Settings
 
@@ -46,6 +49,26 @@ def test_addresses_are_as_a_browser_takes_them():
     assert address("127.0.0.1", 80) == "http://127.0.0.1:80"
     assert address("0.0.0.0", 8080) == "http://localhost:8080"
     assert address("::1", 8080) == "http://[::1]:8080"
+
+
+def test_others_are_told_an_address_of_the_kind_that_the_server_listens_on(monkeypatch):
+    of_this_machine = {socket.AF_INET: "192.0.2.9", socket.AF_INET6: "2001:db8::9"}
+    monkeypatch.setattr(address_module, "lan_address", of_this_machine.get)
+    assert address_for_others("0.0.0.0", 8080) == "http://192.0.2.9:8080"
+    assert address_for_others("::", 8080) == "http://[2001:db8::9]:8080"
+    assert address_for_others("::1", 8080) is address_for_others("127.0.0.1", 8080) is None
+
+
+def test_a_page_is_let_in_while_the_network_has_not_told_this_machines_full_name(monkeypatch):
+    told = threading.Event()
+    monkeypatch.setattr(socket, "getfqdn", lambda: told.wait(20) and "Here.Example.ORG")
+    own_names.cache_clear()
+    assert is_own_page("http://localhost:8080", "localhost:8080", ())
+    assert not is_own_page("http://here.example.org:8080", "here.example.org:8080", ())
+    told.set()
+    wait_until(lambda: is_own_page("http://here.example.org:8080", "here.example.org:8080", ()))
+    monkeypatch.undo()
+    own_names.cache_clear()
 
 
 def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys, monkeypatch):

@@ -4,20 +4,15 @@ import contextlib
 import sqlite3
 
 import pytest
-from viewimit.app.classroom.sqlite_board import SqliteBoard
 from viewimit.app.sessions import sqlite_file
 from viewimit.app.sessions.sqlite_store import SqliteStore
 
 
-@pytest.mark.parametrize(
-    "name, open_one",
-    [("sessions.sqlite", SqliteStore), ("classes.sqlite", lambda folder: SqliteBoard(folder, "a class"))],
-)
-def test_who_begins_with_it_just_then_is_waited_for(name, open_one, tmp_path, monkeypatch):
-    with contextlib.closing(sqlite3.connect(tmp_path / name, isolation_level=None)) as other:
+def test_who_begins_with_it_just_then_is_waited_for(tmp_path, monkeypatch):
+    with contextlib.closing(sqlite3.connect(tmp_path / "sessions.sqlite", isolation_level=None)) as other:
         other.execute("BEGIN IMMEDIATE")
         monkeypatch.setattr(sqlite_file.time, "sleep", lambda _: other.execute("COMMIT"))
-        open_one(tmp_path).close()
+        SqliteStore(tmp_path).close()
 
 
 def test_it_is_not_waited_for_long(tmp_path, monkeypatch):

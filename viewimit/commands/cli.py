@@ -27,7 +27,10 @@ UNREAD = 141  # as of a program that ends by SIGPIPE
 COMMANDS = {
     "serve": "Serve the page; the options set the defaults of a new tab.",
     "imitate": "Run the loop once, without a page.",
-    "lab": "The method in the browser: one file that needs no server, to open, send or embed.",
+    "lab": "The method in the browser, or its lessons: one file that needs no server, to open, send or embed.",
+    "handout": "A lesson on paper: pages to print, with boxes to tick and maps to draw on.",
+    "exam": "The eight questions of the lessons as exam items, for Moodle and other learning platforms.",
+    "class": "Lessons for a class: a lecturer asks and leads, students' own devices compute.",
     "rehearse": "Record the learner's own body in several postures, without a demonstrator, for imitate --calibration.",
     "scene": "Write a scene file for a URDF, to be edited.",
     "landscape": "E over the range of the two moving joints. Disturbances apply to the images of the demonstrator.",
@@ -38,6 +41,8 @@ COMMANDS = {
     "bench": "Measure speed, and how often and how soon each servo arrives.",
     "docs": "Open the documentation in a browser.",
 }
+
+MODULES = {"class": "class_"}  # where a command's name cannot be a module's
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -108,7 +113,7 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         parser = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         if name == chosen:
-            module = importlib.import_module(f".{name}", __package__)
+            module = importlib.import_module(f".{MODULES.get(name, name)}", __package__)
             module.add_options(parser)
             parser.set_defaults(run=module.run)
     return top

@@ -9,7 +9,6 @@ from ..sensing.files import escape
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, instead of --store
-SECRET = "VIEWIMIT_LECTURER"  # environment variable: of the lecturer's address, instead of a random one
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -53,22 +52,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a lesson of your own, offered instead of the tour; more than once for more (docs/lessons.md)",
     )
-    parser.add_argument(
-        "--lecturer",
-        action="store_true",
-        help="print a second address, with a secret, for who leads a class: its page sees and leads all others; "
-        f"servers of one class get the same secret by the environment variable {SECRET}",
-    )
+    parser.add_argument("--lecturer", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
 
 
 def run(args: argparse.Namespace) -> int:
+    if args.lecturer:
+        raise ValueError("--lecturer: a class has a server of its own now, `viewimit class`")
     settings = settings_from(args)
     # the one place below the page that knows it
-    from ..app.lessons.source import own
+    from ..app.lab.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
-    from ..app.server.lecturer import new_secret, require_secret
     from ..app.server.origins import require_origin
     from ..app.sessions.stores import open_store
 
@@ -82,11 +77,7 @@ def run(args: argparse.Namespace) -> int:
         lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    secret = (os.environ.get(SECRET) or new_secret()) if args.lecturer else None
-    if secret is not None:
-        with naming(SECRET):
-            require_secret(secret)
-    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons, secret)
+    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

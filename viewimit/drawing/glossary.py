@@ -45,6 +45,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     good: str = ""  # which values are good, in words
     bad: str = ""
     scale: Scale | None = None  # of a number that the page knows at every moment
+    terms: tuple[str, ...] = ()  # other words for it, by which texts name it
 
 
 def load(path: Path = FILE) -> dict[str, Entry]:

@@ -12,14 +12,10 @@ class Command:
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
     comes before or after any other, so that it need not wait. takes_long: seconds, for which nobody else is to wait.
-    in_lesson: it is carried out in a lesson too, in which all other controls are out of reach. when_locked: also while
-    the lecturer of a class has locked them.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
-    in_lesson: ClassVar[bool] = False
-    when_locked: ClassVar[bool] = False
     takes_long: ClassVar[bool] = False
 
     @property
@@ -48,7 +44,6 @@ class OfView(Command):
     """What changes how the session is shown, and nothing of it."""
 
     commutes: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -57,8 +52,6 @@ class Refused(Command):
 
     why: str
     sender: Hashable = None
-    when_locked: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
 
     @property
     def control(self) -> Hashable | None:
@@ -75,8 +68,6 @@ class Arrival(Command):
     kind: Hashable
     take: Callable[[Any], None]
     made: Any
-    in_lesson: ClassVar[bool] = True
-    when_locked: ClassVar[bool] = True
 
     @property
     def control(self) -> Hashable:

@@ -18,7 +18,6 @@ class ChoosePoint(Value):
     """point: None for none"""
 
     point: int | None
-    when_locked: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: object) -> ChoosePoint:
@@ -43,7 +42,6 @@ class Switch(OfView, Value):
 
     name: str
     on: bool
-    in_lesson: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, name: str, value: object) -> Switch:
@@ -89,7 +87,6 @@ class PreferStill(OfView):
     """Whether the browser asks for less motion: arms are then seen where they arrive, not on their way."""
 
     still: bool
-    in_lesson: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> PreferStill:
@@ -104,7 +101,6 @@ class LeaveUndrawn(OfView):
     """What the browser says that nobody sees: see `View.unseen`."""
 
     unseen: frozenset[str]
-    in_lesson: ClassVar[bool] = True
 
     @classmethod
     def parse(cls, value: str) -> LeaveUndrawn:
@@ -123,35 +119,26 @@ class NextLarger(OfView):
 
 
 class LetGo(OfView):
-    """Of the help, or else of a lesson, or else of a proposed point, or of editing them, or else of an imitation, the
-    see-through arm, what is large and the offer."""
-
-    in_lesson: ClassVar[bool] = True
+    """Close the help, or else a proposed point or editing them, or else an imitation, the see-through arm, what is
+    large and the offer of the tour."""
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help or model.view.share:
             model.view = replace(model.view, help=False, share=False)
-        elif model.guided.course is not None:
-            model.role.require_free()
-            model.guided.leave()
         elif not model.points.let_go():
-            model.guided.offered = False
+            model.tour_offered = False
             model.moments.imitated.stop()
             model.moments.see_through.let_go()
             model.view = replace(model.view, large=None)
 
 
 class FitView(OfView):
-    in_lesson: ClassVar[bool] = True
-
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, fits=model.view.fits + 1)
 
 
 class ToggleShare(OfView):
     """The card with a link to what the page shows, and with the code that repeats it."""
-
-    in_lesson: ClassVar[bool] = True
 
     def apply(self, model: PageModel, now: float) -> None:
         model.view = replace(model.view, share=not model.view.share)

@@ -19,7 +19,6 @@ class FollowLink(Value):
     text: str
     moves: ClassVar[bool] = True
     takes_long: ClassVar[bool] = True
-    in_lesson: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:
         try:
@@ -37,8 +36,6 @@ class FollowLink(Value):
 def follow_link(model: PageModel, linked: Linked, keep: bool = True) -> None:
     """The page becomes what the link holds; keep: Undo brings back what it was. Raises ValueError, with all as it
     is."""
-    model.guided.require(linked.lesson)
-    model.guided.leave()
     model.undoable.repeat(linked.script, keep)
     sent = Preset("From a link", linked.script.settings, linked.speed, "As it was sent.")
     model.presets.chosen = model.presets.offered.get(linked.preset, sent)
@@ -46,8 +43,6 @@ def follow_link(model: PageModel, linked: Linked, keep: bool = True) -> None:
         model.presets.chosen = sent
     show_view_of(model, linked)
     model.undoable.begin_anew()
-    if linked.lesson is not None:
-        model.guided.begin(*linked.lesson)
 
 
 def show_view_of(model: PageModel, linked: Linked) -> None:

@@ -49,9 +49,7 @@ def choose_format(value: object) -> PictureChoice:
 
 
 class SavePicture(Command):
-    """Of the panel that is chosen, or of a lesson's figures."""
-
-    in_lesson: ClassVar[bool] = True
+    """Of the panel that is chosen."""
 
     def apply(self, model: PageModel, now: float) -> None:
         model.save_picture(now)

@@ -14,10 +14,8 @@ from viewimit.drawing.glossary import glossary
 from ..checks import choice, number
 from ..page_model import PageModel
 from ..presets import Preset
-from .classroom import OfClass
 from .command import Command, OfView
 from .display import BuildUp, ChoosePoint, Enlarge, LeaveUndrawn, LetGo, PreferStill, Switch
-from .lessons import touched
 from .links import FollowLink
 from .points import BestNext, RemovePoint, SaveScene
 from .session import Play, Scrub, StartAt
@@ -118,7 +116,6 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "point": TogglePoint.parse,
     "layout": _told("wide"),
     "vast": _told("vast"),
-    "narrow": _told("narrow"),
     "truth": _told("truth"),
     "unseen": LeaveUndrawn.parse,
     "posture": TouchPosture.parse,
@@ -133,6 +130,4 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "link": FollowLink,
     "show": ShowWord.parse,
     "restore": lambda value: GiveBack(),
-    "lesson": touched,
-    "class": OfClass.parse,
 }

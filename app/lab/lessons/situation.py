@@ -1,16 +1,17 @@
 """What a step of a lesson shows, computed by the library: scene, world and what is seen at the start.
 
-Scenes are those of the step's settings, with other fields where the step gives some, or with other eyes.
+Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
 """
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from dataclasses import replace as changed
 from functools import cached_property
 from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -20,36 +21,62 @@ from viewimit.simulation.scene import Eye, Head, Scene, extended, load_scene
 from viewimit.simulation.world import World
 
 replace = msgspec.structs.replace
+EYE_SLIDERS = ("distance", "baseline")  # sliders that move the eyes
 
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """The state that a step shows, and what is computed from it on demand."""
+    """The state that a step shows, and what is computed from it on demand.
+
+    Two situations are equal if settings, scene and eyes are: then they have the same maps, clouds and runs.
+    """
 
     settings: Settings
     scene_fields: Mapping[str, Any] = field(default_factory=dict)  # of the scene file, that the step changes
     chosen: int | None = None  # index of the body point that the step is about
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
-    sliders: Mapping[str, float] = field(default_factory=dict)  # "distance", "baseline": where the eyes are moved to
+    sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
+    dealt: tuple[Any, ...] = ()  # ranges of what is dealt besides postures: `name`, `low`, `high`, `step`
+    choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
+
+    @cached_property
+    def _key(self) -> bytes:
+        return msgspec.json.encode([self.settings, self.scene_fields, self.sliders], order="deterministic")
+
+    @cached_property
+    def digest(self) -> str:
+        """Sixteen characters, equal for equal situations."""
+        return hashlib.sha256(self._key).hexdigest()[:16]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Situation) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
 
     @cached_property
     def scene(self) -> Scene:
         """The scene of the settings, with the step's changes."""
         settings = self.settings
-        scene = load_scene(settings.scene, settings.robot, settings.joints)
+        scene = load_scene(settings.scene, settings.robot, settings.joints, body_points=settings.body_points)
         scene = extended(scene, dict(self.scene_fields)) if self.scene_fields else scene
         for name, value in self.sliders.items():
-            scene = moved_eyes(scene, self.settings.points, name, value)
+            scene = move_eyes(scene, name, value)
         return scene
 
-    def session(self, **changes: Any) -> Session:
+    @property
+    def points(self) -> int:
+        """The layout of body points, by their number."""
+        return self.scene.layout_near(self.settings.points)
+
+    def session(self, **fields: Any) -> Session:
         """Begin a session in the scene, with some of the settings changed."""
 
         def opener(sensor: str, scene: Scene, points: int) -> SimulatedEyes:
             return open_eyes(sensor, self.scene, points)
 
-        return Session(replace(self.settings, **changes), open_eyes=opener)
+        return Session(replace(self.settings, **fields), open_eyes=opener)
 
     @cached_property
     def start(self) -> Snapshot:
@@ -58,33 +85,36 @@ class Situation:
 
     @cached_property
     def world(self) -> World:
-        """The scene with the layout of points of the settings."""
-        return World(self.scene, self.settings.points)
+        """The scene with its layout of points."""
+        return World(self.scene, self.points)
 
-    def changed(self, **fields: Any) -> "Situation":
+    def with_settings(self, **fields: Any) -> "Situation":
         """Return the same step with other settings."""
-        return Situation(
-            replace(self.settings, **fields), self.scene_fields, self.chosen, self.race, self.goal, self.sliders
-        )
+        return changed(self, settings=replace(self.settings, **fields))
+
+    def with_scene(self, fields: Mapping[str, Any]) -> "Situation":
+        """Return the same step with other fields of the scene file."""
+        return changed(self, scene_fields=fields)
 
     def with_eyes(self, **sliders: float) -> "Situation":
-        """Return the same step with the eyes moved."""
-        moved = {**self.sliders, **sliders}
-        return Situation(self.settings, self.scene_fields, self.chosen, self.race, self.goal, moved)
+        """Return the same step with the eyes moved, by the names of EYE_SLIDERS."""
+        return changed(self, sliders={**self.sliders, **sliders})
 
 
-def moved_eyes(scene: Scene, points: int, slider: str, value: float) -> Scene:
+def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
     """Move the eyes of a scene.
 
     Parameters
     ----------
     scene : Scene
-    points : int
-        Layout of body points, whose size in the images a dolly zoom keeps.
     slider : {"distance", "baseline"}
         "distance": times the distance from the middle between the gaze points, with longer focal lengths;
         "baseline": distance of the eyes from each other [cm].
     value : float
+
+    Returns
+    -------
+    Scene
 
     Raises
     ------
@@ -92,16 +122,13 @@ def moved_eyes(scene: Scene, points: int, slider: str, value: float) -> Scene:
         For another slider.
     """
     if slider == "distance":
-        return _at_distance(scene, points, value)
+        return _at_distance(scene, value)
     if slider == "baseline":
         return replace(scene, head=replace(scene.head, baseline=value / 100))
-    raise ValueError(f"no slider {slider!r} moves the eyes; there are distance, baseline")
+    raise ValueError(f"no slider {slider!r} moves the eyes; there are {', '.join(EYE_SLIDERS)}")
 
 
-EYE_SLIDERS = ("distance", "baseline")
-
-
-def _at_distance(scene: Scene, points: int, times: float) -> Scene:
+def _at_distance(scene: Scene, times: float) -> Scene:
     """Dolly zoom: the head moves back from the middle between its gaze points until its distance from them, root mean
     square, is so many times as long. Focal lengths grow until both arms' points spread as far in the images as before.
     """
@@ -112,13 +139,13 @@ def _at_distance(scene: Scene, points: int, times: float) -> Scene:
     near = back @ back
     position = middle + np.sqrt((times**2 * (near + aside) - aside) / near) * back
     moved = replace(scene, head=replace(head, position=tuple(position.tolist())))
-    return replace(moved, head=_zoomed(moved.head, _spread_px(scene, points) / _spread_px(moved, points)))
+    return replace(moved, head=_zoomed(moved.head, _spread_px(scene) / _spread_px(moved)))
 
 
-def _spread_px(scene: Scene, points: int) -> float:
+def _spread_px(scene: Scene) -> float:
     """Root mean square distance of both arms' points from their middle, at rest, over the four images."""
-    world, theta = World(scene, points), np.radians(scene.posture_deg)[scene.moving]
-    images: NDArray[np.float64] = np.concatenate([world.demo_images(theta)[0], world.own_images(theta)[0]], 1)
+    world, theta = World(scene, scene.layout_near(10)), np.radians(scene.posture_deg)[scene.moving]
+    images = np.concatenate([world.demo_images(theta)[0], world.own_images(theta)[0]], 1)
     return float(np.sqrt(((images - images.mean(0)) ** 2).sum(0).mean()))
 
 

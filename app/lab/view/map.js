@@ -51,6 +51,8 @@ export class EnergyMap {
     this.still = "";
     this.last = "";
     this.z = new Float64Array(0);
+    /** What is drawn below the marks: its grid, and the contours' levels, ln px². @type {{rows: number, columns: number, levels: number[]}} */
+    this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
     this.width = 1;
@@ -133,7 +135,9 @@ export class EnergyMap {
     /** @type {number[][]} */
     const taken = [];
     let labels = "";
-    for (const level of LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS)) {
+    const levels = LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS);
+    this.drawn = {rows, columns, levels: levels.map(Math.log)};
+    for (const level of levels) {
       const best = [{off: Infinity, x: 0, y: 0}, {off: Infinity, x: 0, y: 0}]; // on the ray from the minimum, and behind it
       contour(z, rows, columns, Math.log(level), (x0, y0, x1, y1) => {
         const x = left + x0 * stepX, y = bottom - y0 * stepY, turn = Math.atan2(y - middle[1], x - middle[0]) - ray;
@@ -147,7 +151,7 @@ export class EnergyMap {
         const inside = x > left + 14 && x < right - 16 && y > top + 9 && y < bottom - 9;
         if (!(off < .2 && inside && away([x, y]) > 24 && taken.every(p => Math.hypot(p[0] - x, p[1] - y) > 28))) continue;
         taken.push([x, y]);
-        labels += `<text class="vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
+        labels += `<text class="vi-level vi-2nd vi-halo vi-mid" x="${px(x)}" y="${px(y + 4)}">${level}</text>`;
       }
     }
     brush.stroke();

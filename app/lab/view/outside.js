@@ -16,7 +16,7 @@ import {backProject, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-const MARGIN_PX = 12, LENS_M = 0.16, LENS_SHARE = 0.42; // LENS: from a camera to its image plate, and what is drawn of that
+const MARGIN_PX = 26, LENS_M = 0.16, LENS_SHARE = 0.42; // LENS: from a camera to its image plate, and what is drawn of that
 
 /** @param {number[]} a @param {ArrayLike<number>} b */
 const along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

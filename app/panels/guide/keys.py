@@ -59,14 +59,12 @@ KEYS = (
     Key("Del", "delete", "remove point", "Remove the chosen point", RemovePoint()),
     Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", RemovePoint()),
     Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", ToggleShare()),
-    Key("S", "S", "picture", "Save a picture: of the panel chosen under Save, or of a lesson's figures", SavePicture()),
+    Key("S", "S", "picture", "Save a picture of the panel chosen under Save", SavePicture()),
     Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", LetGo()),
 )
 
 
 class KeysPanel(Panel):
-    in_lessons = True
-
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
         self._help: Any = None  # the open modal, whose class viser does not name

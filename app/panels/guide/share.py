@@ -18,8 +18,6 @@ MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 
 
 class SharePanel(Panel):
-    in_lessons = True
-
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.shared or layout.origin
         self._card: Any = None  # the open modal, whose class viser does not name
@@ -29,7 +27,7 @@ class SharePanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         if not state.view.share:
             return (False,)
-        return True, state.present, state.view, state.speed, None if state.course is None else state.course.progress.at
+        return True, state.present, state.view, state.speed
 
     def show(self, state: PageState) -> None:
         if self._card is not None and not state.view.share:
@@ -52,21 +50,19 @@ def share_html(state: PageState, origin: str | None) -> str:
     try:
         text = written(state.linked())
         address = f"{origin or ''}/?s={text}"
-        what = "very state" if state.course is None else "step of the lesson"
-        parts.append(_copied(f"A link that opens this {what}", address))
+        parts.append(_copied("A link that opens this very state", address))
         parts.append(_bound(files_named(text)))
         parts.append(_qr(address) if origin is not None else "")
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
-    if state.course is None:
-        in_lab = lab_address(state.present)
-        if in_lab is not None:
-            parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}", tells=True))
-        for what, said in ("in Python", as_python), ("as a command", as_command):
-            try:
-                parts.append(_copied(f"The same {what}", said(script), lines=True, tells=True))
-            except ValueError as error:
-                parts.append(f"<p>{html.escape(str(error))}</p>")
+    in_lab = lab_address(state.present)
+    if in_lab is not None:
+        parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}", tells=True))
+    for what, said in ("in Python", as_python), ("as a command", as_command):
+        try:
+            parts.append(_copied(f"The same {what}", said(script), lines=True, tells=True))
+        except ValueError as error:
+            parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'
 
 

@@ -203,8 +203,10 @@ class _Maps:
         found: dict[str, Any] = {"E_true": E_true if np.isfinite(E_true) else None}
         landscape = compute_landscape(world, moment, MAP_DEG)
         if landscape is None:
-            joints = world.scene.moving_joints
-            bars = draw_observability(joints, joint_uncertainty(*seen, theta))
+            std_per_px = joint_uncertainty(*seen, theta)
+            if std_per_px is None:
+                return found | {"says": TOO_FEW}
+            bars = draw_observability(world.scene.moving_joints, std_per_px)
             return found | {"bars": f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{bars}</svg>'}
         return found | _grid(landscape)
 

@@ -51,20 +51,21 @@ def bundle(entry: str) -> str:
     declarations, one name each, or names of other modules. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
+    at = lambda path: f"MODULES[{path.relative_to(SCRIPTS.resolve()).as_posix()!r}]"
 
     def add(path: Path) -> str:
         if path not in parts:
             text = COMMENT.sub("", path.read_text("utf-8"))
             names = EXPORT.findall(text)
-            module = lambda match: add((path.parent / match[2] / match[3]).resolve())
-            text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {module(match)};\n", text)
+            imported = lambda match: add((path.parent / match[2] / match[3]).resolve())
+            text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
             for match in REEXPORT.finditer(text):
                 names += [name.strip() for name in match[1].strip("{}").split(",")]
-            text = REEXPORT.sub(lambda match: f"const {match[1]} = {module(match)};\n", text)
+            text = REEXPORT.sub(lambda match: f"const {match[1]} = {imported(match)};\n", text)
             text = re.sub(r"^export ", "", text, flags=re.M)
-            name = f"MODULES[{path.name!r}]"
-            parts[path] = text if path == first else f"{name} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
-        return f"MODULES[{path.name!r}]"
+            module = f"{at(path)} = (() => {{\n{text}return {{{', '.join(names)}}};\n}})();"
+            parts[path] = text if path == first else module
+        return at(path)
 
     first = (SCRIPTS / entry).resolve()
     add(first)
@@ -81,6 +82,7 @@ HERE = Path(__file__).parent
 SCENE = "replay"  # the name of its scene, and of what the lab begins with
 TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
+NO_PARTS: Mapping[str, str] = MappingProxyType({})
 PARTS = tuple(f"replay_{place}" for place in PLACES)
 ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"
 
@@ -203,7 +205,11 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
 
 
 def lab_html(
-    title: str, data: dict[str, Any], meshes: bytes, styles: str = "", parts: Mapping[str, str] = MappingProxyType({})
+    title: str,
+    data: dict[str, Any],
+    meshes: bytes,
+    more_styles: str = "",
+    parts: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Write the lab's page as one file.
 
@@ -215,23 +221,29 @@ def lab_html(
         What app/lab/view/main.js unpacks.
     meshes
         Bytes of the meshes that the data describe.
-    styles
+    more_styles
         CSS besides the lab's own.
     parts
         HTML of a replay, by the places of lab.html that are empty in the lab.
     """
-    own = SCRIPTS.joinpath("view", "lab.css").read_text("utf-8")
-    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
     return Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
         dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
         version=escape(__version__),
-        styles="\n".join((schemes, font_faces(), DRAWING_CSS, own, styles)),
+        styles="\n".join((styles("view/lab.css"), more_styles)),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),
         **parts,
     )
+
+
+@cache
+def styles(*names: str) -> str:
+    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
+    own = "\n".join(SCRIPTS.joinpath(name).read_text("utf-8") for name in names)
+    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
+    return "\n".join((schemes, font_faces(), DRAWING_CSS, own))
 
 
 def _repeated(citation: Citation) -> str:

@@ -1,0 +1,515 @@
+"""A class: who is here, what the lecturer wants, and what is answered. It moves messages and computes nothing else.
+
+All methods run in the server's one thread. A `Browser` is one connection; what is sent to it waits in its outbox until
+the server's task for that connection takes it.
+"""
+
+import hashlib
+import hmac
+import logging
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import msgspec
+
+from . import protocol as p
+from .report import QUESTIONS, as_csv, learned
+from .store import Row, Store, unlinked
+from .votes import Round, Vote, results
+
+MAX_WAITING = 500  # messages in an outbox, after which its connection is closed: the browser comes back
+MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included
+CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # wrong codes of one network address
+LET_GO_S = 15.0  # without a lecturer, after which students are let go
+MAX_SESSIONS = 20  # browsers that are logged in as the lecturer's
+PERSON_NUMBERS = range(100_000, 1_000_000)
+log = logging.getLogger(__name__)
+
+
+class Allowance:
+    """So many at once, and so many more a second (a token bucket)."""
+
+    def __init__(self, rate: float, burst: int):
+        self._rate, self._burst, self._left, self._at = rate, burst, float(burst), 0.0
+
+    def take(self, now: float) -> bool:
+        """Take one, and return whether there was one."""
+        self._left = min(self._burst, self._left + self._rate * (now - self._at)) if self._at else self._burst
+        self._at = now
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True
+
+
+@dataclass(eq=False)
+class Person:
+    """Who uses one browser, in one or more tabs. key: a hash of its token, under which its answers are kept."""
+
+    token: str
+    key: str
+    number: int
+    name: str = ""
+    linked: bool = True
+    tabs: set["Browser"] = field(default_factory=set)
+    at: p.At | None = None
+
+    def voter(self, lesson: str, step: str, phase: str) -> str:
+        """Return the name under which an answer is kept."""
+        return self.key if self.linked else unlinked(self.token, lesson, step, phase)
+
+
+class Browser:
+    """One connection.
+
+    Parameters
+    ----------
+    address
+        Its network address, as votes are counted by.
+    wake
+        Is called when there is something to send.
+    """
+
+    def __init__(self, address: str, wake: Callable[[], None] = lambda: None):
+        self.address, self.wake = address, wake
+        self.person: Person | None = None
+        self.session: str | None = None  # the key of the lecturer's session
+        self.outbox: deque[str] = deque()
+        self.screen: str | None = None  # the lecturer's newest one; older ones are not sent any more
+        self.is_too_slow = False
+        self.allowance = Allowance(MESSAGES_PER_S, MESSAGES_AT_ONCE)
+
+    @property
+    def is_lecturer(self) -> bool:
+        """Whether somebody has logged in here."""
+        return self.session is not None
+
+    def send(self, text: str) -> None:
+        """Put a message into the outbox."""
+        self.is_too_slow = self.is_too_slow or len(self.outbox) >= MAX_WAITING
+        self.outbox.append(text)
+        self.wake()
+
+    def show(self, screen: str) -> None:
+        """Send the lecturer's screen, in place of an earlier one that still waits."""
+        self.screen = screen
+        self.wake()
+
+
+class Room:
+    """A class, as its store has it.
+
+    Parameters
+    ----------
+    store
+        What survives a restart.
+    code
+        The lecturer's code, unless the lecturer has chosen another one.
+    votes_per_address
+        How many votes one network address may cast in a round.
+    is_new_code
+        Forget a code that the lecturer has chosen.
+    clock
+        Seconds, monotonic.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        code: str,
+        votes_per_address: int = 100,
+        is_new_code: bool = False,
+        clock: Callable[[], float] = time.monotonic,
+    ):
+        self.store, self.votes_per_address, self._clock = store, votes_per_address, clock
+        kept = store.kept()
+        self._salt = kept.get("salt") or secrets.token_hex(16)
+        store.keep("salt", self._salt)
+        if is_new_code:
+            kept.pop("code", None)
+            store.keep("code", None)
+        self.has_own_code = "code" in kept
+        self._code = kept.get("code") or self._hash(code)
+        self._sessions: dict[str, None] = dict.fromkeys(msgspec.json.decode(kept.get("sessions", "[]"), type=list[str]))
+        self._numbers = store.persons()
+        self.rounds = store.rounds()
+        self.orders = msgspec.json.decode(kept.get("orders", '{"kind":"orders"}'), type=p.Orders)
+        self.persons: dict[str, Person] = {}  # who is present, by key
+        self.browsers: set[Browser] = set()
+        self.leader: Browser | None = None
+        self._wrong_codes: dict[str, Allowance] = {}
+        self._absent_since: float | None = clock()
+        self._wanted: tuple[int, Browser, Person] | None = None
+        self._want_number = 0
+        self._screen: str | None = None  # the lecturer's, while all follow it
+        self._changed: set[Person] = set()
+        self._gone: set[int] = set()
+        self._counted = False  # whether lecturers know all answers that came
+        self._problem: str | None = None
+
+    # Coming and going
+
+    def leave(self, browser: Browser) -> None:
+        """A connection has ended."""
+        self.browsers.discard(browser)
+        self._leave_class(browser)
+        if self.leader is browser:
+            self.leader = next((one for one in self.browsers if one.is_lecturer), None)
+            self._tell_leader()
+        if not any(one.is_lecturer for one in self.browsers) and self._absent_since is None:
+            self._absent_since = self._clock()
+
+    def _leave_class(self, browser: Browser) -> None:
+        person = browser.person
+        if person is None:
+            return
+        person.tabs.discard(browser)
+        if not person.tabs and self.persons.get(person.key) is person:
+            del self.persons[person.key]
+            self._gone.add(person.number)
+            self._changed.discard(person)
+
+    def _hello(self, browser: Browser, hello: p.Hello) -> None:
+        key = hashlib.sha256(f"{self._salt} {hello.token}".encode()).hexdigest()[:32]
+        person = self.persons.get(key)
+        if person is None:
+            person = Person(hello.token, key, self._numbers.get(key) or self._new_number())
+        person.name, person.linked = name_of(hello.name), hello.linked
+        browser.person = person
+        self.browsers.add(browser)
+        session = None if hello.session is None else self._hash(hello.session)
+        if session in self._sessions:
+            self._become_lecturer(browser, session)
+        else:
+            self._join_class(browser)
+        browser.send(p.encode("welcome", lecturer=browser.is_lecturer, number=person.number))
+        browser.send(self._orders_text())
+        if browser.is_lecturer:
+            self._tell_everything(browser)
+        elif self.orders.lead and self._screen is not None:
+            browser.show(self._screen)
+
+    def _join_class(self, browser: Browser) -> None:
+        assert browser.person is not None
+        browser.person.tabs.add(browser)
+        self.persons[browser.person.key] = browser.person
+        self._gone.discard(browser.person.number)
+        self._changed.add(browser.person)
+
+    def _new_number(self) -> int:
+        taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}
+        while (number := secrets.choice(PERSON_NUMBERS)) in taken:
+            pass
+        return number
+
+    # The lecturer
+
+    def _hash(self, text: str) -> str:
+        return hmac.new(self._salt.encode(), text.strip().encode(), hashlib.sha256).hexdigest()
+
+    def _login(self, browser: Browser, login: p.Login) -> None:
+        allowance = self._wrong_codes.setdefault(browser.address, Allowance(CODES_PER_S, CODES_AT_ONCE))
+        if not allowance.take(self._clock()):
+            browser.send(p.encode("wrong", why="Too many wrong codes. Wait a few seconds, then type it again."))
+            return
+        if not hmac.compare_digest(self._hash(login.code), self._code):
+            log.warning("a wrong lecturer's code from %s", browser.address)
+            browser.send(p.encode("wrong", why="That is not the code of this class."))
+            return
+        self._wrong_codes.pop(browser.address, None)
+        session = secrets.token_hex(16)
+        self._leave_class(browser)
+        self._become_lecturer(browser, self._hash(session))
+        browser.send(p.encode("lecturer", session=session))
+        self._tell_everything(browser)
+
+    def _become_lecturer(self, browser: Browser, session: str) -> None:
+        self._sessions.pop(session, None)
+        self._sessions[session] = None
+        for oldest in list(self._sessions)[:-MAX_SESSIONS]:
+            del self._sessions[oldest]
+        self._keep_sessions()
+        browser.session = session
+        self._absent_since, self.leader = None, browser
+        self._tell_leader()
+
+    def _keep_sessions(self) -> None:
+        self.store.keep("sessions", msgspec.json.encode(list(self._sessions)).decode())
+
+    def _logout(self, browser: Browser) -> None:
+        self._sessions.pop(browser.session or "", None)
+        self._keep_sessions()
+        self._become_student(browser)
+
+    def _become_student(self, browser: Browser) -> None:
+        browser.session = None
+        self.leave(browser)
+        self.browsers.add(browser)
+        self._join_class(browser)
+        browser.send(p.encode("student"))
+
+    def _change_code(self, browser: Browser, code: str) -> None:
+        self._code, self.has_own_code = self._hash(code), True
+        self.store.keep("code", self._code)
+        for other in self._lecturers():
+            if other.session != browser.session:
+                self._become_student(other)
+        self._sessions = {browser.session or "": None}
+        self._keep_sessions()
+        browser.send(p.encode("done", what="The code is changed. All other browsers are logged out."))
+
+    def _lecturers(self) -> list[Browser]:
+        return [one for one in self.browsers if one.is_lecturer]
+
+    def _tell_leader(self) -> None:
+        for one in self._lecturers():
+            one.send(p.encode("leader", here=one is self.leader))
+
+    def _tell_everything(self, browser: Browser) -> None:
+        """Send what a lecturer's page shows, from the beginning."""
+        browser.send(p.encode("people", all=True, people=[_told(one) for one in self.persons.values()], gone=[]))
+        browser.send(self._count_text())
+
+    # Orders
+
+    def _order(self, **changes: object) -> None:
+        self.orders = msgspec.structs.replace(self.orders, **changes)
+        if not self.orders.lead:
+            self._screen = None
+        self.store.keep("orders", msgspec.json.encode(self.orders).decode())
+        text = self._orders_text()
+        for browser in self.browsers:
+            browser.send(text)
+
+    def _orders_text(self) -> str:
+        return msgspec.json.encode(self.orders).decode()
+
+    @property
+    def asked(self) -> Round | None:
+        """The round of the question that is asked now."""
+        asked = self.orders.asked
+        return None if asked is None else next((one for one in self.rounds if one.number == asked.round), None)
+
+    def _ask(self, ask: p.Ask) -> None:
+        times = 1 + sum((r.lesson, r.step, r.phase) == (ask.lesson, ask.step, ask.phase) for r in self.rounds)
+        number = 1 + max((one.number for one in self.rounds), default=0)
+        asked = Round(number, ask.lesson, ask.step, ask.phase, times)
+        self.rounds.append(asked)
+        self.store.add_round(asked)
+        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times), lead=False)
+        self._counted = False
+
+    def _reveal(self) -> None:
+        asked = self.asked
+        if asked is None or self.orders.asked is None:
+            return
+        found = results(asked, self.rounds)
+        self._order(asked=msgspec.structs.replace(self.orders.asked, revealed=True, results=found))
+
+    def _show(self, browser: Browser, state: p.State) -> None:
+        if browser is not self.leader or not (state.once or self.orders.lead):
+            return  # a screen on its way while the lecturer let go, or another page took over
+        kind = "send" if state.once else "screen"
+        text = f'{{"kind":"{kind}","state":{bytes(state.state).decode()}}}'
+        if not state.once:
+            self._screen = text
+        for one in self.browsers:
+            if not one.is_lecturer:
+                one.send(text) if state.once else one.show(text)
+
+    def _want(self, browser: Browser, number: int) -> None:
+        person = next((one for one in self.persons.values() if one.number == number), None)
+        if person is None:
+            browser.send(p.encode("done", what="This student is gone."))
+            return
+        self._want_number += 1
+        self._wanted = self._want_number, browser, person
+        next(iter(person.tabs)).send(p.encode("want", number=self._want_number))
+
+    def _copy(self, browser: Browser, copy: p.Copy) -> None:
+        if self._wanted is None:
+            return
+        number, lecturer, person = self._wanted
+        if number == copy.number and browser.person is person and lecturer in self.browsers:
+            lecturer.send(f'{{"kind":"copy","state":{bytes(copy.state).decode()}}}')
+            self._wanted = None
+
+    def _new_class(self) -> None:
+        self.store.clear()
+        self.rounds, self._numbers = [], {}
+        self._order(asked=None, lead=False, frozen=False, gather=None, reset=self.orders.reset + 1)
+
+    # Answers
+
+    def _answer(self, browser: Browser, answer: p.Answer) -> None:
+        person = browser.person
+        if person is None or browser.is_lecturer:
+            raise p.Rejected("an answer of somebody who is no student")
+        phase, asked = str(answer.phase), None
+        if answer.round:
+            asked = self.asked
+            if asked is None or asked.number != answer.round or (self.orders.asked and self.orders.asked.revealed):
+                self._refuse(browser, answer, "It came after the question was closed.")
+                return
+            if (asked.lesson, asked.step) != (answer.lesson, answer.step):
+                raise p.Rejected("an answer to another question")
+            phase = asked.label
+        voter = person.voter(answer.lesson, answer.step, phase)
+        place = self._hash(browser.address)[:16]
+        vote = Vote(answer.answer, answer.right, answer.sure, answer.seconds, place)
+        if asked is not None:
+            if not asked.has_room_for(voter, place, self.votes_per_address):
+                asked.refused += 1
+                self._counted = False
+                why = (
+                    f"{self.votes_per_address} votes have come from your network already. The lecturer can allow more."
+                )
+                self._refuse(browser, answer, why, again=True)
+                return
+            asked.votes[voter] = vote
+            self._counted = False
+        if person.linked and self._numbers.get(person.key) != person.number:
+            self._numbers[person.key] = person.number
+            self.store.add_person(person.key, person.number)
+        number = person.number if person.linked else None
+        row = Row(voter, number, answer.lesson, answer.step, phase, answer.round, vote)
+        self.store.add_answer(row, lambda: browser.send(p.encode("ack", seq=answer.seq)))
+
+    def _refuse(self, browser: Browser, answer: p.Answer, why: str, again: bool = False) -> None:
+        """again: the browser keeps the answer, and sends it once the lecturer allows more."""
+        browser.send(p.encode("refused", seq=answer.seq, why=why, again=again))
+
+    def _allow(self, votes: int) -> None:
+        self.votes_per_address = votes
+        if self.asked is not None:
+            self.asked.refused = 0
+        self._counted = False
+        for browser in self.browsers:
+            browser.send(p.encode("resend"))
+
+    def _set_self(self, person: Person, said: p.Self) -> None:
+        person.name = name_of(said.name)
+        self._changed.add(person)
+        if person.linked and not said.linked:
+            self.store.unlink(person.key, person.token)
+            self._numbers.pop(person.key, None)
+            for one in self.rounds:
+                if (vote := one.votes.pop(person.key, None)) is not None:
+                    one.votes[unlinked(person.token, one.lesson, one.step, one.label)] = vote
+        person.linked = said.linked
+
+    # Messages
+
+    async def receive(self, browser: Browser, message: p.Message) -> None:
+        """Do what a browser's message says.
+
+        Raises
+        ------
+        Rejected
+            If this browser may not say that.
+        """
+        if not browser.allowance.take(self._clock()):
+            raise p.Rejected("too many messages")
+        if (browser.person is None) != isinstance(message, p.Hello):
+            raise p.Rejected("a connection begins with one hello")
+        if isinstance(message, p.ORDERS) and not browser.is_lecturer:
+            raise p.Rejected(f"an order of somebody who is not the lecturer: {type(message).__name__}")
+        person = browser.person
+        match message:
+            case p.Hello():
+                self._hello(browser, message)
+            case p.Self() if person is not None:
+                self._set_self(person, message)
+            case p.At() if person is not None:
+                person.at = message
+                self._changed.add(person)
+            case p.Answer():
+                self._answer(browser, message)
+            case p.Copy():
+                self._copy(browser, message)
+            case p.Login():
+                self._login(browser, message)
+            case p.Logout():
+                self._logout(browser)
+            case p.NewCode(code):
+                self._change_code(browser, code)
+            case p.TakeOver():
+                self.leader = browser
+                self._tell_leader()
+            case p.State():
+                self._show(browser, message)
+            case p.Ask():
+                self._ask(message)
+            case p.Reveal():
+                self._reveal()
+            case p.Close():
+                self._order(asked=None)
+            case p.Lead(on):
+                self._order(lead=on)
+            case p.Gather(lesson, step):
+                number = 1 + (self.orders.gather.number if self.orders.gather else 0)
+                self._order(gather=p.Place(number, lesson, step), lead=False, asked=None)
+            case p.Freeze(on):
+                self._order(frozen=on)
+            case p.Hide(on):
+                self._order(hidden=on)
+            case p.Reset():
+                self._order(reset=self.orders.reset + 1)
+            case p.Want(number):
+                self._want(browser, number)
+            case p.Allow(votes):
+                self._allow(votes)
+            case p.Export():
+                await self.store.flush()
+                browser.send(p.encode("csv", text=as_csv(self.store.answers())))
+            case p.Gain():
+                await self.store.flush()
+                browser.send(p.encode("gain", form=QUESTIONS, learned=learned(self.store.answers())))
+            case p.NewClass():
+                self._new_class()
+
+    # What goes on by itself
+
+    def tick(self) -> None:
+        """Tell lecturers what has changed, and let students go if no lecturer is left. Call it a few times a second."""
+        if self._absent_since is not None and self._clock() - self._absent_since > LET_GO_S:
+            self._absent_since = None
+            if self.orders.asked or self.orders.lead or self.orders.frozen:
+                log.info("no lecturer is here: students are let go")
+                self._order(asked=None, lead=False, frozen=False)
+        lecturers = self._lecturers()
+        if self._changed or self._gone:
+            people = [_told(one) for one in self._changed]
+            text = p.encode("people", people=people, gone=sorted(self._gone))
+            self._changed, self._gone = set(), set()
+            for one in lecturers:
+                one.send(text)
+        if self.store.problem != self._problem:
+            self._problem, self._counted = self.store.problem, False
+        if not self._counted:
+            self._counted = True
+            text = self._count_text()
+            for one in lecturers:
+                one.send(text)
+
+    def _count_text(self) -> str:
+        """The question that is asked, and its answers so far, for lecturers alone."""
+        asked = self.asked
+        found = None if asked is None else results(asked, self.rounds)
+        refused = 0 if asked is None else asked.refused
+        here = {"votes": self.votes_per_address, "refused": refused, "problem": self.store.problem}
+        times = [{"lesson": one.lesson, "step": one.step, "phase": one.phase} for one in self.rounds]
+        return p.encode("count", results=found, round=asked and asked.number, asked=times, **here)
+
+
+def _told(person: Person) -> dict[str, object]:
+    """A person for a lecturer's page."""
+    return {"number": person.number, "name": person.name, "at": person.at}
+
+
+def name_of(text: str) -> str:
+    """Return what somebody has typed as a name in one short line."""
+    return "".join(c for c in " ".join(text.split()) if c.isprintable())[: p.MAX_NAME].strip()

@@ -1,0 +1,198 @@
+"""The file of a class: what must survive a restart of the server. SQLite.
+
+It holds answers, rounds, persons (a hash of their browser's token and a random number) and the lecturer's settings.
+Names of persons are not written.
+"""
+
+import asyncio
+import hashlib
+import logging
+import sqlite3
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from .protocol import Given
+from .votes import Round, Vote
+
+BATCH_S = 0.01  # answers of this time are written at once
+RETRY_S = 1.0  # after a write that failed
+TABLES = """
+create table if not exists kept (key text primary key, value text);
+create table if not exists persons (key text primary key, number integer unique);
+create table if not exists rounds (number integer primary key, lesson text, step text, phase text, times integer);
+create table if not exists answers (
+  voter text, person integer, lesson text, step text, phase text, round integer, answer text,
+  "right" integer, sure integer, seconds real, place text, primary key (voter, lesson, step, phase)
+);
+"""
+log = logging.getLogger(__name__)
+Change = tuple[str, tuple]  # a statement and its values
+
+
+def unlinked(token: str, lesson: str, step: str, phase: str) -> str:
+    """Return the name of a voter whose answers are not to be linked, another one for each question."""
+    return hashlib.sha256("\n".join((token, lesson, step, phase)).encode()).hexdigest()[:32]
+
+
+class Row(NamedTuple):
+    """An answer in the file. person: a random number, None if the person's answers are not to be linked."""
+
+    voter: str
+    person: int | None
+    lesson: str
+    step: str
+    phase: str  # own, before, after, round 1 …
+    round: int  # 0: at the person's own pace
+    vote: Vote
+
+
+class Store:
+    """Reads at once, writes in batches in a thread of its own.
+
+    Parameters
+    ----------
+    path
+        The file; None keeps everything in memory.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened, or is none of a class.
+    """
+
+    def __init__(self, path: Path | None = None):
+        self.problem: str | None = None  # why the last write failed
+        self._changes: list[Change] = []
+        self._done: list[Callable[[], None]] = []  # to be called once all changes are written
+        self._thread = ThreadPoolExecutor(1)
+        self._wake = asyncio.Event()
+        try:
+            self._file = sqlite3.connect(str(path or ":memory:"), check_same_thread=False, isolation_level=None)
+            self._file.execute("pragma journal_mode=wal")
+            self._file.execute("pragma synchronous=full")
+            self._file.executescript(TABLES)
+            self._file.create_function("unlinked", 4, unlinked, deterministic=True)
+        except sqlite3.Error as error:
+            raise OSError(f"{path}: {error}") from None
+
+    # Reading
+
+    def kept(self) -> dict[str, str]:
+        """Return the lecturer's settings by key."""
+        return dict(self._file.execute("select key, value from kept"))
+
+    def persons(self) -> dict[str, int]:
+        """Return the numbers of persons by key."""
+        return dict(self._file.execute("select key, number from persons"))
+
+    def rounds(self) -> list[Round]:
+        """Return all rounds with their votes, in the order in which they were asked."""
+        rounds = [Round(*row) for row in self._file.execute("select * from rounds order by number")]
+        by_number = {one.number: one for one in rounds}
+        for row in self.answers():
+            if row.round in by_number:
+                by_number[row.round].votes[row.voter] = row.vote
+        return rounds
+
+    def answers(self) -> list[Row]:
+        """Return all answers that are written."""
+        flag = lambda value: None if value is None else bool(value)
+        return [
+            Row(*asked, Vote(_given(answer), flag(right), flag(sure), seconds, place))
+            for *asked, answer, right, sure, seconds, place in self._file.execute("select * from answers")
+        ]
+
+    # Writing
+
+    def keep(self, key: str, value: str | None) -> None:
+        """Write a setting; None deletes it."""
+        if value is None:
+            self._add("delete from kept where key = ?", (key,))
+        else:
+            self._add("insert or replace into kept values (?, ?)", (key, value))
+
+    def add_person(self, key: str, number: int) -> None:
+        """Write a person's number."""
+        self._add("insert or replace into persons values (?, ?)", (key, number))
+
+    def add_round(self, asked: Round) -> None:
+        """Write that a question was asked."""
+        row = asked.number, asked.lesson, asked.step, asked.phase, asked.times
+        self._add("insert or replace into rounds values (?, ?, ?, ?, ?)", row)
+
+    def add_answer(self, row: Row, done: Callable[[], None]) -> None:
+        """Write an answer in place of the voter's earlier one, and call `done` once it is on the disk."""
+        vote = row.vote
+        answer = msgspec.json.encode(vote.answer).decode()
+        values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
+        self._done.append(done)
+        self._add("insert or replace into answers values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", values)
+
+    def unlink(self, person: str, token: str) -> None:
+        """Let none of a person's answers tell whose it is, nor which others are the same person's."""
+        change = "update answers set voter = unlinked(?, lesson, step, phase), person = null where voter = ?"
+        self._add(change, (token, person))
+        self._add("delete from persons where key = ?", (person,))
+
+    def clear(self) -> None:
+        """Delete answers, rounds and persons."""
+        for table in ("answers", "rounds", "persons"):
+            self._add(f"delete from {table}", ())
+
+    def _add(self, statement: str, values: tuple) -> None:
+        self._changes.append((statement, values))
+        self._wake.set()
+
+    async def write(self) -> None:
+        """Write what is to be written, for ever."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await self._wake.wait()
+            await asyncio.sleep(BATCH_S)
+            self._wake.clear()
+            changes, self._changes, done, self._done = self._changes, [], self._done, []
+            try:
+                await loop.run_in_executor(self._thread, self._commit, changes)
+            except sqlite3.Error as error:
+                if self.problem is None:
+                    log.error("answers are not saved: %s", error)
+                self.problem = f"answers are not saved: {error}"
+                self._changes, self._done = changes + self._changes, done + self._done
+                await asyncio.sleep(RETRY_S)
+                self._wake.set()
+                continue
+            self.problem = None
+            for call in done:
+                call()
+
+    async def flush(self) -> None:
+        """Return once all that is to be written now is on the disk."""
+        written = asyncio.Event()
+        self._done.append(written.set)
+        self._wake.set()
+        await written.wait()
+
+    def close(self) -> None:
+        """Write the rest, and close the file."""
+        self._thread.shutdown()
+        self._commit(self._changes)
+        self._file.close()
+
+    def _commit(self, changes: list[Change]) -> None:
+        self._file.execute("begin immediate")
+        try:
+            for statement, values in changes:
+                self._file.execute(statement, values)
+            self._file.execute("commit")
+        except sqlite3.Error:
+            if self._file.in_transaction:
+                self._file.execute("rollback")
+            raise
+
+
+def _given(text: str) -> Given:
+    return msgspec.json.decode(text, type=Given)

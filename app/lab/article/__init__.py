@@ -1,0 +1,1 @@
+"""The article's live figures: their modules, and the script and styles that pages load."""

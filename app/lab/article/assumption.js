@@ -1,0 +1,72 @@
+/** As if both stood alike: the bold assumption, with the ghost of the goal that the learner cannot see. */
+import {geometry, recovered, World} from "../engine/engine.js";
+import {Images} from "../view/images.js";
+import {energyText, fixed} from "../view/svg.js";
+import {DEGREE} from "./frame.js";
+import {imageOf, nearest, Overlay, pulled, sessionOf} from "./views.js";
+
+const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8, GRIP_PX = 26;
+
+/** @type {import("./frame.js").FigureKind} */
+export function assumption(frame, data) {
+  const world = new World(data.scene, 10), session = sessionOf(world, DEMONSTRATOR, START);
+  const boxes = {
+    l: frame.panel("l", "Picture <i>l</i>: the demonstrator"), L: frame.panel("L", "Picture <i>L</i>: the learner, and its ghost in the right pose"),
+  };
+  const images = new Images(boxes, data.hulls), over = new Overlay(images, 2, ["vi-way"]);
+  let theta = START, point = HAND, showsWay = false;
+  const goal = world.look("learner", DEMONSTRATOR).images;
+  const at = (/** @type {number} */ share) => START.map((v, k) => v + (1 - share) * (DEMONSTRATOR[k] - v));
+  const place = (/** @type {number[]} */ next) => { theta = next; };
+
+  const slider = frame.slider({
+    label: "From the same pose to another", low: 0, high: 100, step: 1, value: 100, kind: "of-learner", text: value => `${value} %`,
+    moved: value => place(at(value / 100)),
+  });
+  const way = frame.check("Show the way to the goal", showsWay, on => { showsWay = on; });
+  frame.button("Start again", () => {
+    [theta, point, showsWay] = [START, HAND, false];
+    slider.show(100);
+    way.checked = false;
+  });
+  frame.hint.textContent = "Drag the arm in picture L by a blue point, or use the slider.";
+  frame.drag(boxes.L, event => {
+    const {views} = session.observe(theta), next = nearest(world, images, 2, event, views.own), [x, y] = images.under(event, 2);
+    const seen = imageOf(views.own, next, 2);
+    if (Math.hypot(seen[0] - x, seen[1] - y) * images.view(2).window.scale > GRIP_PX) return null;
+    point = next;
+    return pulled(world, images, 2, next, event, () => theta, place);
+  });
+
+  const measured = () => {
+    const moment = session.observe(theta), found = recovered(moment), {views, E} = moment;
+    const [own, target, put] = [views.own, goal, found].map(images => imageOf(images, point, 2));
+    let product = 0, arrows = 0, ways = 0; // of arrows followed backwards, and ways to the goal, over all points in L
+    for (let i = 0; i < world.body.length; i++) for (const k of [4 * i, 4 * i + 1]) {
+      const back = found[k] - views.own[k], to = goal[k] - views.own[k];
+      product += back * to;
+      arrows += back * back;
+      ways += to * to;
+    }
+    const miss = Math.hypot(put[0] - target[0], put[1] - target[1]);
+    return {moment, found, E, arrow: Math.hypot(put[0] - own[0], put[1] - own[1]), miss, cosine: ways > 1 ? product / Math.sqrt(arrows * ways) : NaN};
+  };
+
+  return {
+    measure: () => images.measure(),
+    draw() {
+      const {moment, found, E, arrow, miss, cosine} = measured(), {views} = moment;
+      const lines = geometry(moment)?.lines(views.demo.subarray(4 * point), views.own.subarray(4 * point))
+        .filter(({into, from}) => into === 2 && from < 2) ?? [];
+      images.draw(world, {moment, recovered: found, lines, chosen: point, goal: true, ease: 1});
+      over.spans("vi-way", showsWay ? world.body.map((_, i) => [imageOf(views.own, i, 2), imageOf(goal, i, 2)]) : []);
+      const isSame = theta.every((v, k) => Math.abs(v - DEMONSTRATOR[k]) < 1e-3);
+      frame.say(isSame ? `Both stand alike: E is <b>${energyText(E)} px²</b>. The lines are right, and the diamonds sit on the points.`
+        : `E is <b>${energyText(E)} px²</b>. The diamond of the ringed point is <b>${fixed(arrow, 0)} px</b> from the point, and <b>${fixed(miss, 0)} px</b> from where the point belongs.${showsWay ? ` Followed backwards, the arrows have a cosine of <b>${fixed(cosine, 2)}</b> with the way to the goal.` : ""}`);
+    },
+    state: () => {
+      const {E, arrow, miss, cosine} = measured();
+      return {theta, point, E, arrow, miss, cosine: Number.isFinite(cosine) ? cosine : 0};
+    },
+  };
+}

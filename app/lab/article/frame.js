@@ -1,0 +1,192 @@
+/**
+ * What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
+ *
+ * @typedef {import("../engine/world.js").Scene} Scene
+ * @typedef {import("../engine/camera.js").Camera} Camera
+ * @typedef {Object} Data what all figures share
+ * @property {Scene} scene
+ * @property {Scene} turned the same with a demonstrator that is turned
+ * @property {Record<string, number[][]>} hulls outermost vertices of links
+ * @property {{value: number, cameras: Camera[]}[]} distances of `turned`, times the first one
+ * @property {{value: number, cameras: Camera[]}[]} baselines of `scene`, cm
+ *
+ * @typedef {Object} Figure
+ * @property {() => void} measure the sizes of the panels have changed, or the colours
+ * @property {() => void} draw
+ * @property {() => Record<string, number | number[] | string>} state what it shows, for its still
+ *
+ * @typedef {(frame: Frame, data: Data) => Figure} FigureKind
+ */
+import {draggable} from "../view/drag.js";
+
+export const DEGREE = Math.PI / 180;
+
+let named = 0;
+
+export class Frame {
+  /** @param {HTMLElement} box */
+  constructor(box) {
+    this.box = box;
+    this.panels = element(box, "div", "panels");
+    this.facts = element(this.panels, "p", "facts");
+    this.controls = element(box, "div", "controls");
+    this.hint = element(box, "p", "hint");
+    /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
+    this.maps = [];
+    /** @type {Figure | null} */
+    this.figure = null;
+    this.waits = false;
+  }
+
+  /** A box for a drawing, with words below it. @param {string} area its class @param {string} caption */
+  panel(area, caption) {
+    const panel = element(this.panels, "div", `panel ${area}`);
+    this.panels.append(this.facts);
+    const box = element(panel, "div", "box");
+    if (caption) element(panel, "p", "below").innerHTML = caption;
+    return box;
+  }
+
+  /** A map of E needs a canvas below its drawing. @param {string} area @param {string} caption @param {string} label */
+  mapPanel(area, caption, label) {
+    const box = this.panel(`${area} map`, caption);
+    box.innerHTML = '<canvas aria-hidden="true"></canvas><svg class="vi" aria-hidden="true"></svg>';
+    Object.assign(box, {tabIndex: 0});
+    box.setAttribute("role", "group");
+    box.setAttribute("aria-label", label);
+    return box;
+  }
+
+  /**
+   * @param {Object} what
+   * @param {string} what.label
+   * @param {number} what.low
+   * @param {number} what.high
+   * @param {number} what.step
+   * @param {number} what.value
+   * @param {(value: number) => string} what.text
+   * @param {(value: number) => void} what.moved
+   * @param {string} [what.kind] whose it is: its class
+   */
+  slider({label, low, high, step, value, text, moved, kind = ""}) {
+    const row = element(this.controls, "label", `slide ${kind}`), name = element(row, "span", "name");
+    const input = /** @type {HTMLInputElement} */ (row.appendChild(document.createElement("input"))), output = element(row, "b", "value");
+    name.textContent = label;
+    Object.assign(input, {type: "range", min: String(low), max: String(high), step: String(step)});
+    const show = (/** @type {number} */ shown) => {
+      if (Number(input.value) !== shown) input.value = String(shown);
+      input.style.setProperty("--at", `${100 * (shown - low) / (high - low)}%`);
+      output.textContent = text(shown);
+      input.setAttribute("aria-valuetext", text(shown));
+    };
+    input.addEventListener("input", () => {
+      show(Number(input.value));
+      moved(Number(input.value));
+      this.redraw();
+    });
+    show(value);
+    return {show, input};
+  }
+
+  /**
+   * One of a few, side by side.
+   *
+   * @param {string} label
+   * @param {Record<string, string>} options what they are called, by their value
+   * @param {string} value
+   * @param {(value: string) => void} chosen
+   */
+  choice(label, options, value, chosen) {
+    const group = element(this.controls, "fieldset", "choice"), name = `choice-${named++}`;
+    element(group, "legend", "").textContent = label;
+    for (const [key, title] of Object.entries(options)) {
+      const row = element(group, "label", ""), input = row.appendChild(document.createElement("input"));
+      Object.assign(input, {type: "radio", name, value: key, checked: key === value});
+      element(row, "span", "").textContent = title;
+      input.addEventListener("change", () => {
+        chosen(key);
+        this.redraw();
+      });
+    }
+  }
+
+  /** @param {string} label @param {boolean} value @param {(on: boolean) => void} changed */
+  check(label, value, changed) {
+    const row = element(this.controls, "label", "check"), input = row.appendChild(document.createElement("input"));
+    Object.assign(input, {type: "checkbox", checked: value});
+    element(row, "span", "").textContent = label;
+    input.addEventListener("change", () => {
+      changed(input.checked);
+      this.redraw();
+    });
+    return input;
+  }
+
+  /** @param {string} label @param {() => void} act */
+  button(label, act) {
+    const made = /** @type {HTMLButtonElement} */ (element(this.controls, "button", ""));
+    made.type = "button";
+    made.textContent = label;
+    made.addEventListener("click", () => {
+      act();
+      this.redraw();
+    });
+    return made;
+  }
+
+  /** What the drawings show, in a sentence. Numbers are in <b>. @param {string} html */
+  say(html) {
+    if (this.facts.innerHTML !== html) this.facts.innerHTML = html;
+  }
+
+  /** @param {HTMLElement} panel @param {(event: PointerEvent) => ((event: PointerEvent) => void) | null} begin */
+  drag(panel, begin) {
+    draggable(panel, event => {
+      const follow = begin(event);
+      if (!follow) return null;
+      this.redraw();
+      return moved => {
+        follow(moved);
+        this.redraw();
+      };
+    }, held => this.box.classList.toggle("held", held));
+  }
+
+  /**
+   * Arrow keys on a panel, with Shift five times as far.
+   *
+   * @param {HTMLElement} panel
+   * @param {(right: number, up: number) => void} turn
+   */
+  arrows(panel, turn) {
+    panel.addEventListener("keydown", event => {
+      const move = {ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowRight: [1, 0], ArrowLeft: [-1, 0]}[event.key];
+      if (!move || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      turn(move[0] * (event.shiftKey ? 5 : 1), move[1] * (event.shiftKey ? 5 : 1));
+      this.redraw();
+    });
+  }
+
+  /** The next frame draws the figure. */
+  redraw() {
+    if (this.waits) return;
+    this.waits = true;
+    requestAnimationFrame(() => {
+      this.waits = false;
+      this.figure?.draw();
+    });
+  }
+
+  measure() {
+    this.figure?.measure();
+    this.figure?.draw();
+  }
+}
+
+/** @template {keyof HTMLElementTagNameMap} K @param {HTMLElement} within @param {K} tag @param {string} name @returns {HTMLElementTagNameMap[K]} */
+function element(within, tag, name) {
+  const made = within.appendChild(document.createElement(tag));
+  if (name) made.className = name;
+  return made;
+}

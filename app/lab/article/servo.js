@@ -1,0 +1,77 @@
+/** The servo feels its way: three laws that learn from their own steps, each from the same start. */
+import {recovered, World} from "../engine/engine.js";
+import {Curve} from "../view/curve.js";
+import {Images} from "../view/images.js";
+import {energyText, fixed} from "../view/svg.js";
+import {SERVO_WORDS} from "../view/words.js";
+import {DEGREE} from "./frame.js";
+import {Ground} from "./ground.js";
+import {sessionOf} from "./views.js";
+
+const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
+const LAWS = ["gradient", "gradient-retuned", "broyden"], FIRST = "broyden", MAX_STEPS = 400, STILL_STEPS = 6;
+/** @type {Record<string, number>} ms between steps */
+const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60};
+
+/** @type {import("./frame.js").FigureKind} */
+export function servo(frame, data) {
+  const world = new World(data.scene, 10), still = matchMedia("(prefers-reduced-motion: reduce)");
+  const box = frame.mapPanel("ground", "The way on the map of E, which no learner has", "Map of E. Arrow keys turn the learner’s start by 1 degree, with Shift by 5.");
+  const ground = new Ground(frame, box, world), boxes = {L: frame.panel("L", "Picture <i>L</i>")}, images = new Images(boxes, data.hulls);
+  const curve = new Curve(frame.panel("curve", "E after each step"));
+  let law = FIRST, session = sessionOf(world, DEMONSTRATOR, START, law), isPlaying = false, due = 0;
+  const begin = (/** @type {number[]} */ start) => {
+    play(false);
+    session = sessionOf(world, DEMONSTRATOR, start, law);
+  };
+  const advance = () => session.now.motion < MAX_STEPS && session.step();
+  const tick = (/** @type {number} */ time) => {
+    if (!isPlaying) return;
+    if (time >= due) {
+      due = time + PERIOD_MS[law];
+      if (!advance()) play(false);
+      frame.redraw();
+    }
+    requestAnimationFrame(tick);
+  };
+  const play = (/** @type {boolean} */ on) => {
+    isPlaying = on;
+    playing.textContent = on ? "Pause" : "Play";
+    if (!on) return;
+    if (still.matches) { // nothing moves by itself: the end at once
+      while (advance());
+      play(false);
+    } else requestAnimationFrame(tick);
+  };
+  frame.choice("It learns by", Object.fromEntries(LAWS.map(name => [name, SERVO_WORDS[name].title])), law, value => {
+    law = value;
+    begin(session.settings.start);
+  });
+  const playing = frame.button("Play", () => play(!isPlaying));
+  frame.button("Step", () => {
+    play(false);
+    advance();
+  });
+  frame.button("Start again", () => begin(session.settings.start));
+  ground.touch(() => session.settings.start, begin, () => DEMONSTRATOR, null);
+  frame.hint.textContent = "Press Play, then try another law from the same start. Drag the blue dot to begin elsewhere.";
+  for (let k = 0; k < STILL_STEPS; k++) advance();
+
+  return {
+    measure() {
+      images.measure();
+      ground.measure();
+      curve.measure();
+    },
+    draw() {
+      const {now, trace} = session, steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
+      ground.draw(DEMONSTRATOR, now.theta, trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe})));
+      images.draw(world, {moment: now, recovered: recovered(now), lines: [], chosen: 8, goal: true, ease: 1});
+      curve.draw(trace);
+      const off = Math.max(...now.theta.map((v, k) => Math.abs(v - DEMONSTRATOR[k]))) / DEGREE;
+      const end = now.status === "settled" ? " It has come to rest at a local minimum." : now.motion >= MAX_STEPS ? " We stop here." : "";
+      frame.say(`${SERVO_WORDS[law].says} After ${steps}, E is <b>${energyText(now.E)} px²</b>. The arm is <b>${fixed(off)}°</b> off, which it cannot know.${end}`);
+    },
+    state: () => ({law, motion: session.now.motion, theta: session.now.theta, E: session.now.E}),
+  };
+}

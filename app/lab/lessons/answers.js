@@ -1,0 +1,80 @@
+/**
+ * Whether an answer is there, whether it is right, and what is replied to it.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Ask} Ask
+ */
+import {distanceOf, measure} from "./measures.js";
+
+const CLEAR_BET = 10; // % from the middle, from which a bet says something
+
+/** Whether the truth may be shown to whoever has answered. @param {Stage} stage */
+export function isAnswered({step: {ask}, answer, rounds, mark}) {
+  if (ask.kind === "choice") return answer.choice !== undefined;
+  if (ask.kind === "place") return Boolean(mark);
+  if (ask.kind === "pose") return Boolean(answer.pose);
+  if (ask.kind === "number") return answer.number !== undefined;
+  if (ask.kind === "select") return answer.selected?.length === ask.fields?.length && Math.min(...answer.selected ?? []) >= 0
+    && (!ask.reasons?.length || answer.reason !== undefined);
+  if (ask.kind === "bet") return answer.bet !== undefined;
+  if (ask.kind === "predict") return rounds.length > 0;
+  return Boolean(answer.done);
+}
+
+/** The index of a choice's right answer; -1 while it is not known. @param {Stage} stage */
+export function rightChoice(stage) {
+  const {ask} = stage.step;
+  if (!ask.right) return (ask.answers ?? []).findIndex(({right}) => right);
+  const number = Number(measure(stage, ask.right).value);
+  return Number.isFinite(number) ? Math.round(number) - 1 : -1;
+}
+
+/** Whether what has to be reached is. @param {Stage} stage */
+export function isReached(stage) {
+  const {ask: {measure: name, below, above}} = stage.step, value = Number(measure(stage, name ?? "").value);
+  return below !== null && below !== undefined && value < below || above !== null && above !== undefined && value > above;
+}
+
+/** @param {Ask} ask @param {number} number @param {number} truth */
+export function isNear({factor, within}, number, truth) {
+  return factor ? truth > 0 && number / truth <= factor && truth / number <= factor : Math.abs(number - truth) <= (within ?? 0);
+}
+
+/** Whether the answer is right, or near enough to be called so; null without one, or where none is. @param {Stage} stage */
+export function isRight(stage) {
+  const {step: {ask}, answer} = stage;
+  if (!isAnswered(stage) || answer.shown) return null;
+  if (ask.kind === "choice") return answer.choice === rightChoice(stage);
+  if (ask.kind === "place" || ask.kind === "pose") {
+    const off = Number(measure(stage, "px apart").value);
+    return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
+  }
+  if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number), Number(measure(stage, ask.truth ?? "").value));
+  if (ask.kind === "do") return true;
+  if (ask.kind === "predict") return isReached(stage);
+  if (ask.kind === "bet") {
+    const off = /** @type {number} */ (answer.bet) - 50;
+    return Math.abs(off) < CLEAR_BET ? null : off > 0 === Boolean(measure(stage, ask.truth ?? "").value);
+  }
+  return null;
+}
+
+/** What is said to this very answer, with its {measures}; "" for nothing. @param {Stage} stage */
+export function reply(stage) {
+  const {step: {ask}, answer} = stage;
+  if (!isAnswered(stage) || answer.shown) return "";
+  if (ask.kind === "choice") return ask.answers?.[answer.choice ?? -1]?.because ?? "";
+  if (ask.kind === "place" || ask.kind === "pose") {
+    const other = stage.mark && ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
+    if (other) return other.because;
+    if (isRight(stage)) return ask.close ?? "";
+    const isOnLine = ask.line && ask.on_line && Number(measure(stage, ask.line).value) < (ask.near ?? 0);
+    return (isOnLine ? ask.on_line : ask.far) ?? "";
+  }
+  if (ask.kind === "number") {
+    const truth = Number(measure(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
+    return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
+  }
+  if (ask.kind === "select") return ask.reasons?.[answer.reason ?? -1]?.because ?? "";
+  return (isRight(stage) === false ? ask.far : ask.close) ?? "";
+}

@@ -1,0 +1,236 @@
+/**
+ * What a step asks for, as something to press: answers, a number, a goal, settings, predictions, a bet. A mark in a
+ * figure is made in marks.js, sliders are made in sliders-row.js.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {Object} Asked
+ * @property {HTMLElement} element
+ * @property {() => void} update
+ * @property {(key: string) => boolean} [key] whether it has taken the key
+ * @typedef {Object} Host what the page does about it
+ * @property {() => void} answered
+ * @property {() => void} startAgain
+ * @property {() => boolean} isLocked
+ * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
+ */
+import {isAnswered, isReached, rightChoice} from "./answers.js";
+import {inline, make, plain, touched, track} from "./dom.js";
+import {energy, measure} from "./measures.js";
+import {short} from "./measured.js";
+
+const BET_STEP = 5, SCALE_STEPS = 200;
+
+/** @type {Record<string, (stage: Stage, host: Host) => Asked>} */
+const KINDS = {choice, place, pose, number, do: task, select, predict, bet};
+
+/** @param {Stage} stage @param {Host} host */
+export function askOf(stage, host) {
+  const {ask} = stage.step, asked = KINDS[ask.kind](stage, host), {glossary} = stage.page;
+  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(ask.question, glossary)}), asked.element);
+  return {...asked, element};
+}
+
+/** @param {Stage} stage @param {Host} host @returns {Asked} */
+function choice(stage, host) {
+  const {answers = []} = stage.step.ask;
+  const take = (/** @type {number} */ k) => {
+    if (stage.isRevealed || host.isLocked()) return;
+    stage.answer = {choice: k};
+    host.answered();
+  };
+  const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
+    make("kbd", {}, String(k + 1)), make("span", {html: inline(text)}), make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}), make("small", {class: "count"})));
+  return {
+    element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
+    update() {
+      const right = stage.isRevealed ? rightChoice(stage) : -1;
+      options.forEach((option, k) => {
+        const isChosen = stage.answer.choice === k, bar = host.bar(k);
+        option.setAttribute("aria-pressed", String(isChosen));
+        option.disabled = host.isLocked() && !stage.isRevealed;
+        option.setAttribute("aria-disabled", String(stage.isRevealed));
+        option.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
+        option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : "" : "");
+        option.setAttribute("aria-label", `${k + 1}: ${plain(answers[k].text)}${stage.isRevealed ? k === right ? " (right)" : isChosen ? " (your answer, not right)" : "" : ""}`);
+        option.style.setProperty("--share", bar ? String(bar.share) : "0");
+        option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
+      });
+    },
+    key(key) {
+      const k = Number(key) - 1;
+      if (!(k in options)) return false;
+      take(k);
+      return true;
+    },
+  };
+}
+
+/** @param {Stage} stage @returns {Asked} */
+function place(stage) {
+  const hint = make("p", {class: "hint"});
+  return {
+    element: hint,
+    update() {
+      hint.hidden = stage.isRevealed;
+      hint.textContent = stage.mark ? touched("Click again to move your mark, or use the arrow keys.") : touched("Click in the framed picture. With the keyboard: arrow keys.");
+    },
+  };
+}
+
+/** @param {Stage} stage @returns {Asked} */
+function pose(stage) {
+  const hint = make("p", {class: "hint"}, "Turn both joints with the sliders.");
+  return {element: hint, update() { hint.hidden = stage.isRevealed; }};
+}
+
+/** @param {Stage} stage @param {Host} host @returns {Asked} */
+function number(stage, host) {
+  const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
+  const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
+  const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step : Number(value.toPrecision(2));
+  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(question)});
+  const output = make("output", {class: "large-number"});
+  input.addEventListener("input", () => {
+    const value = Number(input.value);
+    stage.answer = {number: Math.min(high, Math.max(low, round(logarithmic ? Math.exp(value) : value)))};
+    host.answered();
+  });
+  return {
+    element: make("div", {class: "number"}, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, `${low}${unit}`), make("span", {}, `${high}${unit}`))),
+    update() {
+      const {number: value} = stage.answer, words = value === undefined ? "?" : `${short(value).replace(/\.0+$/, "")}${unit}`;
+      output.textContent = words;
+      input.disabled = stage.isRevealed || host.isLocked();
+      if (value !== undefined && document.activeElement !== input) input.value = String(even(value));
+      input.setAttribute("aria-valuetext", words);
+      track(input);
+    },
+  };
+}
+
+/** Something to be reached. @param {Stage} stage @param {Host} host @returns {Asked} */
+function task(stage, host) {
+  const {ask} = stage.step, goal = ask.below ?? ask.above ?? 0, isBelow = ask.below !== null && ask.below !== undefined;
+  const now = make("b", {}), filled = make("i", {}), count = make("span", {});
+  const again = make("button", {type: "button", class: "plain small", onclick: host.startAgain}, "Start again");
+  const first = Number(measure(stage, ask.measure ?? "").value), unit = measure(stage, ask.measure ?? "").unit;
+  const start = Math.max(ask.measure === "E" ? stage.motions[0].E : first, goal * 1.01);
+  const text = (/** @type {number} */ value) => ask.measure === "E" ? energy(value).text : `${short(value)}${unit}`;
+  return {
+    element: make("div", {class: "task"}, make("p", {class: "now"}, now, make("span", {class: "goal"}, ` goal: ${isBelow ? "below" : "above"} ${text(goal)}`)),
+      make("div", {class: "meter", "aria-hidden": true}, filled), make("p", {class: "steps-made"}, count, again)),
+    update() {
+      const {value, text: words} = measure(stage, ask.measure ?? ""), steps = stage.motions.length - 1;
+      const share = isBelow ? Math.log(start / Math.max(value, 1e-9)) / Math.log(start / goal) : value / goal;
+      now.textContent = words;
+      now.classList.toggle("there", isReached(stage));
+      filled.style.width = `${100 * Math.min(1, Math.max(0, share))}%`;
+      count.textContent = ask.counted ? `${steps} ${steps === 1 ? "step" : "steps"}` : "";
+      again.hidden = !ask.counted || steps === 0 || host.isLocked();
+    },
+  };
+}
+
+/** @param {Stage} stage @param {Host} host @returns {Asked} */
+function select(stage, host) {
+  const {fields = [], reason = "", reasons = []} = stage.step.ask;
+  /** @type {{button: HTMLButtonElement, field: number, value: number}[]} */
+  const buttons = [];
+  const take = (/** @type {number} */ field, /** @type {number} */ value) => {
+    if (stage.isRevealed || host.isLocked()) return;
+    const selected = [...stage.answer.selected ?? fields.map(() => -1)];
+    selected[field] = value;
+    stage.answer = {...stage.answer, selected};
+    host.answered();
+  };
+  const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
+    ...values.map(({text, says}, value) => {
+      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)}, make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}, says ? make("small", {class: "says-how", html: inline(says)}) : null));
+      buttons.push({button, field, value});
+      return button;
+    })));
+  const why = (/** @type {number} */ k) => {
+    if (stage.isRevealed || host.isLocked()) return;
+    stage.answer = {...stage.answer, reason: k};
+    host.answered();
+  };
+  const whys = reasons.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => why(k)}, make("kbd", {}, String(buttons.length + k + 1)), make("span", {html: inline(text)})));
+  const reasonsBox = make("div", {role: "group", "aria-label": plain(reason)}, make("p", {class: "label question", html: inline(reason)}), ...whys);
+  return {
+    element: make("div", {class: "options fields"}, ...sets, reasonsBox),
+    update() {
+      const isWhole = stage.answer.selected?.length === fields.length && Math.min(...stage.answer.selected) >= 0;
+      reasonsBox.hidden = !whys.length || !isWhole || stage.isRevealed && stage.answer.reason === undefined;
+      whys.forEach((option, k) => {
+        const isChosen = stage.answer.reason === k;
+        option.setAttribute("aria-pressed", String(isChosen));
+        option.className = `option${isChosen ? " chosen" : ""}`;
+        option.hidden = stage.isRevealed && !isChosen;
+        option.disabled = host.isLocked();
+      });
+      for (const {button, field, value} of buttons) {
+        const isChosen = stage.answer.selected?.[field] === value;
+        button.setAttribute("aria-pressed", String(isChosen));
+        button.className = `option${isChosen ? " chosen" : ""}`;
+        button.hidden = stage.isRevealed && !isChosen;
+        button.disabled = host.isLocked();
+      }
+    },
+    key(key) {
+      const one = buttons[Number(key) - 1];
+      if (one) take(one.field, one.value);
+      else if (Number(key) - 1 - buttons.length in whys && !reasonsBox.hidden) why(Number(key) - 1 - buttons.length);
+      else return false;
+      return true;
+    },
+  };
+}
+
+/** @param {Stage} stage @returns {Asked} */
+function predict(stage) {
+  const hint = make("p", {class: "hint"}), says = make("p", {class: "prediction", role: "status"});
+  return {
+    element: make("div", {class: "predict"}, says, hint),
+    update() {
+      const last = stage.rounds[stage.rounds.length - 1], {measure: name = "", below} = stage.step.ask;
+      hint.hidden = stage.isRevealed || isSet(stage);
+      hint.textContent = !isSet(stage) ? touched(stage.mark ? "Now set a knob." : "Set a knob, then click where the ringed dot will go.") : "";
+      if (!last) return void says.replaceChildren();
+      const off = Math.hypot(last.mark[0] - last.to[0], last.mark[1] - last.to[1]), far = Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]);
+      says.replaceChildren(`Your prediction was `, make("b", {}, `${short(off)} px`), ` off; the dot moved ${short(far)} px. `,
+        `To the goal: ${measure(stage, name ?? "").text}${below ? ` (goal: below ${below})` : ""}.`);
+    },
+  };
+}
+
+/** Whether a knob and the mark are set, so that the arm may turn. @param {Stage} stage */
+export const isSet = stage => Boolean(stage.mark) && [...stage.sliders].some(([name, value]) => name.startsWith("knob ") && Math.abs(value) > 1e-6);
+
+/** @param {Stage} stage @param {Host} host @returns {Asked} */
+function bet(stage, host) {
+  const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50, "aria-label": "How sure you are that it is true"});
+  const output = make("output", {class: "large-number"}), which = make("p", {class: "hint"});
+  input.addEventListener("input", () => {
+    stage.answer = {bet: Number(input.value)};
+    host.answered();
+  });
+  return {
+    element: make("div", {class: "number"}, which, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"), make("span", {}, "surely true"))),
+    update() {
+      const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
+      output.textContent = words;
+      input.value = String(stage.answer.bet ?? 50);
+      which.textContent = stage.runs > 1 ? `Run ${stage.run + 1} of ${stage.runs}` : "";
+      which.hidden = stage.runs < 2;
+      input.disabled = stage.isRevealed || host.isLocked();
+      input.setAttribute("aria-valuetext", words);
+      track(input);
+    },
+    key(key) {
+      if (!/^[0-9]$/.test(key) || stage.isRevealed) return false;
+      stage.answer = {bet: Number(key) * 10};
+      host.answered();
+      return true;
+    },
+  };
+}

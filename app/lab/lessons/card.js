@@ -1,0 +1,74 @@
+/**
+ * The card of a step: its words, what it asks, and after the answer a reply, a number in large and a sentence to say.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./asks.js").Host} Host
+ */
+import {isAnswered, isRight, reply} from "./answers.js";
+import {askOf} from "./asks.js";
+import {inline, make, plain} from "./dom.js";
+import {fill, measure} from "./measures.js";
+
+const STUCK = "Here is how it is. Before the next step, commit to a guess: you will remember more.";
+
+export class Card {
+  /** @param {HTMLElement} box @param {Stage} stage @param {Host} host */
+  constructor(box, stage, host) {
+    this.box = box;
+    this.stage = stage;
+    this.host = host;
+    const {step, page} = stage;
+    this.words = make("p", {class: "text"});
+    this.ask = askOf(stage, host);
+    this.told = make("div", {class: "told"});
+    this.reply = make("p", {class: "reply"});
+    this.after = make("p", {class: "after"});
+    this.say = make("div", {class: "say"});
+    this.glossary = page.glossary ?? {};
+    box.replaceChildren(make("h2", {tabindex: -1}, step.title), this.words, this.ask.element, this.told, this.reply, this.after, this.say);
+    /** @type {Map<HTMLElement, string>} */
+    this.last = new Map();
+  }
+
+  update() {
+    const {stage} = this, {step, answer} = stage, isShown = stage.isRevealed;
+    this.#write(this.words, isShown ? "" : inline(fill(step.text, stage), this.glossary));
+    this.ask.update();
+    this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind) || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
+    this.#write(this.told, isShown ? this.#told() : "");
+    const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
+    this.#write(this.reply, inline(fill(said, stage), this.glossary));
+    const isOwn = /\{your /.test(step.after ?? "") && answer.shown; // it would speak of what was not done
+    this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(step.after, stage), this.glossary) : "");
+    this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}` : "");
+    this.box.classList.toggle("revealed", isShown);
+  }
+
+  /** A number in large, where there is an answer that it is about. */
+  #told() {
+    const {step: {told, ask}} = this.stage;
+    if (!told || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
+    const {text} = measure(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/) ?? ["", text, ""];
+    const note = told.note ? `<small>${inline(fill(told.note, this.stage), this.glossary)}</small>` : "";
+    const suffix = told.measure.includes("apart") && unit ? ` ${told.measure.endsWith("apart") ? `${unit} apart` : unit}` : unit;
+    return `<span>${inline(fill(told.label, this.stage))}</span><strong>${number}<i>${suffix}</i></strong>${note}`;
+  }
+
+  /** What is read aloud as it becomes known, and not the whole card. */
+  spoken() {
+    const {stage} = this, {step} = stage;
+    if (!stage.isRevealed) return step.ask.kind === "do" ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
+    const verdict = {true: "Right.", false: "Not quite.", null: ""}[String(isRight(stage))] ?? "";
+    const number = step.told ? `${step.told.label}: ${measure(stage, step.told.measure).text}.` : "";
+    const replied = plain(fill(reply(stage), stage));
+    return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:", plain(fill(step.say, stage))].filter(Boolean).join(" ");
+  }
+
+  /** @param {HTMLElement} element @param {string} html */
+  #write(element, html) {
+    if (this.last.get(element) === html) return;
+    this.last.set(element, html);
+    element.innerHTML = html;
+    element.hidden = !html;
+  }
+}

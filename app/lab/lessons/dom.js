@@ -1,0 +1,44 @@
+/** Elements, and the words of lessons as HTML. */
+
+/**
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html` its inside
+ * @param {...(Node | string | null | undefined | false)} children
+ * @returns {HTMLElementTagNameMap[K]}
+ */
+export function make(tag, properties = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name === "html") made.innerHTML = value;
+    else if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else made.setAttribute(name, value === true ? "" : String(value));
+  }
+  made.append(...children.filter(child => child !== null && child !== undefined && child !== false).map(child => /** @type {Node | string} */ (child)));
+  return made;
+}
+
+/** @param {string} text */
+export const escaped = text => text.replace(/[&<>"]/g, c => ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
+
+/** Whether a finger is what points here. */
+const isTouched = () => matchMedia("(pointer: coarse)").matches;
+
+/** "Tap" for "Click" where fingers point. @param {string} words */
+export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap").replace(/\bpress\b/g, "tap") : words;
+
+/** Words with **bold**; a bold term of the glossary explains itself. @param {string} words @param {Record<string, string>} [glossary] */
+export const inline = (words, glossary = {}) => escaped(touched(words)).replace(/\*\*(.+?)\*\*/g, (_, bold) => {
+  const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase() || `${term.toLowerCase()}s` === bold.toLowerCase());
+  return key ? `<button type="button" class="term" data-term="${key}" aria-expanded="false"><b>${bold}</b></button>` : `<b>${bold}</b>`;
+});
+
+/** Words without marks, to be read aloud. @param {string} words */
+export const plain = words => touched(words).replaceAll("**", "");
+
+/** @param {HTMLInputElement} input of a range: how far it stands, for the colour of its track */
+export function track(input) {
+  const low = Number(input.min), high = Number(input.max);
+  input.style.setProperty("--at", `${100 * (Number(input.value) - low) / (high - low || 1)}%`);
+}

@@ -1,0 +1,490 @@
+/** Lessons: which screen is shown, what the keys do, and what others may ask of the page. */
+import {isAnswered, isRight} from "./answers.js";
+import {inline, make, plain} from "./dom.js";
+import {labAddress, viewimitAddress} from "./elsewhere.js";
+import {FIGURES} from "./figures/registry.js";
+import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
+import {slidersOf} from "./sliders-row.js";
+import {Stage} from "./stage.js";
+import {StepScreen} from "./step-screen.js";
+import {Store} from "./store.js";
+import {byId as $, fault, unpacked} from "../view/page.js";
+
+/**
+ * @typedef {import("./stage.js").Lesson} Lesson
+ * @typedef {import("./stage.js").Step} Step
+ * @typedef {import("./stage.js").Mark} Mark
+ * @typedef {import("./stage.js").Answer} Answer
+ * @typedef {import("./step-screen.js").Screen} Screen
+ * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
+ *   catalogue?: {name: string, title: string, short: string, about: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ *   lessons that are served, those here and others
+ * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
+ * @typedef {Object} Shown what a page shows, for others to follow
+ * @property {string} lesson
+ * @property {string} step the screen, as addresses name it
+ * @property {number} seed
+ * @property {boolean} revealed
+ * @property {[string, number][]} sliders
+ * @property {Mark | null} mark
+ * @property {Answer} answer
+ * @property {import("./stage.js").Round[]} rounds
+ * @property {number[]} theta of the learner; empty without a step
+ * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
+ * @property {number} reveal 0 … 1
+ * @property {number} run
+ * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was given, or
+ *   where marks were made
+ */
+
+const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, LONGEST_S = 240; // of a step: to estimate what is left
+const QUESTION_S = 28, FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
+
+/** @param {Data} data */
+function begin(data) {
+  const store = new Store();
+  let lesson = data.lessons[0];
+  /** @type {Place} */
+  let place = {kind: "home"};
+  /** @type {Map<string, Stage>} */
+  let stages = new Map();
+  /** @type {Map<string, number>} that the address or a button has asked for */
+  let seeds = new Map();
+  /** @type {Screen | null} */
+  let screen = null;
+  /** @type {Stage | null} of the step on display */
+  let stage = null;
+  /** @type {Others} */
+  let others = null;
+  /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside */
+  let before = null;
+  let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, began = performance.now();
+  const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
+
+  // Places and their names
+
+  /** @param {Lesson} of @returns {Place[]} */
+  const placesOf = of => {
+    const questions = (of.questions ?? []).map((_, k) => k);
+    return [...questions.map(k => /** @type {Place} */ ({kind: "before", k})), ...of.steps.map(({id}) => /** @type {Place} */ ({kind: "step", id})),
+      ...questions.map(k => /** @type {Place} */ ({kind: "after", k})), {kind: "end"}];
+  };
+  const nameOf = (/** @type {Place} */ of) => of.kind === "step" ? of.id : of.kind === "home" || of.kind === "end" ? of.kind : `${of.kind}-${of.k + 1}`;
+  /** @param {Lesson} of @param {string} name @returns {Place} */
+  const placeOf = (of, name) => placesOf(of).find(one => nameOf(one) === name) ?? {kind: "home"};
+  const index = () => placesOf(lesson).findIndex(one => nameOf(one) === nameOf(place));
+
+  /** @param {Lesson} next @param {Place} to @param {number} [seed] of what is dealt */
+  function enter(next, to, seed) {
+    const now = place.kind === "step" ? kept().steps[place.id] : null;
+    if (now) now.seconds += (performance.now() - began) / 1000;
+    began = performance.now();
+    if (next !== lesson) {
+      stages = new Map();
+      seeds = new Map();
+    }
+    lesson = next;
+    place = to;
+    if (seed && to.kind === "step") deal(to.id, seed);
+    show();
+    remember();
+    hooks.onStep(nameOf(to));
+    hooks.onChange();
+  }
+
+  /** @param {number} by */
+  function go(by) {
+    if (isLocked()) return;
+    const all = placesOf(lesson), at = index() + by;
+    if (at < 0) enter(lesson, {kind: "home"});
+    else if (at in all) enter(lesson, all[at]);
+  }
+
+  /** @param {string} id @param {number} seed */
+  function deal(id, seed) {
+    const step = lesson.steps.find(one => one.id === id), source = step?.carry && !step.deal ? step.carry : id;
+    seeds.set(source, seed);
+    if (stages.get(source)?.seed !== seed) stages.delete(source);
+    if (kept().steps[source] && kept().steps[source].seed !== seed) forget(source);
+    stages.delete(id);
+  }
+
+  /** A step, and those that go on from it, as if they were new. @param {string} id */
+  function forget(id) {
+    delete kept().steps[id];
+    stages.delete(id);
+    for (const {id: later, carry} of lesson.steps) if (carry === id) forget(later);
+  }
+
+  /** @param {string} id @returns {Stage} */
+  function stageOf(id) {
+    const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)), was = kept().steps[id];
+    const carried = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
+    if (known && known.carried === carried && (!carried || known.motions === carried.motions || carried.motions.length < 2)) return known;
+    const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
+    made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
+    for (const {name, start} of slidersOf(made)) if (!made.sliders.has(name)) made.sliders.set(name, start);
+    made.truthHidden = isTruthHidden;
+    if (was) recall(made, was);
+    stages.set(id, made);
+    return made;
+  }
+
+  /** @param {Stage} made @param {import("./store.js").KeptStep} was */
+  function recall(made, was) {
+    made.answer = was.answer ?? {};
+    made.mark = was.mark ?? null;
+    made.rounds = was.rounds ?? [];
+    made.reveal = was.revealed ? 1 : 0;
+    made.bets = was.bets ?? [];
+    made.run = was.run ?? 0;
+    for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name) && !name.startsWith("knob ")) made.slide(name, value);
+    if (was.motions?.length > 1 && !made.carried) {
+      made.motions = was.motions;
+      made.observe(was.motions[was.motions.length - 1].theta);
+    }
+    if (was.revealed && made.step.meets) made.observe(made.moment.thetaDemo);
+  }
+
+  function keep() {
+    if (!stage) return;
+    const {answer, mark, seed, motions, rounds, step, carried, run, bets} = stage;
+    kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs, right: stage.isRevealed ? isRight(stage) : null, run, bets,
+      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders], seconds: kept().steps[step.id]?.seconds ?? 0};
+    store.save(lesson.name);
+    hooks.onChange();
+  }
+
+  /** The step anew. @param {number} seed */
+  function restart(seed) {
+    if (!stage) return;
+    forget(stage.step.id);
+    seeds.set(stage.step.id, seed);
+    store.save(lesson.name);
+    show();
+    remember();
+    hooks.onChange();
+  }
+
+  /** The state of viewimit's page that one came from, as its links have it. */
+  const instrument = new URLSearchParams(location.hash.slice(1)).get("page") ?? "";
+  const isDealt = (/** @type {Stage} */ {step, carried}) => Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
+  function remember() {
+    const parts = [`lesson=${lesson.name}`];
+    if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
+    if (stage && isDealt(stage)) parts.push(`seed=${stage.seed}`);
+    if (instrument) parts.push(`page=${instrument}`);
+    try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
+  }
+
+  // Screens
+
+  /** What the page around a step does for it. @type {import("./step-screen.js").Course} */
+  const course = {
+    isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
+    answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
+    others: () => others && "counts" in others ? others : null,
+    links: now => location.protocol === "file:" ? null : {lab: labFolder() + labAddress(now, location.pathname.split("/").pop() + location.hash), viewimit: viewimitAddress(now) && `../${viewimitAddress(now)}`},
+  };
+  const labFolder = () => location.pathname.includes("/lab/") ? "../lab" : "lab";
+
+  function show() {
+    screen?.remove();
+    note("");
+    $("body").scrollTop = $("figures").scrollTop = 0;
+    $("figures").replaceChildren();
+    stage = place.kind === "step" ? stageOf(place.id) : null;
+    document.body.dataset.screen = place.kind;
+    if (stage) {
+      stage.others = others && "marks" in others ? others.marks : [];
+      screen = new StepScreen($("body"), $("figures"), stage, course);
+    } else if (place.kind === "before" || place.kind === "after") {
+      const {kind} = place;
+      screen = new QuestionScreen($("body"), lesson, kind, place.k, kept(), {
+        keep: (id, given) => {
+          kept()[kind][id] = given;
+          store.save(lesson.name);
+          hooks.onQuestion(kind, id, given);
+        },
+        go, redraw, skipAll: () => enter(lesson, kind === "before" ? placeOf(lesson, lesson.steps[0].id) : {kind: "end"}),
+      });
+    } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo, () => enter(lesson, {kind: "home"}));
+    else screen = new HomeScreen($("body"), data.lessons, lesson, progressOf, {
+      start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)), step: (one, id) => enter(one, {kind: "step", id}),
+      forget: one => {
+        store.forget(one.name);
+        stages = new Map();
+        show();
+      }, catalogue: (data.catalogue ?? []).filter(({here}) => !here),
+    });
+    document.title = `${stage ? stage.step.title : lesson.title} · ${lesson.short}`;
+    draw();
+    const heading = /** @type {HTMLElement | null} */ ($("body").querySelector("h2"));
+    heading?.focus({preventScroll: true});
+  }
+
+  /** Where somebody goes on. @param {Lesson} of @returns {Place} */
+  function nextOf(of) {
+    const {steps, before} = store.of(of.name), open = of.steps.find(({id}) => !steps[id]?.revealed);
+    if (of.questions?.length && !Object.keys(before).length && !Object.keys(steps).length) return {kind: "before", k: 0};
+    return open ? {kind: "step", id: open.id} : {kind: "end"};
+  }
+  /** @param {Lesson} of */
+  function progressOf(of) {
+    const {steps} = store.of(of.name), done = of.steps.filter(({id}) => steps[id]?.revealed).length;
+    return {done, words: done === 0 ? "Start" : done === of.steps.length ? "See the end" : "Continue"};
+  }
+
+  /** @param {string} target "lesson/step" */
+  function linkTo(target) {
+    const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name), at = found?.steps.findIndex(step => step.id === id) ?? -1;
+    if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () => enter(found, {kind: "step", id})};
+    const other = data.catalogue?.find(one => one.name === name && !one.here);
+    return other ? {words: `${other.short} →`, href: `${name}#lesson=${name}&step=${id}`, go: null} : null;
+  }
+
+  // Drawing
+
+  let isDue = false;
+  function redraw() {
+    if (isDue) return;
+    isDue = true;
+    requestAnimationFrame(() => {
+      isDue = false;
+      draw();
+    });
+  }
+  function draw() {
+    screen?.draw();
+    drawHead();
+    drawFoot();
+    document.body.classList.toggle("locked", isLocked());
+  }
+
+  function drawHead() {
+    const steps = lesson.steps, at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : -1;
+    const where = place.kind === "step" ? `${at + 1} of ${steps.length}` : place.kind === "before" ? `Question ${place.k + 1} of ${lesson.questions?.length}, before`
+      : place.kind === "after" ? `Question ${place.k + 1} of ${lesson.questions?.length}, after` : place.kind === "end" ? "Done" : "";
+    $("home").textContent = place.kind === "home" ? "viewimit lessons" : lesson.short;
+    $("where").textContent = where;
+    $("left").textContent = left();
+    $("leave").hidden = place.kind === "home" && !course.links;
+    const key = JSON.stringify([lesson.name, nameOf(place), steps.map(({id}) => kept().steps[id]?.revealed ?? false), isLocked()]);
+    if ($("progress").dataset.key === key) return;
+    $("progress").dataset.key = key;
+    $("progress").hidden = place.kind === "home";
+    $("progress").replaceChildren(...steps.map((step, k) => {
+      const isDone = kept().steps[step.id]?.revealed ?? false, isHere = k === at;
+      return make("button", {type: "button", class: `${isDone ? "done" : ""}${isHere ? " here" : ""}`, title: `${k + 1}  ${plain(step.title)}`, disabled: isLocked(), "aria-current": isHere ? "step" : null,
+        "aria-label": `Step ${k + 1}: ${plain(step.title)}${isDone ? ", done" : ""}`, onclick: () => enter(lesson, {kind: "step", id: step.id})}, make("i", {}));
+    }));
+  }
+
+  /** How long the rest takes, at one's own pace. */
+  function left() {
+    if (place.kind === "home" || place.kind === "end") return "";
+    const estimate = (/** @type {Step} */ {text, ask, say, after = ""}) => `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length / WORDS_A_MINUTE * 60 + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S);
+    const {steps} = lesson, scale = 60 * lesson.minutes / steps.reduce((sum, step) => sum + estimate(step), 0);
+    const done = steps.filter(({id}) => kept().steps[id]?.revealed), spent = done.reduce((sum, {id}) => sum + Math.min(LONGEST_S, kept().steps[id].seconds), 0);
+    const usual = done.reduce((sum, step) => sum + scale * estimate(step), 0), pace = usual > 60 && spent > 30 ? Math.min(2, Math.max(.5, spent / usual)) : 1;
+    const at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : place.kind === "before" ? 0 : steps.length;
+    const count = lesson.questions?.length ?? 0, asked = place.kind === "before" ? 2 * count - place.k : place.kind === "after" ? count - place.k : count;
+    const seconds = steps.slice(at).reduce((sum, step) => sum + (kept().steps[step.id]?.revealed ? 0 : scale * pace * estimate(step)), 0) + QUESTION_S * (place.kind === "step" ? 0 : asked);
+    const minutes = Math.round(seconds / 60);
+    return minutes >= 1 ? `${minutes} min left` : "";
+  }
+
+  function drawFoot() {
+    const {words, key, filled, disabled, act} = screen?.primary() ?? {words: "", act: () => {}}, skip = screen?.skip() ?? null, isHome = place.kind === "home";
+    const now = JSON.stringify([words, key, filled, disabled, skip?.words, skip?.disabled, isHome, isLocked()]);
+    if ($("foot").dataset.key === now && $("foot").childElementCount) return;
+    $("foot").dataset.key = now;
+    const hadFocus = $("foot").contains(document.activeElement) && document.activeElement?.classList.contains("primary");
+    const back = make("button", {type: "button", class: "plain back", disabled: isLocked(), "aria-label": "Back", onclick: () => go(-1)}, make("kbd", {}, "←"), make("span", {}, "Back"));
+    const primary = make("button", {type: "button", class: `primary ${filled ? "filled" : "plain"}`, disabled, onclick: act}, words, key ? make("kbd", {}, key) : null);
+    $("foot").replaceChildren(...isHome ? [] : [back], ...skip ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: skip.act}, skip.words)] : [], ...isHome ? [] : [primary]);
+    if (hadFocus) primary.focus({preventScroll: true});
+  }
+
+  function note(/** @type {string} */ words) {
+    $("note").textContent = words;
+    $("note").hidden = !words;
+  }
+  let announcing = 0;
+  function announce(/** @type {string} */ words) {
+    clearTimeout(announcing);
+    announcing = setTimeout(() => { $("announced").textContent = words; }, 150);
+  }
+
+  // Others
+
+  /** @param {Shown} shown */
+  function follow(shown) {
+    const now = hooks.state();
+    if (now.lesson !== shown.lesson || now.step !== shown.step || now.seed !== shown.seed) hooks.goTo(shown.lesson, shown.step, shown.seed);
+    else if (now.revealed && !shown.revealed) restart(shown.seed);
+    if (!stage) return;
+    const {moment} = stage;
+    Object.assign(stage, {mark: shown.mark, answer: shown.answer, rounds: shown.rounds, run: shown.run});
+    for (const [name, value] of shown.sliders) if (stage.sliders.get(name) !== value) stage.slide(name, value);
+    if (shown.motions.length > 1 && !stage.carried) stage.motions = shown.motions;
+    if (shown.theta.length && shown.theta.some((v, k) => v !== moment.theta[k])) stage.observe(shown.theta);
+    if (shown.revealed && !stage.isRevealed) hooks.reveal();
+    redraw();
+  }
+
+  const hooks = {
+    /** Called with every answer. @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
+    onAnswer: () => {},
+    /** Called at every screen. @type {(step: string) => void} */
+    onStep: () => {},
+    /** @type {(phase: "before" | "after", item: string, given: import("./questions.js").Given) => void} */
+    onQuestion: () => {},
+    /** Called after anything that `state` or `summary` tells. @type {() => void} */
+    onChange: () => {},
+    /** Called when the key T has hidden or shown what the learner cannot know. @type {(hidden: boolean) => void} */
+    onTruth: () => {},
+    /** In the card, above its buttons: stays empty without others. @type {HTMLElement} */
+    box: $("box"),
+    /** In the head line. @type {HTMLElement} */
+    head: $("head"),
+    data,
+    /** Put answers and place aside, and go on with a copy that is not kept. */
+    aside() {
+      if (store.aside) return;
+      keep();
+      store.putAside();
+      before = {lesson, place, seeds: new Map(seeds)};
+    },
+    /** Bring back what was put aside. */
+    back() {
+      if (!store.aside || !before) return;
+      store.putBack();
+      stages = new Map();
+      const {lesson: name, place: at, seeds: dealt} = before;
+      before = null;
+      enter(name, at);
+      seeds = dealt;
+    },
+    /** @param {string} name @param {string} step @param {number} [seed] */
+    goTo(name, step, seed) {
+      const found = data.lessons.find(one => one.name === name);
+      if (found) enter(found, placeOf(found, step), seed);
+      return Boolean(found);
+    },
+    /** Lock all that could be pressed. @param {boolean} on */
+    freeze(on) {
+      isFrozen = on;
+      redraw();
+    },
+    /** Show what another page shows; null to let go. @param {Shown | null} shown */
+    lead(shown) {
+      isLed = Boolean(shown);
+      if (shown) follow(shown);
+      redraw();
+    },
+    /** Take answers, but leave it to others to show what is right. @param {boolean} on */
+    hold(on) {
+      isHeld = on;
+      redraw();
+    },
+    /** @param {boolean} on */
+    hideTruth(on) {
+      isTruthHidden = on;
+      for (const one of stages.values()) one.truthHidden = on;
+      redraw();
+    },
+    /** What a class has answered. @param {Others | Mark[]} given */
+    showOthers(given) {
+      others = Array.isArray(given) ? {marks: given} : given;
+      if (stage) stage.others = others && "marks" in others ? others.marks : [];
+      redraw();
+    },
+    /** Show what is right, answered or not. */
+    reveal() {
+      if (screen instanceof StepScreen && stage && !stage.isRevealed) screen.reveal(!isAnswered(stage));
+      redraw();
+    },
+    /** The step as if nobody had answered it. */
+    askAnew: () => { if (stage) restart(stage.seed); },
+    /** @returns {Shown} */
+    state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
+      answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [], motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
+    /** How far one is, for a class's overview. */
+    summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length, answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,
+      right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage ? stage.motions.length - 1 : 0, E: stage ? stage.moment.E : null}),
+    /** The answer to the step on display; null for none yet. @returns {(Answer & {place?: Mark}) | null} */
+    answer: () => stage && isAnswered(stage) ? {...stage.answer, ...stage.mark ? {place: stage.mark} : {}} : null,
+    /** @returns {Stage | null} */
+    stage: () => stage,
+    lessons: () => data.lessons,
+    draw,
+  };
+
+  // Hands
+
+  const leave = () => {
+    if (isLocked()) return;
+    if (place.kind !== "home") enter(lesson, {kind: "home"});
+  };
+  $("home").addEventListener("click", leave);
+  $("leave").addEventListener("click", leave);
+  const recolour = () => {
+    const root = document.documentElement;
+    root.dataset.scheme = root.dataset.scheme === "dark" ? "light" : "dark";
+    root.dispatchEvent(new Event("recolour"));
+    redraw();
+  };
+  $("scheme").addEventListener("click", recolour);
+  $("body").addEventListener("click", (/** @type {Event} */ event) => {
+    const term = event.target instanceof Element ? event.target.closest(".term") : null;
+    if (!(term instanceof HTMLElement)) return;
+    const isOpen = term.getAttribute("aria-expanded") === "true", holder = /** @type {HTMLElement} */ (term.closest("p, div"));
+    document.querySelectorAll(".definition").forEach(one => one.remove());
+    document.querySelectorAll(".term").forEach(one => one.setAttribute("aria-expanded", "false"));
+    if (isOpen) return;
+    term.setAttribute("aria-expanded", "true");
+    holder.after(make("p", {class: "definition", role: "note", html: inline(data.glossary?.[term.dataset.term ?? ""] ?? "")}));
+  });
+
+  document.addEventListener("keydown", event => {
+    const {target, key} = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element) || target.matches("input[type=number], input[type=text], textarea, select")) return;
+    const isRange = target.matches("input[type=range]"), isButton = target.matches("button, a, summary");
+    if (isRange && (key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key))) return;
+    if (target.matches("canvas") && key.startsWith("Arrow")) return;
+    const isChosen = target.matches(".option.chosen");
+    const take = () => {
+      if (key === "Escape") return leave();
+      if (!isLocked() && screen?.key(event)) return;
+      if (key === "Enter" && isButton && !isChosen && !target.matches(".option[aria-disabled=true], #progress button")) return false;
+      if (key === "Enter" || key === "ArrowRight") {
+        const primary = screen?.primary();
+        if (primary && !primary.disabled && (key === "Enter" ? primary.filled : primary.key === "→")) return primary.act();
+        return key === "Enter" ? undefined : false;
+      }
+      if (key === "ArrowLeft" && place.kind !== "home") return go(-1);
+      if (key.toLowerCase() === "d") return recolour();
+      if (key.toLowerCase() === "t" && stage) {
+        hooks.hideTruth(!isTruthHidden);
+        return hooks.onTruth(isTruthHidden);
+      }
+      return false;
+    };
+    if (take() !== false) event.preventDefault();
+  });
+  const arrive = () => {
+    const asked = new URLSearchParams(location.hash.slice(1)), found = data.lessons.find(({name}) => name === (asked.get("lesson") ?? data.start)), seed = Number(asked.get("seed"));
+    const isPlain = !asked.get("step") && !asked.get("lesson") && data.lessons.length === 1 && !data.lessons[0].questions?.length;
+    enter(found ?? data.lessons[0], isPlain ? nextOf(data.lessons[0]) : asked.get("step") ? placeOf(found ?? data.lessons[0], asked.get("step") ?? "") : {kind: "home"}, Number.isInteger(seed) && seed > 0 ? seed : undefined);
+  };
+  addEventListener("hashchange", arrive);
+  Object.assign(globalThis, {lesson: hooks});
+  arrive();
+  dispatchEvent(new Event("lesson"));
+  if (!store.keeps) note("This browser keeps nothing for this page: your answers are lost when you close it.");
+}
+
+if (typeof DecompressionStream === "undefined") fault("The lessons need a browser of 2023 or later.");
+else unpacked("data").json().then(begin)
+  .catch(error => { fault(`This page is damaged: ${error.message}`); throw error; });

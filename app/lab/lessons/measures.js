@@ -1,0 +1,97 @@
+/**
+ * Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
+ * first, then what is computed here.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Measure} Measure
+ * @typedef {import("./stage.js").Measured} Measured
+ */
+import {energyText} from "../view/svg.js";
+import {distance, placed, told} from "./measured.js";
+
+const DEGREE = Math.PI / 180;
+
+/** px², in as many digits as the lab has. @param {number} E @returns {Measured} */
+export const energy = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
+
+/** Motions after which E was below the goal first. @param {ArrayLike<number>} E @param {number | null} goal */
+export function reached(E, goal) {
+  const at = goal === null ? -1 : Array.from(E).findIndex(value => value < goal);
+  return told(at < 0 ? NaN : at, "", 0, "never");
+}
+
+/** Of the joint that is farthest off. @param {number[]} theta @param {number[]} other */
+const degreesApart = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
+
+/** @param {Stage} stage @param {string} servo */
+function raced(stage, servo) {
+  const race = stage.race(servo);
+  return race ? reached(race.E, stage.goal) : told(NaN);
+}
+
+/** From the mark to the truth: px, or degrees on maps and between postures. @param {Stage} stage @returns {Measured} */
+function apart(stage) {
+  const {ask} = stage.step;
+  if (ask.kind === "pose") {
+    const truth = /** @type {number[]} */ (measure(stage, ask.truth ?? "").value);
+    return told(stage.answer.pose ? Math.max(...stage.answer.pose.map((v, k) => Math.abs(v - truth[k]))) : NaN, "°", 0);
+  }
+  const off = distanceOf(stage, ask.truth ?? "");
+  return stage.unit === "rad" ? told(off, "°", 0) : told(off, " px", off < 10 ? 1 : 0);
+}
+
+/** From the mark to a place or a line: px, or degrees on maps. @param {Stage} stage @param {string} name the measure */
+export function distanceOf(stage, name) {
+  const truth = stage.mark && name ? measure(stage, name).value : null;
+  return stage.mark && truth ? distance(stage.mark, truth) / (stage.unit === "rad" ? DEGREE : 1) : NaN;
+}
+
+/** Whether a claim that is bet on is true. @param {Stage} stage */
+const outcome = stage => Number(measure(stage, stage.step.ask.truth ?? "").value);
+
+/** Where the mark or another place is on the map of E. @param {Stage} stage @param {ArrayLike<number> | null} theta rad */
+function energyAt(stage, theta) {
+  return theta ? stage.session.observe(Array.from(theta)).E : NaN;
+}
+
+/** @type {Record<string, Measure>} */
+export const MEASURES = {
+  "px apart": apart,
+  "degrees apart": apart,
+  "your bet": stage => told(stage.answer.bet ?? NaN, " %", 0),
+  "outcome": stage => ({value: outcome(stage), unit: "", text: outcome(stage) ? "true" : "false"}),
+  "penalty": stage => told(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
+  "E": stage => energy(stage.moment.E),
+  "start E": stage => energy(stage.motions[0].E),
+  "E alike": stage => energy(stage.ghost().E),
+  "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
+  "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
+  "E at your mark": stage => energy(energyAt(stage, stage.mark)),
+  "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN], stage.moment.thetaDemo), "°", 1),
+  "off": stage => told(degreesApart(stage.moment.theta, stage.moment.thetaDemo), "°", 1),
+  "your error": stage => told(degreesApart(stage.motions[stage.motions.length - 1].theta, stage.moment.thetaDemo), "°", 1),
+  "moved": stage => told(degreesApart(stage.moment.thetaDemo, stage.state.demonstrator), "°", 0),
+  "your motions": stage => told(stage.motions.length - 1, "", 0),
+  "your motions to the goal": stage => reached(stage.motions.map(({E}) => E), stage.goal),
+  "motions of the trust region": stage => raced(stage, "trust-region"),
+  "motions of Broyden": stage => raced(stage, "broyden"),
+  "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
+  "motions of the paper's law": stage => raced(stage, "gradient"),
+  "points": stage => told(stage.moment.usable.length, "", 0),
+  "the demonstrator's posture": stage => placed(stage.moment.thetaDemo.map(v => v / DEGREE)),
+  "your first joint is off": stage => told(Math.abs(stage.guessed[0] - stage.moment.thetaDemo[0]) / DEGREE, "°", 0),
+  "your second joint is off": stage => told(Math.abs(stage.guessed[1] - stage.moment.thetaDemo[1]) / DEGREE, "°", 0),
+  "E of your posture": stage => energy(energyAt(stage, stage.guessed)),
+  "noise": stage => told(stage.session.settings.noisePx ?? 0, " px"),
+  "lost points": stage => told(100 * (stage.session.settings.missing ?? 0), " %", 0),
+};
+
+/** @param {Stage} stage @param {string} name @returns {Measured} with NaN for what nothing computes */
+export function measure(stage, name) {
+  const fact = stage.facts[name];
+  if (fact) return fact;
+  return MEASURES[name]?.(stage) ?? told(NaN);
+}
+
+/** Words with their {measures}. @param {string} words @param {Stage} stage */
+export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) => measure(stage, name).text);

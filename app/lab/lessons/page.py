@@ -1,0 +1,167 @@
+"""A page of lessons: scenes, texts, computed data, styles and the modules in one HTML file that sends no request."""
+
+import html
+import json
+import multiprocessing
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache, partial
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from viewimit import __version__
+from viewimit.drawing.export.engine_scene import describe_hulls
+from viewimit.drawing.export.replay import bundle, packed, styles
+from viewimit.drawing.glossary import glossary
+
+from ..page import SHIPPED, served_page
+from .format import Lesson
+from .source import ORDER, questions, shipped
+from .step_data import Scenes, items_with_facts, lesson_data, situation_of
+
+HERE = Path(__file__).parent
+ENTRY = "lessons/lesson.js"
+STYLE_FILES = ("lessons/lesson.css",)
+MAX_BYTES = 800_000  # of a page with one lesson
+
+
+def lesson_page(
+    lessons: Mapping[str, Lesson],
+    entry: str = ENTRY,
+    more_styles: str = "",
+    policy: str = "",
+    others: Mapping[str, Lesson] | None = None,
+) -> str:
+    """Return lessons as one HTML page.
+
+    Parameters
+    ----------
+    lessons
+        The lessons of the page by name, in their order.
+    entry
+        The module that runs, a path in app/lab/.
+    more_styles
+        CSS after the page's own.
+    policy
+        Directives that the page's content policy has besides, such as ";connect-src 'self'".
+    others
+        Lessons that are served beside this page, which then has links to them by name.
+
+    Raises
+    ------
+    ValueError
+        For lessons of more than one robot, or a scene that the lab cannot compute.
+    """
+    first = next(iter(lessons.values()))
+    data = json.dumps(page_data(lessons, others), separators=(",", ":"), allow_nan=False)
+    title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
+    return _template().substitute(
+        version=html.escape(__version__),
+        title=html.escape(title),
+        about=html.escape(first.about),
+        policy=html.escape(policy, quote=False),
+        styles="\n".join((styles(*STYLE_FILES), more_styles)),
+        data=packed(data.encode()),
+        meshes=packed(b""),
+        script=bundle(entry),
+    )
+
+
+def page_data(lessons: Mapping[str, Lesson], others: Mapping[str, Lesson] | None = None) -> dict[str, Any]:
+    """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
+    scenes = Scenes()
+    plain = [lesson_data(name, lesson, scenes) for name, lesson in lessons.items()]
+    for one, lesson in zip(plain, lessons.values()):
+        one["questions"] = items_with_facts(questions().item) if lesson.questions else None
+    catalogue = [
+        {
+            **{"name": name, "title": lesson.title, "short": lesson.short, "about": lesson.about},
+            **{"minutes": lesson.minutes, "here": name in lessons},
+        }
+        for name, lesson in {**(others or {}), **lessons}.items()
+    ]
+    robot = _robot_of(lessons.values())
+    return {
+        "hulls": describe_hulls(robot),
+        "scenes": scenes,
+        "glossary": terms(),
+        "catalogue": _in_order(catalogue),
+        "lessons": plain,
+    }
+
+
+def _in_order(catalogue: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The shipped lessons in their order, after a lecturer's own."""
+    return sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1)
+
+
+def _robot_of(lessons: Iterable[Lesson]) -> str:
+    robots = {situation_of(lesson, step).scene.robot for lesson in lessons for step in lesson.step}
+    if len(robots) > 1:
+        raise ValueError(f"a page shows one robot, these lessons have {', '.join(sorted(map(str, robots)))}")
+    return robots.pop()
+
+
+@cache
+def terms() -> dict[str, str]:
+    """Return what the field's terms mean, by the words under which texts name them."""
+    return {term: entry.sentence for entry in glossary().values() for term in (entry.symbol, *entry.terms)}
+
+
+class LabPages:
+    """The pages of the lab on a server: the lab itself, and each lesson when it is asked for first.
+
+    Parameters
+    ----------
+    scene, robot
+        Of the lab, as settings name them.
+    own
+        Lessons of a lecturer by name, beside the shipped ones.
+    how
+        Further arguments of `lesson_page`, such as its entry.
+    """
+
+    def __init__(
+        self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None, **how: Any
+    ):
+        self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}
+        self._scene, self._robot, self._how = scene, robot, how
+        self._pages: dict[str, str] = {}
+        self._locks = {name: threading.Lock() for name in self.lessons}
+
+    def page(self, name: str) -> str | None:
+        """Return the page of a lesson, the lab for "", None for an unknown name. Call it in a thread.
+
+        Another process computes a lesson, so that the server's event loop goes on: up to a minute the first time, half
+        a second once the lesson's data are in the cache.
+        """
+        if not name:
+            return served_page(self._scene, self._robot)
+        if name not in self.lessons:
+            return None
+        with self._locks[name]:
+            if name not in self._pages:
+                self._pages[name] = _in_another_process(
+                    partial(lesson_page, {name: self.lessons[name]}, others=self.lessons, **self._how)
+                )
+            return self._pages[name]
+
+
+def _in_another_process(make: Callable[[], str]) -> str:
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _stand_back) as pool:
+        return pool.submit(make).result()
+
+
+def _stand_back() -> None:
+    """Leave the processor to the server. Windows has no niceness."""
+    if sys.platform != "win32":
+        os.nice(5)
+
+
+@cache
+def _template() -> Template:
+    return Template(HERE.joinpath("lesson.html").read_text("utf-8"))

@@ -1,0 +1,116 @@
+"""Ten finished runs to bet on: half of their arms are within CLAIM_DEG of the demonstrator, half are not."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
+from viewimit.sensing.files import parse_toml
+from viewimit.simulation.world import World
+
+from .records import CLAIM_DEG, claim_probability, plain, run
+from .situation import Situation
+
+SERVO, MAX_MOTIONS = "trust-region", 60
+NO_CLAIM_BET = 0.5  # what a learner bets that makes no claim
+HOW_IT_ENDED: Mapping[str, str] = {
+    "converged": "claims to have arrived",
+    "settled": "rests, and makes no claim",
+    "unobservable": "cannot see every joint, and makes no claim",
+    "no-progress": "found no way to a smaller E, and makes no claim",
+}
+
+
+class SignedRun(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A run of the file: its name, one sentence about its claim, and its settings."""
+
+    name: str
+    because: str
+    settings: Settings
+
+    @property
+    def situation(self) -> Situation:
+        return Situation(self.settings)
+
+    @property
+    def session(self) -> Session:
+        """The run itself, made once."""
+        return run(self.situation, SERVO, MAX_MOTIONS)
+
+
+@cache
+def signed_runs() -> tuple[SignedRun, ...]:
+    """Read the ten runs, in their order."""
+    fields = parse_toml(Path(__file__).with_name("runs.toml").read_bytes())
+    return msgspec.convert(fields["run"], tuple[SignedRun, ...])
+
+
+def off_deg(last: Snapshot) -> NDArray[np.float64]:
+    """(m,) degrees of each joint from the demonstrator's."""
+    return np.degrees(np.abs(last.theta - last.theta_demo))
+
+
+def bet(last: Snapshot) -> float:
+    """What the learner's certificate bets on the claim; NO_CLAIM_BET where the learner makes none."""
+    if not last.status.is_claim or last.certificate is None:
+        return NO_CLAIM_BET
+    return claim_probability(last.certificate)
+
+
+def brier(bets: Sequence[float], holds: Sequence[bool]) -> float:
+    """Mean squared difference between bets and outcomes (Brier, Monthly Weather Review 1950)."""
+    return float(np.mean((np.array(bets) - np.array(holds, float)) ** 2))
+
+
+@cache
+def runs_record() -> list[dict[str, Any]]:
+    """All runs as the page has them: what the learner knows, and the truth."""
+    return [_record(one) for one in signed_runs()]
+
+
+def _record(signed: SignedRun) -> dict[str, Any]:
+    session = signed.session
+    last, world = session.snapshot, signed.situation.world
+    off, seen = off_deg(last), last.usable
+    claims = last.status.is_claim and last.certificate is not None
+    return {
+        "name": signed.name,
+        "ended": HOW_IT_ENDED[str(last.status)],
+        "postures": plain([moment.theta for moment in session.history], 6),
+        "E": plain([moment.E for moment in session.history]),
+        "probes": [bool(moment.probe) for moment in session.history],
+        "points": points_text(world, int(seen.sum())),
+        "noise": noise_text(signed.settings),
+        "demonstrator": plain(last.theta_demo, 6),
+        "offDeg": plain(off),
+        "holds": bool(off.max() <= CLAIM_DEG),
+        "certificate": plain(bet(last)) if claims else None,
+        "own": plain(last.views.own[seen].ravel(), 5),
+        "recovered": plain(last.recovered[seen].ravel(), 5),
+        "because": signed.because,
+    }
+
+
+def points_text(world: World, seen: int) -> str:
+    """How many points lie on which part of the arm, the parts being those that the moving joints turn."""
+    first, second = world.scene.moving_joints
+    link = world.body.link
+    parts = {
+        "base": (link < first).sum(),
+        "upper arm": ((link >= first) & (link < second)).sum(),
+        "forearm and hand": (link >= second).sum(),
+    }
+    listed = ", ".join(f"{name} {count}" for name, count in parts.items() if count)
+    return f"{seen}: {listed}"
+
+
+def noise_text(settings: Settings) -> str:
+    """The noise of the image points, and how many images are averaged."""
+    return "none" if not settings.noise_px else f"{settings.noise_px:g} px, {settings.frames} images averaged"

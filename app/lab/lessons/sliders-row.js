@@ -1,0 +1,64 @@
+/**
+ * The sliders of a step. They are in reach where something has to be done, and otherwise once it was answered.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Slider} Slider
+ */
+import {make, track} from "./dom.js";
+import {short} from "./measured.js";
+
+const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) => ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
+const LOGARITHMIC_STEPS = 200;
+const ACTS = ["do", "pose", "predict"]; // kinds whose sliders are there before the answer
+
+/** @param {Stage} stage @returns {Slider[]} */
+export function slidersOf({step}) {
+  const own = step.sliders ?? [];
+  return step.ask.kind === "predict" && !own.some(({name}) => name.startsWith("knob ")) ? [...KNOBS, ...own] : own;
+}
+
+/** Whether they are in reach. @param {Stage} stage */
+export function areOpen({step, isRevealed}) {
+  if (step.ask.kind === "pose" || step.ask.kind === "predict") return !isRevealed;
+  return ACTS.includes(step.ask.kind) || isRevealed;
+}
+
+export class SlidersRow {
+  /**
+   * @param {HTMLElement} box
+   * @param {Stage} stage
+   * @param {(slider: Slider, value: number) => void} slid while it is dragged
+   * @param {(slider: Slider, value: number) => void} released
+   */
+  constructor(box, stage, slid, released) {
+    this.stage = stage;
+    this.box = box;
+    this.rows = slidersOf(stage).map(slider => {
+      const even = (/** @type {number} */ value) => slider.logarithmic ? Math.log(value) : value, {low, high, step = 1, logarithmic} = slider;
+      const input = make("input", {type: "range", min: even(low), max: even(high), step: logarithmic ? (even(high) - even(low)) / LOGARITHMIC_STEPS : step, "aria-label": slider.label});
+      const output = make("output", {});
+      const value = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value)) : Number(input.value)));
+      input.addEventListener("input", () => { slid(slider, value()); });
+      input.addEventListener("change", () => { released(slider, value()); });
+      const kind = slider.name.startsWith("demo ") ? "of-demonstrator" : slider.name.startsWith("own ") ? "of-learner" : "of-other";
+      const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name"}, slider.label), input, slider.unit === null ? null : output);
+      box.append(row);
+      return {slider, input, output, even};
+    });
+  }
+
+  /** @param {boolean} isLocked */
+  update(isLocked) {
+    this.box.hidden = !this.rows.length || !areOpen(this.stage);
+    for (const {slider, input, output, even} of this.rows) {
+      const value = this.stage.sliders.get(slider.name) ?? slider.start;
+      if (!input.matches(":active")) input.value = String(even(value));
+      const shown = slider.logarithmic ? Math.exp(Number(input.value)) : Number(input.value);
+      const words = `${slider.logarithmic ? short(shown) : Number(shown.toFixed(3))}${slider.unit ?? ""}`.replace("-", "−");
+      output.textContent = words;
+      if (slider.unit !== null) input.setAttribute("aria-valuetext", words);
+      input.disabled = isLocked;
+      track(input);
+    }
+  }
+}

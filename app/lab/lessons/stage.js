@@ -1,0 +1,408 @@
+/**
+ * A step of a lesson at one moment: its two arms, what was answered, and how far its reveal has gone. Figures, measures
+ * and the card read it and nothing else. It touches no document.
+ *
+ * @typedef {import("../engine/world.js").Scene & {page?: {scene: string, layouts: string[]}}} Scene
+ *   page: as viewimit's page names it
+ * @typedef {import("../engine/session.js").Moment} Moment
+ * @typedef {[number, number]} Mark a place in a figure, in its unit
+ * @typedef {{value: any, unit: string, text: string}} Measured value: a number, a place or a posture; text: with its unit
+ * @typedef {(stage: Stage) => Measured} Measure
+ *
+ * @typedef {Object} State where a step begins
+ * @property {string} scene its key
+ * @property {number} points
+ * @property {string} transfer
+ * @property {string} servo
+ * @property {number[]} demonstrator rad
+ * @property {number[]} start rad
+ * @property {number} [noisePx]
+ * @property {number} [missing]
+ * @property {number} [seed]
+ *
+ * @typedef {{value: number, cameras: import("../engine/world.js").Camera[]}[]} Variants the eyes at a slider's values
+ * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
+ *   variants?: Record<string, Variants>}} Deal one of those that the seed picks from, laid over the step's own
+ * @typedef {{figure: string, show?: string[], reveal?: string[], hide?: string[]}} FigureUse
+ * @typedef {Object} Slider
+ * @property {string} name what it moves, see `Stage.slide`
+ * @property {string} label
+ * @property {number} low
+ * @property {number} high
+ * @property {number} start
+ * @property {number} [step]
+ * @property {string | null} [unit] null for no number at all
+ * @property {boolean} [logarithmic]
+ *
+ * @typedef {{text: string, because: string, right?: boolean, belief?: string | null}} Choice
+ * @typedef {Object} Ask fields beside `kind` and `question` as its kind has them
+ * @property {"choice" | "place" | "pose" | "number" | "do" | "select" | "predict" | "bet"} kind
+ * @property {string} question
+ * @property {Choice[]} [answers] choice
+ * @property {string | null} [right] choice: the measure whose number says which answer is right, from 1
+ * @property {string | null} [figure] place, predict
+ * @property {string | null} [truth] place, pose, number, bet: a measure
+ * @property {number} [near] place: px, on maps degrees; pose: degrees
+ * @property {string | null} [line] place: a measure below which the mark is on the right way though far
+ * @property {string} [close] reply
+ * @property {string} [far] reply
+ * @property {string | null} [on_line] reply
+ * @property {string | null} [less] number: the reply to too little
+ * @property {string} [unit] number
+ * @property {number} [low] number
+ * @property {number} [high] number
+ * @property {number | null} [step] number
+ * @property {boolean} [logarithmic] number
+ * @property {number | null} [factor] number: within which a guess is close
+ * @property {number | null} [within] number: by how much a guess may differ
+ * @property {string | null} [measure] do, predict: what has to be reached
+ * @property {number | null} [below]
+ * @property {number | null} [above]
+ * @property {boolean} [counted] do: each release of a slider is one motion
+ * @property {{name: string, label: string, values: {value: any, text: string, says?: string}[]}[]} [fields] select
+ * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
+ * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places, with a reply
+ * @property {string} [reason] select: the question about the reason
+ * @property {Choice[]} [reasons] select
+ *
+ * @typedef {Object} Step
+ * @property {string} id
+ * @property {string} title
+ * @property {string} text
+ * @property {string} say
+ * @property {string} [after]
+ * @property {Ask} ask
+ * @property {{measure: string, label: string, note?: string} | null} [told]
+ * @property {number | null} [chosen]
+ * @property {FigureUse[]} [main]
+ * @property {FigureUse[]} [side]
+ * @property {Slider[]} [sliders]
+ * @property {string[]} [race]
+ * @property {number | null} [play] seconds that the animation of the reveal takes
+ * @property {boolean} [meets] the reveal brings the learner to the demonstrator's posture
+ * @property {string | null} [carry] the id of the step whose start and path go on here
+ * @property {boolean} [deal]
+ * @property {State} state
+ * @property {Record<string, Measured>} [facts] that the library has computed
+ * @property {Record<string, any>} [records]
+ * @property {Record<string, Variants>} [variants]
+ * @property {Deal[] | null} [deals]
+ *
+ * @typedef {Object} Question one of the eight
+ * @property {string} id
+ * @property {string} text
+ * @property {{text: string, because: string, right?: boolean, belief?: string | null}[]} answers
+ * @property {string | null} [step] "lesson/step" that shows it
+ *
+ * @typedef {Object} Lesson
+ * @property {string} name
+ * @property {string} title
+ * @property {string} short
+ * @property {string} about
+ * @property {number} minutes
+ * @property {Question[] | null} [questions]
+ * @property {Step[]} steps
+ *
+ * @typedef {Object} Page what all steps share
+ * @property {Record<string, Scene>} scenes
+ * @property {Record<string, number[][]>} hulls outermost vertices of links
+ * @property {Record<string, string>} [glossary] sentences by term
+ *
+ * @typedef {Object} Answer what was answered to a step
+ * @property {number} [choice] from 0
+ * @property {Mark} [place]
+ * @property {number} [number]
+ * @property {number[]} [pose] degrees
+ * @property {number[]} [selected] the value of each field, from 0, -1 for none yet
+ * @property {number} [reason] for what was selected, from 0
+ * @property {number} [bet] 0 … 100 %
+ * @property {boolean} [done] what was to be reached has been
+ * @property {boolean} [shown] shown without an answer
+ *
+ * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from, to: of the
+ *   ringed point; measure: of the ask, after the turn
+ * @typedef {{theta: number[], E: number, probe: boolean}} Motion
+ * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
+ *
+ * @typedef {Object} Figure a drawing in its box
+ * @property {(stage: Stage, layers: Set<string>) => void} draw the whole of it, at most once a frame, with its text
+ *   alternative
+ * @property {(stage: Stage, mark: Mark) => [number, number] | null} [place] px in the box of a mark
+ * @property {(stage: Stage, at: [number, number]) => Mark | null} [unplace] the mark at px in the box; null outside
+ * @property {() => void} [resize]
+ * @property {() => void} [remove] before its box goes
+ *
+ * @typedef {Object} FigureKind
+ * @property {string[]} layers that a lesson may name
+ * @property {string} [title]
+ * @property {"px" | "rad"} [unit] of its marks, px by default; maps have rad
+ * @property {number} [aspect] width over height that suits it
+ * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
+ * @property {(box: HTMLElement, stage: Stage) => Figure} create
+ */
+import {clamp, geometry, Landscape, recovered, SERVOS, Session, World} from "../engine/engine.js";
+
+const DEGREE = Math.PI / 180;
+const MAX_MOTIONS = 200, MAX_RACE = 400;
+const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
+const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});
+
+export class Stage {
+  /**
+   * @param {Page} page
+   * @param {Step} step
+   * @param {{seed?: number, carried?: Stage | null}} [from] seed: of what is dealt, from 1; carried: the step that goes on here
+   */
+  constructor(page, step, {seed = 1, carried = null} = {}) {
+    this.page = page;
+    /** @type {Step} */
+    this.step = step;
+    /** @type {Stage | null} */
+    this.carried = carried;
+    /** @type {number} */
+    this.seed = carried?.step.deal ? carried.seed : seed;
+    const deals = step.deals ?? [];
+    /** @type {Deal | null} what the seed has picked */
+    this.deal = deals.length ? deals[(this.seed - 1) % deals.length] : null;
+    const going = carried && {demonstrator: carried.state.demonstrator, start: carried.state.start};
+    /** @type {State} */
+    this.state = {...step.state, ...going ?? {}, ...this.deal?.state};
+    /** @type {Record<string, Measured>} */
+    this.facts = {...step.facts, ...this.deal?.facts};
+    /** @type {Record<string, any>} */
+    this.records = {...step.records, ...this.deal?.records};
+    /** @type {Record<string, Variants>} */
+    this.variants = {...step.variants, ...this.deal?.variants};
+    /** rad of both joints for each knob's full turn */
+    this.knobs = dealtKnobs(this.seed);
+    this.chosen = step.chosen ?? 0;
+    /** 0 before the answer, 1 after it; between, while the reveal is played. */
+    this.reveal = 0;
+    /** @type {Answer} */
+    this.answer = {};
+    /** @type {Mark | null} in the asking figure's unit */
+    this.mark = null;
+    /** @type {"px" | "rad"} the asking figure's */
+    this.unit = "px";
+    /** Whether what the learner cannot know is left out. */
+    this.truthHidden = false;
+    /** @type {Mark[]} of a class, in the asking figure's unit */
+    this.others = [];
+    /** @type {Round[]} predictions and what came of them */
+    this.rounds = [];
+    /** Which run of a bet is shown, from 0. */
+    this.run = 0;
+    /** @type {(number | null)[]} bets on the runs, % */
+    this.bets = [];
+    /** @type {Map<string, any>} what figures keep: points that were dragged, and so on */
+    this.kept = new Map();
+    /** Called when something has changed that is drawn. */
+    this.changed = () => {};
+    /** @type {Map<string, Landscape>} */
+    this.landscapes = new Map();
+    /** @type {Record<string, Race>} */
+    this.raced = {};
+    this.scene = page.scenes[this.state.scene];
+    this.world = new World(this.scene, this.state.points);
+    const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;
+    this.session = new Session(this.world, {transfer, servo: servo in SERVOS ? servo : "broyden", demonstrator, start, noisePx, missing, seed: noise ?? 7});
+    /** @type {Moment} what is seen now */
+    this.moment = this.session.now;
+    /** @type {Motion[]} made by hand, the start first */
+    this.motions = carried && carried.motions.length > 1 ? carried.motions : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
+    if (carried && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
+    /** @type {Map<string, number>} where the sliders stand, in their own units */
+    this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
+    for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
+  }
+
+  /** How many runs are bet on. */
+  get runs() {
+    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
+  }
+
+  get hulls() {
+    return this.page.hulls;
+  }
+
+  /** The races of the step, by servo. @returns {Record<string, Race>} */
+  get races() {
+    const {race = []} = this.step, own = Object.fromEntries(race.map(servo => [servo, this.race(servo)]).filter(([, found]) => found));
+    return {...this.records.races, ...own};
+  }
+
+  /** E, or another measure, that has to be reached here or in the step that goes on here; null for none. */
+  get goal() {
+    const ask = this.carried && this.step.ask.kind !== "do" ? this.carried.step.ask : this.step.ask;
+    return ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
+  }
+
+  /** Whether the answer has been given, and the truth may be drawn. */
+  get isRevealed() {
+    return this.reveal > 0;
+  }
+
+  /** See the arm in a posture: nothing is counted. @param {number[]} theta */
+  observe(theta) {
+    const {lower, upper} = this.scene;
+    this.moment = this.session.observe(theta.map((v, k) => clamp(v, lower[k], upper[k])));
+  }
+
+  /** A motion by hand, which counts. @param {number[]} theta */
+  move(theta) {
+    if (this.motions.length > MAX_MOTIONS) return;
+    this.observe(theta);
+    this.motions = [...this.motions, {theta: this.moment.theta, E: this.moment.E, probe: false}];
+    this.changed();
+  }
+
+  /** @param {number[]} theta of the demonstrator */
+  pose(theta) {
+    const own = this.moment.theta;
+    this.session.pose(theta);
+    this.observe(own);
+  }
+
+  /** What would be seen in the demonstrator's posture. */
+  ghost() {
+    return this.session.observe(this.moment.thetaDemo);
+  }
+
+  /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
+  recovered(moment = this.moment) {
+    return recovered(moment);
+  }
+
+  /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
+  geometry(moment = this.moment) {
+    return geometry(moment);
+  }
+
+  /**
+   * The epipolar line of the chosen point of l (0) or r (1) in L (0) or R (1); null if there is none.
+   *
+   * @param {number} eye
+   * @param {number} [side]
+   * @param {Moment} [moment]
+   */
+  line(eye, side = 0, moment = this.moment) {
+    const at = (/** @type {Float64Array} */ of) => of.subarray(4 * this.chosen, 4 * this.chosen + 4);
+    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(at(moment.views.demo), at(moment.views.own)) ?? [] : [];
+    return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
+  }
+
+  /** E over both joints, for the demonstrator as it stands. @param {number} [stepDeg] */
+  landscape(stepDeg = 1) {
+    const {demo, demoSeen} = this.moment.views, key = `${stepDeg} ${this.session.settings.transfer}`;
+    let found = this.landscapes.get(key);
+    if (!found || found.world !== this.world) this.landscapes.set(key, found = new Landscape(this.world, stepDeg));
+    const seen = /** @type {any} */ (found);
+    if (seen.of !== demo) {
+      found.evaluate(this.session.settings.transfer, {images: demo, seen: demoSeen});
+      seen.of = demo;
+    }
+    return found;
+  }
+
+  /** A servo's run from the step's start: recorded, or else computed here. @param {string} servo @returns {Race | null} */
+  race(servo) {
+    if (this.records.races?.[servo]) return this.records.races[servo];
+    if (!(servo in SERVOS)) return null;
+    if (!this.raced[servo]) {
+      const session = new Session(this.world, {...this.session.settings, servo}), goal = this.goal;
+      const moments = [session.now];
+      while (moments.length <= MAX_RACE && !(goal !== null && session.now.E < goal) && session.step()) moments.push(session.now);
+      const [postures, E, probes] = [moments.map(({theta}) => theta), moments.map(one => one.E), moments.map(({probe}) => probe)];
+      this.raced[servo] = {postures, E, probes, status: session.now.status};
+    }
+    return this.raced[servo];
+  }
+
+  /** How many motions of a race are shown. @param {number} all */
+  played(all) {
+    return Math.round(this.reveal * (all - 1));
+  }
+
+  /**
+   * Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints as dealt,
+   * `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the eyes; noise_px,
+   * missing, seed and transfer are settings. Of any other name, the figures make what they know.
+   *
+   * @param {string} name
+   * @param {number} value
+   */
+  slide(name, value) {
+    this.sliders.set(name, value);
+    const [kind, number] = name.split(" "), joint = Number(number) - 1, {moment} = this;
+    const turned = (/** @type {number[]} */ theta) => theta.map((v, k) => k === joint ? value * DEGREE : v);
+    if (kind === "own" && joint in moment.theta) this.observe(turned(moment.theta));
+    else if (kind === "demo" && joint in moment.theta) this.pose(turned(moment.thetaDemo));
+    else if (name === "pose apart") {
+      const {start} = this.session.settings;
+      this.observe(moment.thetaDemo.map((v, k) => v + value * (start[k] - v)));
+    } else if (name in SETTINGS) {
+      this.session.change({[SETTINGS[/** @type {keyof typeof SETTINGS} */ (name)]]: value});
+      this.observe(moment.theta);
+    } else if (this.variants[name]) this.#see(name, value);
+    this.changed();
+  }
+
+  /** Joint angles that the guess sliders stand for, rad. */
+  get guessed() {
+    return this.moment.theta.map((v, k) => (this.sliders.get(`guess ${k + 1}`) ?? v / DEGREE) * DEGREE);
+  }
+
+  /** The posture to which both knobs turn the arm from here. */
+  get knobbed() {
+    const {lower, upper} = this.scene, turns = [1, 2].map(k => {
+      const high = this.step.sliders?.find(({name}) => name === `knob ${k}`)?.high ?? 1;
+      return (this.sliders.get(`knob ${k}`) ?? 0) / high;
+    });
+    return this.moment.theta.map((v, k) => clamp(v + turns[0] * this.knobs[0][k] + turns[1] * this.knobs[1][k], lower[k], upper[k]));
+  }
+
+  /** Other cameras, of a variant's value that is nearest. @param {string} name @param {number} value */
+  #see(name, value) {
+    const {theta, thetaDemo} = this.moment, isLogarithmic = this.step.sliders?.find(slider => slider.name === name)?.logarithmic;
+    const off = (/** @type {Variants[number]} */ one) => Math.abs(isLogarithmic ? Math.log(one.value / value) : one.value - value);
+    const {cameras} = this.variants[name].reduce((a, b) => off(b) < off(a) ? b : a);
+    this.world = new World({...this.scene, cameras}, this.state.points);
+    this.session = new Session(this.world, {...this.session.settings, demonstrator: thetaDemo});
+    this.observe(theta);
+  }
+
+  /** @param {Slider} slider */
+  #standing({name, start}) {
+    const [kind, number] = name.split(" "), joint = Number(number) - 1, {theta, thetaDemo} = this.moment;
+    const from = kind === "demo" ? thetaDemo : kind === "own" ? theta : null;
+    return from && joint in from ? Math.round(from[joint] / DEGREE * 1000) / 1000 : start;
+  }
+}
+
+/** Which joint each knob turns, how far and which way round. @param {number} seed */
+function dealtKnobs(seed) {
+  const draw = draws(seed), gain = () => (draw() < .5 ? -1 : 1) * KNOB_RAD * (KNOB_GAINS[0] + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
+  const both = [[gain(), 0], [0, gain()]];
+  return draw() < .5 ? both : both.reverse();
+}
+
+/** Numbers from 0 to 1 that a seed gives (mulberry32). @param {number} seed */
+export function draws(seed) {
+  let state = seed * 0x9e3779b1 | 0;
+  return () => {
+    state = state + 0x6d2b79f5 | 0;
+    let t = Math.imul(state ^ state >>> 15, 1 | state);
+    t = t + Math.imul(t ^ t >>> 7, 61 | t) ^ t;
+    return ((t ^ t >>> 14) >>> 0) / 2 ** 32;
+  };
+}
+
+/** The numbers from 0 to count - 1 in an order that a seed gives. @param {number} count @param {number} seed */
+export function dealtOrder(count, seed) {
+  const draw = draws(seed), order = Array.from({length: count}, (_, k) => k);
+  for (let k = count - 1; k > 0; k--) {
+    const other = Math.floor(draw() * (k + 1));
+    [order[k], order[other]] = [order[other], order[k]];
+  }
+  return order;
+}

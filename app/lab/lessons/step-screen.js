@@ -1,0 +1,347 @@
+/**
+ * The screen of a step: its card, its figures and its sliders, and what hands do with them.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Mark} Mark
+ * @typedef {import("./stage.js").Slider} Slider
+ * @typedef {import("./stage.js").Figure} Figure
+ * @typedef {import("./stage.js").FigureUse} FigureUse
+ * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure, isAsked: boolean}} Mounted
+ * @typedef {Object} Course what the page around it does
+ * @property {() => boolean} isLocked
+ * @property {() => boolean} isHeld whether others show what is right
+ * @property {() => void} redraw
+ * @property {() => void} keep after every change that counts
+ * @property {(stage: Stage) => void} answered
+ * @property {(words: string) => void} note
+ * @property {(words: string) => void} announce
+ * @property {(seed: number) => void} restart the step anew
+ * @property {(by: number) => void} go
+ * @property {() => {counts?: number[]} | null} others
+ * @property {(stage: Stage) => {lab: string, viewimit: string | null} | null} links
+ *
+ * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
+ * @typedef {Object} Screen
+ * @property {() => void} draw
+ * @property {(event: KeyboardEvent) => boolean} key whether it has taken the key
+ * @property {() => Button} primary
+ * @property {() => Button | null} skip
+ * @property {() => void} remove
+ */
+import {isAnswered, isReached} from "./answers.js";
+import {isSet} from "./asks.js";
+import {Card} from "./card.js";
+import {inline, make, touched} from "./dom.js";
+import {FIGURES} from "./figures/registry.js";
+import {Marks} from "./marks.js";
+import {measure} from "./measures.js";
+import {SlidersRow} from "./sliders-row.js";
+import {solution} from "./solution.js";
+
+const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
+const MAX_SEED = 9999, MAX_ROUNDS = 12;
+const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
+const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
+
+/** @implements {Screen} */
+export class StepScreen {
+  /** @param {HTMLElement} body of the card @param {HTMLElement} figures @param {Stage} stage @param {Course} course */
+  constructor(body, figures, stage, course) {
+    const {step} = stage;
+    this.stage = stage;
+    this.course = course;
+    this.wantsToSee = false;
+    /** @type {(() => void) | null} stops what is being played */
+    this.stop = null;
+    stage.changed = course.redraw;
+    this.card = new Card(body, stage, {
+      answered: () => this.answered(), startAgain: () => course.restart(stage.seed), isLocked: course.isLocked,
+      bar: k => {
+        const counts = course.others()?.counts, all = counts?.reduce((sum, count) => sum + count, 0) ?? 0;
+        return counts && all ? {count: counts[k] ?? 0, share: (counts[k] ?? 0) / all} : null;
+      },
+    });
+    this.again = body.appendChild(make("div", {class: "again"}));
+    const main = make("div", {class: "main"}), side = make("div", {class: "side"}), row = make("div", {class: "sliders"});
+    const asked = ["place", "predict"].includes(step.ask.kind) ? step.ask.figure ?? null : null;
+    const boxes = [...(step.main ?? []).map(use => ({use, within: main})), ...(step.side ?? []).map(use => ({use, within: side}))];
+    const isAsked = boxes.find(({use}) => use.figure === asked);
+    this.legend = make("ul", {class: "legend"});
+    figures.replaceChildren(make("div", {class: "pictures"}, main, side), row, this.legend);
+    figures.dataset.main = String(step.main?.length ?? 0);
+    figures.dataset.side = String(step.side?.length ?? 0);
+    const places = boxes.map(one => {
+      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), caption = kind?.title ?? "";
+      one.within.append(make("figure", {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`, style: `--aspect:${kind?.aspect ?? 1}`},
+        make("figcaption", {html: inline(caption)}), box));
+      if (!kind) box.textContent = `There is no figure “${one.use.figure}” here.`;
+      return {use: one.use, kind, box, isAsked: one === isAsked};
+    });
+    /** @type {Mounted[]} */
+    this.mounted = places.filter(({kind}) => kind).map(one => ({...one, figure: one.kind.create(one.box, stage)}));
+    const own = this.mounted.find(one => one.isAsked);
+    this.marks = own ? new Marks(own.box, own.figure, () => stage, mark => this.mark(mark), () => this.isOpen) : null;
+    this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), (slider, value) => this.released(slider, value));
+    this.sizes = new ResizeObserver(() => {
+      for (const {figure} of this.mounted) figure.resize?.();
+      course.redraw();
+    });
+    this.mounted.forEach(({box}) => this.sizes.observe(box));
+    this.body = body;
+    this.figures = figures;
+    this.said = "";
+  }
+
+  /** Whether answers are taken. */
+  get isOpen() {
+    return !this.stage.isRevealed && !this.course.isLocked() && !this.stop;
+  }
+
+  draw() {
+    const {stage, mounted} = this, drawn = new Set();
+    for (const {use, figure} of mounted) {
+      const layers = layersOf(use, stage);
+      layers.forEach(layer => drawn.add(layer));
+      try { figure.draw(stage, layers); } catch (error) { console.error(error); }
+    }
+    this.marks?.draw();
+    this.card.update();
+    this.sliders.update(this.course.isLocked());
+    this.figures.classList.toggle("is-asking", this.isOpen);
+    this.#drawLegend(drawn);
+    this.#drawAgain();
+    const said = this.card.spoken();
+    if (said !== this.said) this.course.announce(this.said = said);
+  }
+
+  // Answers
+
+  answered() {
+    this.wantsToSee = false;
+    this.course.note("");
+    this.course.keep();
+    this.course.answered(this.stage);
+    this.course.redraw();
+  }
+
+  /** @param {Mark} mark */
+  mark(mark) {
+    this.stage.mark = mark;
+    if (this.stage.step.ask.kind === "place") this.answered();
+    else this.course.redraw();
+  }
+
+  /** @param {Slider} slider @param {number} value */
+  slid(slider, value) {
+    const {stage} = this, {ask} = stage.step, isCounted = ask.kind === "do" && ask.counted && slider.name.startsWith("own ") && !stage.isRevealed;
+    if (isCounted || slider.name.startsWith("knob ")) {
+      stage.sliders.set(slider.name, value);
+      this.course.redraw();
+      return;
+    }
+    stage.slide(slider.name, value);
+    if (ask.kind === "pose" && !stage.isRevealed) {
+      stage.answer = {pose: [stage.sliders.get("guess 1") ?? 0, stage.sliders.get("guess 2") ?? 0]};
+      stage.mark = /** @type {Mark} */ (stage.answer.pose);
+      this.answered();
+    }
+    this.#look();
+  }
+
+  /** @param {Slider} slider @param {number} value */
+  released(slider, value) {
+    const {stage} = this, {ask} = stage.step, joint = Number(slider.name.split(" ")[1]) - 1;
+    if (ask.kind === "do" && ask.counted && slider.name.startsWith("own ") && !stage.isRevealed) {
+      const theta = stage.moment.theta.map((v, k) => k === joint ? value * Math.PI / 180 : v);
+      if (theta.every((v, k) => Math.abs(v - stage.moment.theta[k]) < 1e-9)) return;
+      this.#glide(theta, () => {
+        stage.move(theta);
+        this.course.keep();
+        this.#look();
+      });
+      return;
+    }
+    this.course.keep();
+  }
+
+  /** Whether what has to be reached is reached. */
+  #look() {
+    const {stage} = this, {ask} = stage.step;
+    if (ask.kind !== "do" || stage.isRevealed || this.stop || !isReached(stage)) return;
+    stage.answer = {done: true};
+    this.course.answered(stage);
+    this.reveal(false);
+  }
+
+  /** Both knobs turn the arm, and the prediction is compared with what came of it. */
+  turn() {
+    const {stage} = this, {mark, chosen} = stage, {ask} = stage.step, side = ask.figure === "R" ? 1 : 0;
+    if (!mark || !this.isOpen) return;
+    const at = () => /** @type {Mark} */ ([0, 1].map(k => stage.moment.views.own[4 * chosen + 2 * side + k]));
+    const from = at(), theta = stage.knobbed, knobs = [stage.sliders.get("knob 1") ?? 0, stage.sliders.get("knob 2") ?? 0];
+    this.#glide(theta, () => {
+      stage.move(theta);
+      stage.rounds = [...stage.rounds, {mark, from, to: at(), knobs, measure: Number(measure(stage, ask.measure ?? "").value)}];
+      stage.mark = null;
+      for (const name of ["knob 1", "knob 2"]) stage.sliders.set(name, 0);
+      this.course.answered(stage);
+      this.course.keep();
+      if (isReached(stage) || stage.rounds.length >= (ask.times ?? MAX_ROUNDS)) this.reveal(false);
+      this.course.redraw();
+    });
+  }
+
+  // Showing what is true
+
+  /** "Show me": of whoever has answered at once, else at the second press. */
+  show() {
+    const {stage} = this, {ask} = stage.step;
+    if (stage.isRevealed || this.stop) return;
+    if (isAnswered(stage) && ask.kind !== "predict") return this.reveal(false);
+    if (!this.wantsToSee && ask.kind !== "do" && ask.kind !== "predict") {
+      this.wantsToSee = true;
+      this.course.note(touched(FIRST));
+      this.course.announce(touched(FIRST));
+      return;
+    }
+    stage.answer = {...stage.answer, shown: true};
+    if (ask.kind === "do") return this.#solve();
+    this.reveal(true);
+  }
+
+  /** @param {boolean} isUnanswered */
+  reveal(isUnanswered) {
+    const {stage} = this, {step} = stage;
+    if (stage.isRevealed) return;
+    if (isUnanswered) stage.answer = {...stage.answer, shown: true};
+    if (step.ask.kind === "bet") stage.bets = Object.assign([...stage.bets], {[stage.run]: stage.answer.bet ?? null});
+    this.course.note("");
+    const lasts = step.play ? 1000 * step.play : step.meets ? MEET_MS : 0;
+    const from = stage.moment.theta, to = stage.moment.thetaDemo;
+    this.#play(lasts, (share, isOver) => {
+      stage.reveal = Math.max(1e-6, share);
+      const eased = share * share * (3 - 2 * share);
+      if (step.meets) stage.observe(isOver ? to : from.map((v, k) => v + eased * (to[k] - v)));
+    }, () => this.course.keep());
+    this.course.keep();
+    this.body.scrollTop = 0;
+  }
+
+  /** The next claim to bet on. */
+  #nextRun() {
+    const {stage} = this;
+    stage.run++;
+    stage.answer = {};
+    stage.reveal = 0;
+    this.wantsToSee = false;
+    this.course.keep();
+    this.body.scrollTop = 0;
+    this.course.redraw();
+  }
+
+  /** The sliders go to a solution. */
+  #solve() {
+    const {stage} = this, found = solution(stage), from = new Map(stage.sliders);
+    this.#play(SOLVE_MS, share => {
+      const eased = share * share * (3 - 2 * share);
+      for (const [name, to] of found) {
+        const start = from.get(name) ?? to;
+        stage.slide(name, start + eased * (to - start));
+      }
+    }, () => this.reveal(true));
+  }
+
+  /** The arm goes to a posture. @param {number[]} theta @param {() => void} arrived */
+  #glide(theta, arrived) {
+    const from = this.stage.moment.theta;
+    this.#play(MOVE_MS, share => this.stage.observe(from.map((v, k) => v + share * (theta[k] - v))), arrived);
+  }
+
+  /** @param {number} lasts ms @param {(share: number, isOver: boolean) => void} frame @param {() => void} over */
+  #play(lasts, frame, over) {
+    this.stop?.();
+    const isStill = still.matches || lasts <= 0, start = performance.now();
+    let isStopped = false;
+    const end = () => {
+      if (isStopped) return;
+      isStopped = true;
+      this.stop = null;
+      frame(1, true);
+      over();
+      this.course.redraw();
+    };
+    if (isStill) return end();
+    this.stop = end;
+    const next = () => {
+      if (isStopped) return;
+      const share = (performance.now() - start) / lasts;
+      if (share >= 1) return end();
+      frame(share, false);
+      this.course.redraw();
+      requestAnimationFrame(next);
+    };
+    next();
+  }
+
+  // Buttons and keys
+
+  /** @returns {Button} */
+  primary() {
+    const {stage, course} = this;
+    if (stage.isRevealed && stage.step.ask.kind === "bet" && stage.run + 1 < stage.runs) return {words: "Next run", key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
+    if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(), act: () => { this.stop?.(); course.go(1); }};
+    if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
+    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "Enter", filled: true, disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
+    const isReady = isAnswered(stage) && stage.step.ask.kind !== "predict";
+    return {words: "Show me", key: isReady ? "Enter" : undefined, filled: isReady, disabled: course.isLocked() || Boolean(this.stop), act: () => this.show()};
+  }
+
+  /** @returns {Button | null} */
+  skip() {
+    const {stage, course} = this;
+    return stage.isRevealed ? null : {words: "Skip step", disabled: course.isLocked(), act: () => course.go(1)};
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    if (this.course.isLocked()) return false;
+    if (this.marks?.key(event)) return true;
+    return Boolean(this.card.ask.key?.(event.key));
+  }
+
+  remove() {
+    this.stop?.();
+    this.sizes.disconnect();
+    for (const {figure} of this.mounted) figure.remove?.();
+  }
+
+  // What stands beside
+
+  /** Another start, and its number. */
+  #drawAgain() {
+    const {stage, course} = this, isOffered = stage.isRevealed && Boolean(stage.step.deal || stage.step.ask.kind === "predict") && !this.stop;
+    this.again.hidden = !isOffered;
+    if (!isOffered || this.again.childElementCount) return;
+    const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed, "aria-label": "Number of the start"});
+    box.addEventListener("change", () => { if (box.validity.valid && box.value) course.restart(Number(box.value)); });
+    this.again.append(make("button", {type: "button", class: "plain", onclick: () => course.restart(stage.seed % MAX_SEED + 1)}, "Again, from a new start"),
+      make("p", {class: "hint"}, "This was start ", box, ". Others can play the same."));
+  }
+
+  /** @param {Set<string>} drawn layers */
+  #drawLegend(drawn) {
+    const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) => drawn.has(layer)).map(([, html]) => html))];
+    const {lab = null, viewimit = null} = this.course.links(this.stage) ?? {};
+    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">Open in viewimit</a>` : ""}</li>` : "");
+    if (this.legend.dataset.html !== html) {
+      this.legend.dataset.html = html;
+      this.legend.innerHTML = html;
+    }
+    this.legend.hidden = !html;
+  }
+}
+
+/** What a figure shows now. @param {FigureUse} use @param {Stage} stage */
+export function layersOf({show = [], reveal = [], hide = []}, {isRevealed}) {
+  return new Set(isRevealed ? [...show.filter(layer => !hide.includes(layer)), ...reveal] : show);
+}

@@ -1,0 +1,249 @@
+"""What the library computes for a step when its page is written: state, facts, records, moved eyes and deals.
+
+Data of a step are kept in the user's cache, by the step's content and the package's source. VIEWIMIT_LESSON_CACHE names
+another folder; empty, it turns the cache off.
+"""
+
+import hashlib
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import platformdirs
+from viewimit.assets import ROOT
+
+import viewimit
+from viewimit.drawing.export.engine_scene import engine_scene
+from viewimit.simulation.scene import Scene
+
+from ..page import with_few_points
+from . import facts
+from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
+from .situation import Situation
+
+CACHE_FOLDER = "VIEWIMIT_LESSON_CACHE"
+EYE_SLIDERS = ("distance", "camera distance", "baseline")
+LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
+DEAL_SEED = 44
+DEALS, SCENE_DEALS = 12, 3  # states that a step is dealt; those with a scene of their own take long
+Scenes = dict[str, dict[str, Any]]
+
+
+def situation_of(lesson: Lesson, step: Step) -> Situation:
+    """Return the fixed state that a step shows. A step that carries on begins as the earlier one did."""
+    origin = _origin(lesson, step)
+    ask = origin.ask
+    goal = ask.below if isinstance(ask, Do) and ask.measure == "E" else None
+    settings = settings_of(lesson, step, **{**origin.settings, **step.settings})
+    chosen = origin.chosen if step.chosen is None else step.chosen
+    choices = {field.name: [str(one.value) for one in field.values] for field in getattr(step.ask, "fields", ())}
+    scene = {**origin.scene, **step.scene}
+    return Situation(settings, scene, chosen, step.race, goal, dealt=origin.dealt, choices=choices)
+
+
+def _origin(lesson: Lesson, step: Step) -> Step:
+    while step.carry is not None:
+        step = next(other for other in lesson.step if other.id == step.carry)
+    return step
+
+
+def lesson_data(name: str, lesson: Lesson, scenes: Scenes) -> dict[str, Any]:
+    """Return a lesson as the page has it, without the eight questions. Its scenes are added to `scenes`."""
+    fields = msgspec.to_builtins(lesson)
+    steps = []
+    for step, plain in zip(lesson.step, fields.pop("step")):
+        own_scenes, computed = step_data(lesson, step)
+        scenes.update(own_scenes)
+        steps.append({**plain, **computed})
+    return {"name": name, **{key: fields[key] for key in ("title", "short", "about", "minutes")}, "steps": steps}
+
+
+def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
+    """Return (scenes by key, computed fields) of a step, from the cache if it was computed before."""
+    origin = _origin(lesson, step)
+    inputs = [
+        msgspec.to_builtins(
+            (situation_of(lesson, step).settings, step.scene, origin.scene, step.chosen, origin.chosen)
+        ),
+        msgspec.to_builtins((step.race, origin.deal, origin.dealt, origin.ask, step.sliders, origin.id)),
+        sorted(measures_of(step)),
+        [figure.figure for figure in figures_of(step)],
+    ]
+    scenes, computed = cached("step", inputs, lambda: _computed(lesson, step))
+    return scenes, computed
+
+
+def items_with_facts(items: Iterable[Item]) -> list[dict[str, Any]]:
+    """Return the eight questions as the page has them, their numbers filled in."""
+    texts = [answer.because for item in items for answer in item.answers]
+    names = sorted({name for text in texts for name in measures_in(text)})
+    found = cached("questions", names, lambda: _facts_of_questions(names))
+    plain = msgspec.to_builtins(tuple(items))
+    for item in plain:
+        for answer in item["answers"]:
+            for name in measures_in(answer["because"]):
+                answer["because"] = answer["because"].replace(f"{{{name}}}", found.get(name, {"text": "–"})["text"])
+    return plain
+
+
+def _facts_of_questions(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    usual = Situation(msgspec.convert({"transfer": "epipolar", "servo": "broyden", "frames": 1}, viewimit.Settings))
+    return facts.compute(usual, names)[0]
+
+
+def _computed(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
+    situation, origin, scenes = situation_of(lesson, step), _origin(lesson, step), Scenes()
+    data = _of_situation(step, situation, scenes)
+    if origin.deal:
+        count = SCENE_DEALS if origin.dealt else DEALS
+        dealt = facts.deals(situation, origin.id, count, DEAL_SEED)
+        data["deals"] = [_of_situation(step, one, scenes) for one in dealt]
+    return scenes, data
+
+
+def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:
+    found, records = facts.compute(situation, list(measures_of(step)), [figure.figure for figure in figures_of(step)])
+    variants = {
+        slider.name: [
+            {"value": value, "cameras": _moved_cameras(situation, slider.name, value)} for value in values_of(slider)
+        ]
+        for slider in step.sliders
+        if slider.name in EYE_SLIDERS
+    }
+    state = _state(situation, _add_scene(situation, scenes))
+    return {"state": state, "facts": found, "records": records, "variants": variants}
+
+
+def _state(situation: Situation, key: str) -> dict[str, Any]:
+    settings, start = situation.settings, situation.start
+    return {
+        "scene": key,
+        "points": settings.points,
+        "transfer": settings.transfer,
+        "servo": settings.servo,
+        "demonstrator": start.theta_demo.tolist(),
+        "start": start.theta.tolist(),
+        "noisePx": settings.noise_px,
+        "missing": settings.missing,
+        "seed": settings.seed,
+    }
+
+
+def _add_scene(situation: Situation, scenes: Scenes) -> str:
+    """Add a situation's scene under a key of its content, and return the key."""
+    scene = with_few_points(situation.scene)
+    plain = engine_scene(scene)
+    digest = hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:8]
+    key = f"{Path(situation.settings.scene or 'panda').stem[:24]}-{digest}"
+    scenes[key] = {**plain, "page": {"scene": situation.settings.scene, "layouts": list(scene.points)}}
+    return key
+
+
+def values_of(slider: Slider) -> list[float]:
+    """Return the values of a slider at which the eyes are computed."""
+    if not slider.logarithmic:
+        count = round((slider.high - slider.low) / slider.step)
+        return [round(slider.low + k * slider.step, 6) for k in range(count + 1)]
+    values = np.geomspace(slider.low, slider.high, LOGARITHMIC_VALUES).tolist()
+    marks = [mark for mark in (slider.start, 1.0, 10.0) if slider.low <= mark <= slider.high]
+    return sorted({round(value, 6) for value in (*values, *marks)})
+
+
+def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict[str, Any]]:
+    if slider == "camera distance":
+        return _away(situation.scene, value)
+    return engine_scene(situation.with_eyes(**{slider: value}).scene)["cameras"]
+
+
+def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
+    """Cameras so many times as far from what they look at, with focal lengths so many times as long.
+
+    Each pair moves by itself, which no head does: the step is about two cameras that look at one body.
+    """
+    cameras = engine_scene(scene)["cameras"]
+    gazes = np.array([scene.head.gaze_demonstrator] * 2 + [scene.head.gaze_learner] * 2)
+    for camera, gaze in zip(cameras, gazes):
+        camera["centre"] = (gaze + times * (np.array(camera["centre"]) - gaze)).tolist()
+        camera["focal"] = [times * focal for focal in camera["focal"]]
+    return cameras
+
+
+def cached(kind: str, inputs: Any, compute: Callable[[], Any]) -> Any:
+    """Return what `compute()` returns for these inputs, as JSON has it: from the cache, if it is there."""
+    folder = _cache_folder()
+    if folder is None:
+        return json.loads(_plain(compute()))
+    digest = hashlib.sha256(f"{kind} {_source_digest()} {json.dumps(inputs, sort_keys=True)}".encode()).hexdigest()
+    path = folder / f"{kind}-{digest[:32]}.json"
+    try:
+        return json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        data = _plain(compute())
+    _keep(path, data)
+    return json.loads(data)
+
+
+def _plain(made: Any) -> bytes:
+    return json.dumps(_without_nan(made), separators=(",", ":"), allow_nan=False).encode()
+
+
+def _without_nan(made: Any) -> Any:
+    """Plain data with null instead of numbers that are not finite, which JSON does not have."""
+    if isinstance(made, np.ndarray | np.generic):
+        made = made.tolist()
+    if isinstance(made, float):
+        return made if math.isfinite(made) else None
+    if isinstance(made, dict):
+        return {str(key): _without_nan(value) for key, value in made.items()}
+    if isinstance(made, list | tuple):
+        return [_without_nan(value) for value in made]
+    return made
+
+
+def _keep(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all. A cache that cannot be written is no fault."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+            file.write(data)
+        os.replace(file.name, path)
+    except OSError:
+        pass
+
+
+@cache
+def _source_digest() -> str:
+    """A digest of the package's version, source and data: any of them may change what is computed."""
+    digest = hashlib.sha256(viewimit.__version__.encode())
+    for path in _sources():
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _sources() -> Iterator[Path]:
+    lab = Path(__file__).parent.parent
+    package = Path(viewimit.__file__).parent
+    computing = ("geometry", "estimation", "servo", "sensing", "simulation", "loop", "analysis", "experiments")
+    yield package / "drawing" / "export" / "engine_scene.py"
+    yield from sorted(lab.glob("lessons/*.py"))
+    for folder in computing:
+        yield from sorted((package / folder).rglob("*.py"))
+
+    yield from sorted(ROOT.glob("scenes/*.toml"))
+
+
+def _cache_folder() -> Path | None:
+    chosen = os.environ.get(CACHE_FOLDER)
+    if chosen is not None:
+        return Path(chosen) if chosen else None
+    try:
+        return platformdirs.user_cache_path("viewimit", appauthor=False) / "lessons"
+    except RuntimeError:  # no home folder
+        return None

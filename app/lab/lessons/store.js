@@ -1,0 +1,70 @@
+/**
+ * Answers that are kept in the browser, lesson by lesson. Where a browser keeps nothing, they live as long as the page.
+ *
+ * @typedef {import("./stage.js").Answer} Answer
+ * @typedef {import("./stage.js").Mark} Mark
+ * @typedef {Object} KeptStep
+ * @property {Answer} answer
+ * @property {Mark | null} mark
+ * @property {number} seed
+ * @property {boolean} revealed
+ * @property {boolean | null} right
+ * @property {{theta: number[], E: number, probe: boolean}[]} motions
+ * @property {import("./stage.js").Round[]} rounds
+ * @property {[string, number][]} sliders
+ * @property {number} seconds
+ * @property {number} [run]
+ * @property {(number | null)[]} [bets]
+ * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens, after: import("./questions.js").Givens, person: number}} Kept
+ */
+const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
+
+export class Store {
+  constructor() {
+    /** @type {Record<string, Kept>} */
+    this.lessons = {};
+    /** Whether the browser keeps what it is given. */
+    this.keeps = true;
+    /** What was kept before all was put aside. @type {Record<string, Kept> | null} */
+    this.aside = null;
+    try {
+      localStorage.setItem(`${PREFIX}test`, "1");
+      localStorage.removeItem(`${PREFIX}test`);
+    } catch { this.keeps = false; }
+  }
+
+  /** @param {string} lesson @returns {Kept} */
+  of(lesson) {
+    if (!this.lessons[lesson]) {
+      /** @type {Partial<Kept>} */
+      let kept = {};
+      try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson) ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
+      this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {}, person: kept.person ?? Math.floor(Math.random() * PERSONS)};
+    }
+    return this.lessons[lesson];
+  }
+
+  /** @param {string} lesson */
+  save(lesson) {
+    if (!this.keeps || this.aside) return;
+    try { localStorage.setItem(PREFIX + lesson, JSON.stringify(this.of(lesson))); } catch { this.keeps = false; }
+  }
+
+  /** Go on with a copy that is not kept. */
+  putAside() {
+    this.aside ??= structuredClone(this.lessons);
+  }
+
+  /** Go on with what was put aside. */
+  putBack() {
+    if (this.aside) this.lessons = this.aside;
+    this.aside = null;
+  }
+
+  /** @param {string} lesson */
+  forget(lesson) {
+    const {person} = this.of(lesson);
+    this.lessons[lesson] = {steps: {}, before: {}, after: {}, person};
+    this.save(lesson);
+  }
+}

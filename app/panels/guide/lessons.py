@@ -1,0 +1,57 @@
+"""Where the lab's lessons are opened, the tour of which is offered once."""
+
+from collections.abc import Mapping
+from urllib.parse import quote
+
+from viewimit.drawing.svg import escape
+
+from ...control.state import PageState
+from ...drawing.links import button
+from ...lab.lessons.format import Lesson
+from ...lab.lessons.source import ORDER
+from ...sessions.link import written
+from ..panel import Layout, Panel
+from ..widgets import put_html
+
+TOUR = "tour"
+
+
+class LessonsPanel(Panel):
+    """Links to all lessons, each with the way back to what the page shows now."""
+
+    def build(self, layout: Layout, state: PageState) -> None:
+        self._address, self._lessons = layout.address, layout.lessons
+        self._list = layout.gui.add_html("")
+
+    def depends_on(self, state: PageState) -> tuple:
+        return state.tour_offered, state.present, state.view, state.speed
+
+    def show(self, state: PageState) -> None:
+        put_html(self._list, "" if self._address is None else offers(state, self._address, self._lessons))
+
+
+def offers(state: PageState, address: str, lessons: Mapping[str, Lesson]) -> str:
+    """Links to all lessons, and the offer of the tour, or of a lecturer's first one."""
+    back = way_back(state)
+    links = " · ".join(
+        f'<a href="lab/{name}{back}" title="{escape(lesson.title)}">{escape(lesson.short)}</a>'
+        for name, lesson in lessons.items()
+    )
+    listed = f'<div class="vi-lessons">Lessons: {links}</div>'
+    if not state.tour_offered or not lessons:
+        return listed
+    own = next(iter(lessons))
+    name = TOUR if own in ORDER else own
+    tour = lessons[name]
+    take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
+    no = button(address, "dismiss", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    words = f"<span><b>New here?</b> {escape(tour.title)}, {tour.minutes} min: {escape(tour.about)}</span>"
+    return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
+
+
+def way_back(state: PageState) -> str:
+    """The address's part by which a lesson knows the page that it is left for; empty where no link holds the page."""
+    try:
+        return f"#page={quote(written(state.linked()))}"
+    except ValueError:
+        return ""

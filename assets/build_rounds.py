@@ -1,0 +1,33 @@
+"""Writes lessons/rounds.json: how the methods that "Design your own" offers do in its dealt scenes.
+
+    python assets/build_rounds.py
+
+It takes minutes. Run it again if the lesson's ranges or choices change, or a transfer, a servo or a disturbance.
+"""
+
+import json
+import sys
+
+from viewimit.app.lab.lessons.design import ROUNDS, compute_rounds
+from viewimit.app.lab.lessons.facts import deals
+from viewimit.app.lab.lessons.source import shipped
+from viewimit.app.lab.lessons.step_data import DEAL_SEED, SCENE_DEALS, situation_of
+from viewimit.assets import ROOT
+
+
+def main() -> int:
+    lesson = shipped()["design"]
+    (step,) = lesson.step
+    found = {}
+    for dealt in deals(situation_of(lesson, step), step.id, SCENE_DEALS, DEAL_SEED):
+        found[dealt.digest] = compute_rounds(dealt, ROUNDS)
+        print(
+            dealt.digest, {name: sum(off <= 1 for off, _ in runs) for name, runs in found[dealt.digest]["runs"].items()}
+        )
+    text = json.dumps(found, separators=(",", ":")).replace('"', '"')
+    ROOT.joinpath("lessons", "rounds.json").write_text(text + "\n", "utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

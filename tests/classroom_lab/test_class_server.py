@@ -1,0 +1,433 @@
+"""A class by its messages alone: who is here, what is asked and led, what survives, and what is refused."""
+
+import csv
+import io
+import os
+import pty
+import re
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+
+import pytest
+from class_server import CODE, ClassServer, Lecturer, Student
+from waiting import stays, wait_until
+from websockets.exceptions import InvalidStatus
+
+STATE = {"lesson": "tour", "step": "eyes", "theta": [0.1, 0.2]}
+
+
+@pytest.fixture(scope="module")
+def server():
+    with ClassServer() as server:
+        yield server
+
+
+@pytest.fixture
+def lecturer(server):
+    lecturer = Lecturer(server)
+    yield lecturer
+    for on in ("lead", "freeze", "hide"):
+        lecturer.send(on, on=False)
+    lecturer.send("close")
+    lecturer.send("new")
+    lecturer.orders(lambda o: not o["asked"] and not o["lead"] and not o["hidden"])
+    lecturer.close()
+
+
+@pytest.fixture
+def students(server):
+    students = [Student(server, name=name) for name in ("Mira", "", "Ben")]
+    yield students
+    for one in students:
+        one.close()
+
+
+def people(lecturer):
+    """Who is here as the lecturer's page has it, by number."""
+    found = {}
+    for message in lecturer.heard:
+        if message["kind"] == "people":
+            found = {} if message.get("all") else found
+            found |= {one["number"]: one for one in message["people"]}
+            found = {number: one for number, one in found.items() if number not in message["gone"]}
+    return found
+
+
+def test_the_lecturer_sees_who_is_here_and_at_which_step(lecturer, students):
+    wait_until(lambda: len(people(lecturer)) == 3)
+    assert sorted(one["name"] for one in people(lecturer).values()) == ["", "Ben", "Mira"]
+    students[0].send("at", lesson="tour", step="line", number=2, count=9, motions=3, E=1.5, path=[0, 0, 0.1, 0.2])
+    wait_until(lambda: any((one["at"] or {}).get("step") == "line" for one in people(lecturer).values()))
+    students[2].send("self", name=" Benjamin \n", linked=True)
+    wait_until(lambda: "Benjamin" in {one["name"] for one in people(lecturer).values()})
+    students[1].close()
+    wait_until(lambda: len(people(lecturer)) == 2)
+    assert not any(message["kind"] in ("people", "count") for message in students[0].heard)
+
+
+def test_tabs_of_one_browser_are_one_person_with_one_vote(server, lecturer):
+    one = Student(server)
+    other = Student(server, one.token)
+    wait_until(lambda: len(people(lecturer)) == 1)
+    round = lecturer.ask()
+    assert one.vote(round, 0)["kind"] == other.vote(round, 1)["kind"] == "ack"
+    lecturer.counted(total=1, counts=[0, 1])
+    one.close()
+    other.close()
+
+
+def test_a_question_is_counted_revealed_asked_again_and_compared_with_the_first_round(lecturer, students):
+    for times, choices in enumerate(((0, 1, 1), (0, 0, 1), (0, 0, 0)), 1):
+        round = lecturer.ask()
+        for student, choice in zip(students, choices):
+            student.orders(lambda o, round=round: (o["asked"] or {}).get("round") == round)
+            assert student.vote(round, choice, right=choice == 0)["kind"] == "ack"
+        lecturer.counted(total=3, right=times)
+        assert students[0].last("orders")["asked"]["results"] is None
+        lecturer.send("reveal")
+        asked = students[1].orders(lambda o: (o["asked"] or {}).get("revealed"))["asked"]
+        assert asked["times"] == times
+        assert students[0].vote(round, 2)["kind"] == "refused", "after the reveal"
+    found = asked["results"]
+    assert found["moved"] == {"right": 2, "gained": 1, "lost": 0, "wrong": 0}
+    assert found["moved_since_first"] == {"right": 1, "gained": 2, "lost": 0, "wrong": 0}
+    assert [found[one]["right"] for one in ("first", "before", "now")] == [1, 2, 3]
+    lecturer.send("close")
+    assert not students[0].orders(lambda o: not o["asked"])["asked"]
+
+
+def test_places_numbers_and_motions_come_as_values(lecturer, students):
+    for answer, value in (({"place": [3, 4]}, [3, 4]), ({"number": 7}, [7]), ({"values": [1, 2, 3]}, [1, 2, 3])):
+        round = lecturer.ask(step="hand")
+        seq = students[0].answer("tour", "hand", answer, round)
+        assert students[0].reply(seq)["kind"] == "ack"
+        lecturer.counted(total=1, values=[value])
+
+
+def test_who_leads_is_followed_until_they_let_go_and_late_comers_hear_it(server, lecturer, students):
+    lecturer.send("state", state=STATE)
+    lecturer.send("lead", on=True)
+    assert students[0].orders(lambda o: o["lead"])["lead"]
+    lecturer.send("state", state=STATE)
+    assert students[0].wait("screen")["state"] == STATE
+    late = Student(server)
+    assert late.last("orders")["lead"] and late.wait("screen")["state"] == STATE
+    assert len([m for m in students[0].heard if m["kind"] == "screen"]) == 1, "none from before"
+    lecturer.send("lead", on=False)
+    students[0].orders(lambda o: not o["lead"])
+    lecturer.send("state", state=STATE, once=True)
+    assert students[0].wait("send")["state"] == STATE
+    late.close()
+
+
+def test_all_are_gathered_frozen_and_reset_and_the_truth_is_hidden(server, lecturer, students):
+    lecturer.send("gather", lesson="tour", step="line")
+    first = students[0].orders(lambda o: o["gather"])["gather"]
+    lecturer.send("gather", lesson="tour", step="line")
+    assert students[0].orders(lambda o: o["gather"] != first)["gather"]["number"] == first["number"] + 1
+    lecturer.send("freeze", on=True)
+    lecturer.send("hide", on=True)
+    lecturer.send("reset")
+    students[1].orders(lambda o: o["frozen"] and o["hidden"] and o["reset"])
+    late = Student(server)
+    assert late.last("orders")["hidden"]
+    late.close()
+
+
+def test_the_lecturer_opens_a_copy_of_a_students_screen(lecturer, students):
+    number = students[0].wait("welcome")["number"]
+    lecturer.send("want", person=number)
+    wanted = students[0].wait("want")["number"]
+    students[1].send("copy", number=wanted, state={"not": "mine"})
+    students[0].send("copy", number=wanted, state=STATE)
+    assert lecturer.wait("copy")["state"] == STATE
+    lecturer.send("want", person=1)
+    assert "gone" in lecturer.wait("done")["what"]
+
+
+def test_of_two_pages_of_the_lecturer_the_newest_leads(server, lecturer, students):
+    other = Lecturer(server, session=lecturer.session)
+    assert not lecturer.wait("leader", lambda m: not m["here"])["here"] and other.wait("leader")["here"]
+    other.send("lead", on=True)
+    students[0].orders(lambda o: o["lead"])
+    lecturer.send("state", state={"of": "the other"})
+    other.send("state", state=STATE)
+    assert students[0].wait("screen")["state"] == STATE
+    other.close()
+    lecturer.wait("leader", lambda m: m["here"])
+
+
+def test_only_who_types_the_code_is_the_lecturer_and_leaves_with_one_message(server, lecturer, students):
+    guess = Student(server)
+    guess.send("login", code=CODE[:-1])
+    assert "not the code" in guess.wait("wrong")["why"]
+    wait_until(lambda: "a wrong lecturer's code from 127.0.0.1" in server.log)
+    guess.send("login", code=CODE)
+    session = guess.wait("lecturer")["session"]
+    wait_until(lambda: len(people(lecturer)) == 3)
+    guess.send("logout")
+    guess.wait("student")
+    wait_until(lambda: len(people(lecturer)) == 4)
+    guess.close()
+    again = Student(server, guess.token)
+    again.close()
+    late = Lecturer(server, session=session)
+    assert not late.wait("welcome")["lecturer"], "the session has ended"
+    late.close()
+
+
+def test_a_new_code_ends_the_sessions_of_others():
+    with ClassServer() as server:
+        one, other = Lecturer(server), Lecturer(server)
+        one.send("code", code="a longer word")
+        other.wait("student")
+        assert "changed" in one.wait("done")["what"]
+        one.close()
+        server.restart()
+        old = Student(server)
+        old.send("login", code=CODE)
+        old.wait("wrong")
+        old.send("login", code="a longer word")
+        old.wait("lecturer")
+        assert "chosen on the page" in server.log and CODE not in server.log
+        back = Lecturer(server, session=one.session)
+        assert back.wait("welcome")["lecturer"]
+
+
+def test_many_wrong_codes_have_to_wait(server):
+    guess = Student(server)
+    for _ in range(12):
+        guess.send("login", code="wrong")
+    assert "Wait" in guess.wait("wrong", lambda m: "Wait" in m["why"])["why"]
+    guess.close()
+    time.sleep(4)
+
+
+def test_a_restart_loses_nothing():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server, name="Mira")
+        lecturer.send("gather", lesson="tour", step="line")
+        lecturer.send("hide", on=True)
+        round = lecturer.ask()
+        assert student.vote(round, 1, right=False)["kind"] == "ack"
+        number = student.wait("welcome")["number"]
+        server.restart()
+        lecturer = Lecturer(server, lecturer.token, lecturer.session)
+        student = Student(server, student.token)
+        assert student.wait("welcome")["number"] == number and lecturer.wait("welcome")["lecturer"]
+        orders = student.last("orders")
+        assert orders["asked"]["round"] == round and orders["hidden"] and orders["gather"]["step"] == "line"
+        lecturer.counted(total=1, counts=[0, 1])
+        assert student.vote(round, 0, right=True)["kind"] == "ack"
+        lecturer.counted(total=1, counts=[1])
+        server.stop()
+
+
+def test_without_a_lecturer_students_are_let_go():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        lecturer.send("freeze", on=True)
+        lecturer.ask()
+        student.orders(lambda o: o["frozen"] and o["asked"])
+        lecturer.close()
+        stays(lambda: student.last("orders")["frozen"], 3)
+        student.orders(lambda o: not o["frozen"] and not o["asked"])
+
+
+def exported(lecturer):
+    lecturer.send("export")
+    return list(csv.DictReader(io.StringIO(lecturer.wait("csv")["text"])))
+
+
+def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(server, lecturer, students):
+    round = lecturer.ask()
+    for student in students:
+        student.vote(round, 1, right=True)
+    own = students[0].answer("tour", "hand", {"place": [1.5, 2]}, right=False, seconds=12.34)
+    students[0].reply(own)
+    students[1].send("self", linked=False)
+    unlinked = students[1].answer("questions", "line", {"choice": 0}, phase="before", right=True, sure=False)
+    students[1].reply(unlinked)
+    assert students[1].vote(round, 2, right=False)["kind"] == "ack"
+    lecturer.counted(total=3, counts=[0, 2, 1])  # still one vote each
+    rows = exported(lecturer)
+    assert list(rows[0]) == "person form item phase answer right sure seconds".split()
+    number = str(students[0].wait("welcome")["number"])
+    assert {(row["item"], row["phase"], row["answer"], row["right"]) for row in rows if row["person"] == number} == {
+        ("eyes", "round 1", "2", "1"),
+        ("hand", "own", "1.5 2", "0"),
+    }
+    assert next(row for row in rows if row["item"] == "hand")["seconds"] == "12.3"
+    nobodys = [row for row in rows if row["person"] == "unlinked"]
+    assert sorted((row["form"], row["phase"], row["sure"]) for row in nobodys) == [
+        ("questions", "before", "guess"),
+        ("tour", "round 1", ""),
+    ]
+    assert str(students[1].wait("welcome")["number"]) not in {row["person"] for row in rows}
+
+
+def test_the_gain_is_of_those_who_answered_both_times_and_of_no_few(server, lecturer, students):
+    more = [*students, *(Student(server) for _ in range(4))]
+    for k, student in enumerate(more):
+        for phase, right in (("before", k % 2 == 0), ("after", k != 1)):
+            if (k, phase) != (6, "after"):
+                kept = student.answer("questions", "line", {"choice": 0}, phase=phase, right=right)
+                assert student.reply(kept)["kind"] == "ack"
+        lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "gain"]
+        lecturer.send("gain")
+        found = lecturer.wait("gain")["learned"]
+        assert found["enough"] == (k >= 4) and (k >= 4) == (found["gain"] is not None)
+    assert found["persons"] == 6 and found["items"] == [{"item": "line", "persons": 6, "before": 3, "after": 5}]
+    assert found["gain"] == pytest.approx((5 - 3) / (6 - 3)) and found["low"] <= found["gain"] <= found["high"]
+    for one in more[3:]:
+        one.close()
+
+
+def test_one_address_casts_no_more_votes_than_the_lecturer_allows():
+    with ClassServer("--votes-per-address", "2") as server:
+        lecturer, students = Lecturer(server), [Student(server) for _ in range(3)]
+        round = lecturer.ask()
+        assert [one.vote(round, 0)["kind"] for one in students] == ["ack", "ack", "refused"]
+        assert students[0].vote(round, 1)["kind"] == "ack", "a changed vote is no further one"
+        assert students[2].last("refused")["again"]
+        lecturer.wait("count", lambda m: m["refused"] == 1)
+        lecturer.send("allow", votes=3)
+        students[2].wait("resend")
+        assert students[2].vote(round, 0)["kind"] == "ack"
+
+
+def test_proxies_are_believed_only_if_they_are_trusted():
+    forwarded = lambda k: {"X-Forwarded-For": f"198.51.100.{k}"}
+    for options, kinds in (((), ["ack", "refused"]), (("--trust-proxy", "127.0.0.1"), ["ack", "ack"])):
+        with ClassServer("--votes-per-address", "1", *options) as server:
+            lecturer = Lecturer(server)
+            round = lecturer.ask()
+            students = [Student(server, additional_headers=forwarded(k)) for k in (1, 2)]
+            assert [one.vote(round, 0)["kind"] for one in students] == kinds
+
+
+HOSTILE = {
+    "too long": ('{"kind":"self","name":"' + "x" * 20_000 + '"}', "a message of 2"),
+    "far too long": ("x" * 100_000, "too long"),
+    "binary": (b"\x00\x01", "binary"),
+    "not JSON": ("hello", "no message"),
+    "deep": ("[" * 10_000, "no message"),
+    "unknown": ('{"kind":"shutdown"}', "no message"),
+    "wrong types": ('{"kind":"answer","seq":"1","lesson":"tour","step":"eyes","answer":{"choice":0}}', "no message"),
+    "a further field": ('{"kind":"self","name":"x","html":"<b>"}', "no message"),
+    "two answers": (
+        '{"kind":"answer","seq":1,"lesson":"t","step":"e","answer":{"choice":0,"number":1}}',
+        "exactly one",
+    ),
+    "no number": ('{"kind":"answer","seq":1,"lesson":"t","step":"e","answer":{"number":NaN}}', "no message"),
+    "a line break": ('{"kind":"reset","x\\nwarning: all is well":1}', "no message"),
+    "orders of a student": ('{"kind":"ask","lesson":"tour","step":"eyes"}', "not the lecturer"),
+    "a second hello": ('{"kind":"hello","token":"' + "0" * 32 + '"}', "one hello"),
+}
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_hostile_messages_end_the_connection_with_one_line(server, what):
+    message, words = HOSTILE[what]
+    student, before = Student(server), len(server.lines)
+    student.socket.send(message)
+    wait_until(lambda: student.closed)
+    wait_until(lambda: len(server.lines) > before)
+    time.sleep(0.1)
+    assert len(server.lines) == before + 1 and "rejected from 127.0.0.1" in server.lines[-1], server.log
+    assert words in server.lines[-1] and len(server.lines[-1]) < 250
+    Student(server).close()
+
+
+def test_a_flood_and_a_first_message_that_is_no_hello_are_rejected(server):
+    student = Student(server)
+    before = len(server.lines)
+    for _ in range(300):
+        try:
+            student.send("self")
+        except Exception:
+            break
+    wait_until(lambda: student.closed)
+    wait_until(lambda: "too many messages" in "".join(server.lines[before:]))
+    rude = Student(server, hello=False)
+    rude.send("self")
+    wait_until(lambda: "begins with one hello" in "".join(server.lines[before:]))
+    assert len(server.lines) == before + 2
+
+
+def test_pages_of_other_origins_do_not_connect(server):
+    for origin in ("http://evil.example", "null", f"{server.url}0"):
+        with pytest.raises(InvalidStatus, match="403"):
+            Student(server, origin=origin)
+    wait_until(lambda: server.log.count("another origin") >= 3)
+
+
+def asked(url, **headers):
+    with urllib.request.urlopen(urllib.request.Request(url, headers=headers), timeout=20) as answer:
+        return answer.status, answer.headers, answer.read()
+
+
+def test_the_page_has_a_policy_with_hashes_and_is_kept_by_browsers(server):
+    status, headers, body = asked(server.url)
+    policy = headers["Content-Security-Policy"]
+    assert "'sha256-" in policy and "unsafe-inline" not in policy.partition("script-src")[2].partition(";")[0]
+    assert "frame-ancestors 'self'" in policy and b"http-equiv" not in body and "Set-Cookie" not in headers
+    assert asked(server.url, **{"Accept-Encoding": "gzip"})[1]["Content-Encoding"] == "gzip"
+    with pytest.raises(urllib.error.HTTPError, match="304"):
+        asked(server.url, **{"If-None-Match": headers["ETag"]})
+
+
+def test_it_is_embedded_and_served_under_a_path():
+    with ClassServer("--embed", "https://moodle.example.org", "--root-path", "/x") as server:
+        for path in ("/", "/x/", "/x"):
+            status, headers, body = asked(server.url + path)
+            assert status == 200 and "frame-ancestors 'self' https://moodle.example.org" in str(headers)
+        for path in ("/socket", "/x/socket"):
+            Student(server, path=path).close()
+
+
+def test_silent_connections_are_closed(server):
+    host, port = server.url.removeprefix("http://").split(":")
+    silent = socket.create_connection((host, int(port)))
+    half = socket.create_connection((host, int(port)))
+    half.send(b"GET / HTTP/1.1\r\nHost:")
+    mute = Student(server, hello=False)
+    begun = time.monotonic()
+    for one in (silent, half):
+        one.settimeout(20)
+        try:
+            assert one.recv(1) == b""
+        except ConnectionResetError:
+            pass
+    assert 5 < time.monotonic() - begun < 15
+    wait_until(lambda: mute.closed)
+    wait_until(lambda: "says nothing" in server.log)
+
+
+def test_the_code_is_printed_on_a_terminal_alone(tmp_path):
+    command = [
+        sys.executable,
+        "-I",
+        "-m",
+        "viewimit.commands.cli",
+        "class",
+        "--port",
+        "0",
+        "--data",
+        str(tmp_path / "a"),
+    ]
+    clean = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_LECTURER"}
+    done = subprocess.run(command, capture_output=True, text=True, env=clean)
+    assert done.returncode == 2 and "VIEWIMIT_LECTURER" in done.stderr
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(command, stdout=theirs, stderr=subprocess.PIPE, env=clean)
+    said = ""
+    while "answers are kept" not in said:
+        said += os.read(ours, 4096).decode()
+    process.terminate()
+    process.wait()
+    assert re.search(r"the lecturer's code is [a-z2-9]{8}: ", said)

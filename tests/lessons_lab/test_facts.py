@@ -1,0 +1,264 @@
+"""Facts and records of the lessons against other ways to compute them."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from viewimit.app.lab.lessons import design, facts, records, sign, step_data
+from viewimit.app.lab.lessons.carried import carried
+from viewimit.app.lab.lessons.checks import HERE
+from viewimit.app.lab.lessons.situation import Situation, move_eyes
+from viewimit.app.lab.lessons.source import shipped
+
+from viewimit import Session, Settings
+from viewimit.analysis.landscape import conflict_at
+from viewimit.sensing.files import parse_toml
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
+
+MAX_CPU_S = 25.0  # for the data of all lessons
+SIGMAS = 4.0  # of a sample's scatter
+
+
+def situation(demonstrator=(62, -118), start=(25, -45), **fields):
+    settings = {"demonstrator_deg": demonstrator, "start_deg": start, **fields}
+    return Situation(Settings.paper(**settings))
+
+
+def dealing(lesson, step_id):
+    step = next(step for step in shipped()[lesson].step if step.id == step_id)
+    return step_data.situation_of(shipped()[lesson], step)
+
+
+def test_situations_are_equal_if_what_they_show_is():
+    assert situation() == situation() and hash(situation()) == hash(situation())
+    assert situation().digest != situation(points=5).digest
+    assert situation().with_eyes(distance=2) != situation() != situation().with_scene({"head": {"baseline": 0.5}})
+
+
+def test_a_dolly_zoom_keeps_the_arms_size_in_the_images():
+    scene = load_scene("panda")
+    theta = np.radians(scene.posture_deg)[scene.moving]
+
+    def spread(of):
+        world = World(of, 10)
+        images = np.concatenate([world.demo_images(theta)[0], world.own_images(theta)[0]], 1)
+        return images.std(0, ddof=0)
+
+    far = move_eyes(scene, "distance", 10.0)
+    # It keeps the mean square over the images; each one alone changes with perspective and direction.
+    assert (spread(far) ** 2).sum() == pytest.approx((spread(scene) ** 2).sum(), rel=1e-9)
+    assert move_eyes(scene, "baseline", 25).head.baseline == 0.25
+    with pytest.raises(ValueError, match="there are distance, baseline"):
+        move_eyes(scene, "height", 1)
+
+
+def test_a_claim_s_probability_is_the_share_of_normal_errors_within_a_degree():
+    class Errors:
+        std_error = np.radians([0.8, 1.7])
+
+    drawn = np.random.default_rng(1).normal(0, [0.8, 1.7], (200_000, 2))
+    share = (np.abs(drawn) <= 1).all(1).mean()
+    assert records.claim_probability(Errors) == pytest.approx(share, abs=SIGMAS * np.sqrt(0.25 / len(drawn)))
+    Errors.std_error = np.array([np.inf, 0.0])
+    assert records.claim_probability(Errors) == 0.0
+
+
+def test_a_run_has_the_E_of_its_postures():
+    one = situation()
+    made = records.run_record(records.run(one, "trust-region"))
+    start = one.start
+    E = conflict_at(one.world, start.fit, start.views.demo, start.views.visible[:, :2], np.array(made["postures"]).T)[0]
+    assert made["E"] == pytest.approx(E, rel=2e-3, abs=2e-3)  # postures have 6 digits, E has 4
+    assert made["probes"].count(True) == 2 and not made["probes"][0]
+    assert records.motions_to(records.run(one, "trust-region"), 3.0) == np.flatnonzero(E < 3)[0]
+
+
+def test_the_smallest_E_is_lower_than_all_around():
+    one = situation()
+    found, start = records.minima(one), one.start
+    ring = found.theta[0][:, None] + np.radians(0.01) * np.array([np.cos(a := np.linspace(0, 6.3, 40)), np.sin(a)])
+    E = conflict_at(one.world, start.fit, start.views.demo, start.views.visible[:, :2], ring)[0]
+    assert (E > found.E[0]).all() and found.E[0] <= np.nanmin(records.landscape(one, 1.0).E)
+
+
+def test_exact_cameras_have_no_bias():
+    """The projective transfer is exact for pinhole cameras: to the search's smallest step, at any distance."""
+    found = records.biases(situation((45, -90), (45, -90)))
+    assert max(found["degrees"]["projective"]) < 1e-3
+    assert found["times"][0] == 1.0 and len(found["degrees"]["epipolar"]) == len(found["times"])
+
+
+def test_clouds_shrink_with_the_square_root_of_the_images():
+    one = situation((45, -90), (25, -25), transfer="linear", noise_px=0.5)
+    shrinks = facts.FACTS["times the cloud shrinks"].of(one)
+    # Each of two variances of n draws has a relative standard error of √(2/n); their ratio's root half of √2 times it.
+    assert shrinks == pytest.approx(5.0, rel=SIGMAS / np.sqrt(records.RUNS))
+    assert np.array(records.clouds_record(one)["averaged"]).shape == (records.RUNS, 2)
+
+
+def test_a_pixel_costs_what_the_curvature_says():
+    """With noise in the own images only, the cloud's scatter is the standard error that J of the residuals gives."""
+    one = situation((45, -90), (25, -25), transfer="linear")
+    noise_px, draws = 0.02, 2_000  # small: the residuals are linear
+    cloud = records.sample_estimates(
+        one.world, one.start.fit, one.start.theta_demo, noise_px, 1, draws, np.random.default_rng(2), noisy_demo=False
+    )
+    # (JᵀJ)⁻¹ is of independent residuals of 1 px. The fit takes up a part of the noise, and residuals are left: less.
+    assert (cloud.std(0) / noise_px <= records.costs(one) * (1 + SIGMAS / np.sqrt(2 * draws))).all()
+
+
+def test_arrows_are_compared_with_the_way_to_the_goal():
+    one = situation()
+    views, start = one.start.views, one.start
+    goal = views.own + 3.0 * (start.recovered - views.own)
+    assert records.signpost_cosine(views, start.recovered, goal) == pytest.approx(1.0)
+    cosines = records.signposts(one)
+    rng = np.random.default_rng(records.PAIR_SEED)
+    low, high = one.scene.lower, one.scene.upper
+    demo, own = np.degrees(rng.uniform(low, high, (2, 2)))
+    session = Session(Settings.paper(demonstrator_deg=demo, start_deg=own)).snapshot
+    alike = one.world.own_images(session.theta_demo)[0]
+    assert cosines[0] == pytest.approx(records.signpost_cosine(session.views, session.recovered, alike), abs=1e-9)
+    assert len(cosines) == records.PAIRS
+
+
+def test_the_demonstrator_is_carried_and_the_eyes_follow():
+    one = situation()
+    there = records.carried_to(one, 0.5, 0.25)
+    assert np.subtract(there.scene.demonstrator.position, one.scene.demonstrator.position) == pytest.approx(
+        [0.5, 0.25, 0]
+    )
+    gaze = "gaze_demonstrator"
+    assert np.subtract(getattr(there.scene.head, gaze), getattr(one.scene.head, gaze)) == pytest.approx([0.5, 0.25, 0])
+    assert np.array_equal(there.start.views.own, one.start.views.own) and there.start.usable.all()
+    assert records.carried_to(one, 0, 0).start.E == pytest.approx(one.start.E, rel=1e-9)
+
+
+def test_rectified_matches_lie_in_equal_rows():
+    one = situation((45, -90), (25, -25), scene="panda-toed")
+    made = records.rectification_record(one)
+    for images in (one.start.views.demo, one.start.views.own):
+        rows = []
+        for side, points in (("left", images[:, :2]), ("right", images[:, 2:])):
+            mapped = np.concatenate([points, np.ones((len(points), 1))], 1) @ np.reshape(made[side], (3, 3)).T
+            rows.append(mapped[:, 1] / mapped[:, 2])
+        assert rows[0] == pytest.approx(rows[1], abs=1e-3)  # px; without noise, 8 digits of H leave some 1e-5
+        assert np.abs(images[:, 1] - images[:, 3]).max() > 1  # as they are seen, they do not
+
+
+def test_the_learner_finds_the_swapped_points():
+    one = situation((45, -90), (25, -25), transfer="projective", swapped=0.2)
+    pairs = records.true_pairs(one)
+    clean = situation((45, -90), (25, -25), transfer="projective")
+    order = np.arange(10)
+    for i, j in pairs:
+        order[[i, j]] = order[[j, i]]
+    assert len(pairs) == 1 and np.array_equal(one.start.views.demo, clean.start.views.demo[order])
+    assert records.run(one, "trust-region").snapshot.exchanged == pairs
+
+
+def test_a_hand_that_copies_the_circle_draws_it():
+    made = carried(situation((45, -90), (30, -70)))
+    assert made.right.radius_m == pytest.approx(0.08, rel=1e-3)  # the circle of `hand_circle`
+    assert made.right.draws == "the circle" and made.right.loop_m == pytest.approx([0.16, 0.16], rel=0.02)
+    hand = made.early.side[:, -1] - made.early.demo_side[:, -1]
+    # Both joints turn the arm in one plane, so that the hands' distance in space is the one from the side.
+    assert np.linalg.norm(hand, axis=1) == pytest.approx(made.early.run.hand_m, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.5, "half"), (0.1, "a tenth"), (1 / 11, "an 11th"), (0.0209, "a 48th"), (1 / 23, "a 23rd")]
+)
+def test_shares_are_written_as_fractions(value, text):
+    assert facts.share(value) == text
+
+
+@pytest.mark.parametrize(("lesson", "step"), [("tour", "servo"), ("jacobian", "knobs"), ("jacobian", "forty")])
+def test_dealt_postures_are_off_the_middle_and_can_be_reached(lesson, step):
+    one = dealing(lesson, step)
+    dealt = facts.deals(one, step, step_data.DEALS, step_data.DEAL_SEED)
+    assert len({other.digest for other in dealt}) == step_data.DEALS
+    for other in dealt:
+        demo, start = np.array(other.settings.demonstrator_deg), np.array(other.settings.start_deg)
+        assert any(all(low <= angle <= high for angle, (low, high) in zip(demo, region)) for region in design.REGIONS)
+        assert np.abs(demo - start).min() >= 20 and np.abs(demo - [45, -90]).max() >= 20
+        found = records.landscape(other, 1.0)
+        assert np.nanmin(found.E) < 2.0 and len(records.minima(other)) == 1
+        assert other.start.E > 8 and found.E[45, 90] > (one.goal or 2)
+    again = facts.deals(one, step, 3, step_data.DEAL_SEED)
+    assert [other.settings for other in again] == [other.settings for other in dealt[:3]]
+
+
+def test_dealt_scenes_show_enough_points_and_are_shipped():
+    one = dealing("design", "design")
+    dealt = facts.deals(one, "design", step_data.SCENE_DEALS, step_data.DEAL_SEED)
+    for other in dealt:
+        assert other.digest in design.shipped_rounds(), "run python assets/build_rounds.py"
+        ranges = {one.name: one for one in one.dealt}
+        for name, value in (
+            ("head distance", design.head_distance(other.scene.head)),
+            ("head baseline", other.scene.head.baseline),
+            ("head toe-in", other.scene.head.toe_in_deg),
+            ("noise_px", other.settings.noise_px),
+            ("missing", other.settings.missing),
+        ):
+            assert ranges[name].low - 1e-6 <= value <= ranges[name].high + 1e-6
+    assert set(design.shipped_rounds()) == {other.digest for other in dealt}
+
+
+def test_shipped_rounds_are_what_the_library_computes():
+    one = dealing("design", "design")
+    dealt = facts.deals(one, "design", step_data.SCENE_DEALS, step_data.DEAL_SEED)
+    for k, other in enumerate(dealt):
+        made = design.shipped_rounds()[other.digest]
+        assert set(made["runs"]) == {f"{t}/{s}" for t in one.choices["transfer"] for s in one.choices["servo"]}
+        assert made["page"] in made["runs"] and {len(runs) for runs in made["runs"].values()} == {design.ROUNDS}
+        name = sorted(made["runs"])[4 * k + 1]
+        ((off, motions),) = design.rounds(other, *name.split("/"), [k])
+        assert made["runs"][name][k] == pytest.approx([off, motions], rel=0.01, abs=0.01), "run assets/build_rounds.py"
+
+
+def test_ten_runs_of_which_five_are_right():
+    made = sign.runs_record()
+    assert len(made) == 10 and sum(one["holds"] for one in made) == 5
+    for one, signed in zip(made, sign.signed_runs()):
+        last = signed.session.snapshot
+        off = np.degrees(np.abs(last.theta - last.theta_demo))
+        assert one["offDeg"] == pytest.approx(off, rel=1e-3) and one["holds"] == (off.max() <= 1)
+        assert (one["certificate"] is None) == (str(last.status) != "converged")
+        arrows = np.reshape(one["own"], (-1, 4)) - np.reshape(one["recovered"], (-1, 4))
+        assert (arrows**2).sum() / (2 * len(arrows)) == pytest.approx(
+            one["E"][-1], rel=0.05, abs=1e-3
+        )  # px² of 5 digits
+        assert len(one["because"].split()) <= 25
+
+
+def test_the_learner_s_certificate_bets_better_than_half_always():
+    made = sign.runs_record()
+    holds = [one["holds"] for one in made]
+    bets = [sign.NO_CLAIM_BET if one["certificate"] is None else one["certificate"] for one in made]
+    assert sign.brier([0.5] * 10, holds) == 0.25
+    assert sign.brier(bets, holds) < 0.25
+    assert sign.brier(holds, holds) == 0.0
+
+
+def test_facts_are_the_measures_of_the_library_and_have_their_units():
+    measures = parse_toml(HERE.joinpath("measures.toml").read_bytes())["library"]
+    assert {name: fact.unit for name, fact in facts.FACTS.items()} == measures
+
+
+def test_all_data_of_the_lessons_are_computed_within_the_budget(monkeypatch):
+    monkeypatch.setenv(step_data.CACHE_FOLDER, "")
+    for made in (records.run, records.landscape, records.minima, records.clouds, records.costs, records.signposts):
+        made.cache_clear()
+    carried.cache_clear()
+    sign.runs_record.cache_clear()
+    began, sizes = time.process_time(), {}
+    for name, lesson in shipped().items():
+        sizes[name] = sum(len(json.dumps(step_data.step_data(lesson, step)[1])) for step in lesson.step)
+    took = time.process_time() - began
+    print(f"data of all lessons: {took:.1f} s of CPU; kB: { {name: size // 1000 for name, size in sizes.items()} }")
+    assert took < MAX_CPU_S
+    assert max(sizes.values()) < 200_000  # bytes, before they are packed

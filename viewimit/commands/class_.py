@@ -1,0 +1,174 @@
+"""viewimit class: lessons for a class, which a lecturer leads."""
+
+import argparse
+import contextlib
+import io
+import logging
+import os
+import re
+import secrets
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import platformdirs
+import segno
+
+from ..sensing.files import escape
+from . import BadInput
+from .options import DONE, MISSED, between, naming
+
+CODE = "VIEWIMIT_LECTURER"  # environment variable: the lecturer's code, instead of a random one
+LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # without those that look alike
+LETTERS_OF_A_CODE = 8
+MIN_CODE = 8  # letters of a code of one's own
+CONTINUED_S = 6 * 3600  # a file without a name of its own is continued if its class was so long ago at most
+ROOT_PATH = re.compile(r"(/[\w.~-]+)+")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on (%(default)s, this machine alone); 0.0.0.0 admits everybody on its network",
+    )
+    parser.add_argument("--port", type=between(int, 0, 65535), default=8080, help="0 takes a free one (%(default)s)")
+    parser.add_argument(
+        "--lesson",
+        action="append",
+        default=[],
+        metavar="NAME|FILE",
+        help="a lesson of the class: a shipped one by its name, or a .toml file of your own; more than once for more "
+        "(all shipped ones)",
+    )
+    parser.add_argument(
+        "--data",
+        type=Path,
+        metavar="FILE",
+        help="SQLite file that keeps the answers over a restart (one of the port, in the user's own data folder; it is "
+        "set aside if its class was more than six hours ago)",
+    )
+    parser.add_argument("--new-code", action="store_true", help="forget a lecturer's code that was chosen on the page")
+    parser.add_argument(
+        "--votes-per-address",
+        type=between(int, 1, 10_000),
+        default=100,
+        metavar="N",
+        help="votes that one network address may cast in a round (%(default)s); a class behind one router shares one",
+    )
+    parser.add_argument(
+        "--embed",
+        action="append",
+        default=[],
+        metavar="ORIGIN",
+        help="a site whose pages may show the class in a frame, such as https://moodle.example.org; more than once for "
+        "more",
+    )
+    parser.add_argument(
+        "--address",
+        metavar="URL",
+        help="what students type, behind a proxy: printed, in the QR code, and accepted as the page's origin",
+    )
+    parser.add_argument(
+        "--root-path", default="", metavar="/x", help="path under which a proxy passes requests on; with it or without"
+    )
+    parser.add_argument(
+        "--trust-proxy",
+        default="",
+        metavar="ADDRESS",
+        help="proxies, separated by commas, whose X-Forwarded-For, -Proto and -Host are believed; * for any (none)",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    from ..app.classroom.pages import class_pages
+    from ..app.classroom.room import Room
+    from ..app.classroom.server import ServerOptions, class_app, uvicorn_server
+    from ..app.classroom.store import Store
+    from ..app.server.address import listen, require_free
+    from ..app.server.origins import require_origin
+
+    with naming("--embed"):
+        for origin in args.embed:
+            require_origin(origin)
+    root = args.root_path.rstrip("/")
+    if root and not ROOT_PATH.fullmatch(root):
+        raise BadInput(f"--root-path: {args.root_path!r} is no path such as /x")
+    with naming("--address"):
+        origins = () if args.address is None else (_origin(args.address),)
+        for origin in origins:
+            require_origin(origin)
+    options = ServerOptions(root, tuple(args.embed), origins, args.trust_proxy)
+    with naming("--lesson"):
+        pages = class_pages(args.lesson, options.embed)
+    with naming("--data"):
+        path = args.data or _usual_file(args.port)
+        store = Store(path)
+    code = os.environ.get(CODE) or "".join(secrets.choice(LETTERS) for _ in range(LETTERS_OF_A_CODE))
+    room = Room(store, code, args.votes_per_address, is_new_code=args.new_code)
+    if CODE in os.environ:
+        if len(code) < MIN_CODE:
+            raise BadInput(f"{CODE}: a code has {MIN_CODE} letters or more")
+    elif not (sys.stdout.isatty() or room.has_own_code):
+        raise BadInput(f"no terminal to print the lecturer's code on: say it by the environment variable {CODE}")
+    try:
+        with naming("--host, --port"):
+            require_free(args.host, args.port)
+            listeners = listen(args.host, args.port)
+    except RuntimeError as error:
+        print(f"viewimit: {escape(str(error))}", file=sys.stderr)
+        return MISSED
+    logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S", stream=sys.stderr)
+    _invite(args, listeners[0].getsockname()[1])
+    _say_code(room.has_own_code, code)
+    print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
+    sys.stdout.flush()
+    uvicorn_server(class_app(room, pages, options), options).run(sockets=listeners)
+    return DONE
+
+
+def _origin(address: str) -> str:
+    """The origin of an address that students type."""
+    found = urlsplit(address)
+    return f"{found.scheme}://{found.netloc}".lower()
+
+
+def _usual_file(port: int) -> Path:
+    """The file of this port. One of a class of another day is set aside."""
+    folder = platformdirs.user_data_path("viewimit", appauthor=False, ensure_exists=True)
+    path = folder / f"class-{port}.sqlite"
+    if path.exists() and time.time() - (last := path.stat().st_mtime) > CONTINUED_S:
+        day = time.strftime("%Y-%m-%d-%H%M", time.localtime(last))
+        for part in folder.glob(f"{path.name}*"):  # with what SQLite keeps beside it
+            part.rename(folder / f"class-{port}-{day}{part.name.removeprefix(path.stem)}")
+    return path
+
+
+def _invite(args: argparse.Namespace, port: int) -> None:
+    """Print what students open, and a QR code of it where others can reach it."""
+    from ..app.server.address import address, address_for_others
+
+    root = f"{args.root_path.rstrip('/')}/"
+    others = args.address or address_for_others(args.host, port)
+    print(f"the class is at {address(args.host, port)}{root}")
+    if others is None:
+        print("only this machine reaches it; --host 0.0.0.0 admits everybody on its network")
+        return
+    others = others if args.address else f"{others}{root}"
+    print(f"students open {others}")
+    drawn = io.StringIO()
+    segno.make(others, micro=False).terminal(drawn, compact=True)
+    with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
+        drawn.getvalue().encode(sys.stdout.encoding or "utf-8")
+        print(drawn.getvalue())
+
+
+def _say_code(has_own: bool, code: str) -> None:
+    """Print the lecturer's code, on a terminal alone: what is written elsewhere, others may read."""
+    if has_own:
+        print("the lecturer's code is the one chosen on the page; --new-code forgets it")
+    elif CODE in os.environ:
+        print(f"the lecturer's code is that of {CODE}")
+    else:
+        print(f'the lecturer\'s code is {code}: type it on the page, at "Lecturer"')

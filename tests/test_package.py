@@ -133,7 +133,6 @@ def test_the_wheel_holds_the_documentation_and_says_where(wheel, tmp_path):
         for ending in ("md", "ipynb")
         for path in (ROOT / "docs").rglob(f"*.{ending}")
     }
-    written -= set() if (ROOT / "docs/gallery.py").is_file() else {"gallery.html"}  # made of what may not be there
     assert written <= pages.keys() and len(written) > 15
     assert sum(path.stat().st_size for path in (wheel / "viewimit/site").rglob("*") if path.is_file()) < 30e6
 
@@ -157,7 +156,7 @@ def test_its_links_open_the_states_that_are_drawn(wheel):
         for page in pages_of(wheel).values()
         for E, address in re.findall(r'data-conflict="([^"]+)" href="http://127.0.0.1:8080/\?s=([^"]+)"', page)
     }
-    assert len(found) > 5
+    assert len(found) > 3
     for address, E in found:
         names: dict = {}
         exec(as_python(read(address, Settings.paper()).script), names)

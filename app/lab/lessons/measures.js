@@ -8,6 +8,9 @@
  */
 import {energyText} from "../view/svg.js";
 import {distance, placed, told} from "./measured.js";
+import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
+import {RAY_MEASURES} from "./measures_ray.js";
+import {TOUR_MEASURES} from "./measures_tour.js";
 
 const DEGREE = Math.PI / 180;
 
@@ -56,6 +59,9 @@ function energyAt(stage, theta) {
 
 /** @type {Record<string, Measure>} */
 export const MEASURES = {
+  ...RAY_MEASURES,
+  ...TOUR_MEASURES,
+  ...JACOBIAN_MEASURES,
   "px apart": apart,
   "degrees apart": apart,
   "your bet": stage => told(stage.answer.bet ?? NaN, " %", 0),

@@ -216,6 +216,11 @@ export class Stage {
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
   }
 
+  /** How many runs are bet on. */
+  get runs() {
+    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
+  }
+
   get hulls() {
     return this.page.hulls;
   }
@@ -263,9 +268,17 @@ export class Stage {
     return this.session.observe(this.moment.thetaDemo);
   }
 
+  /** The chosen point in l and r, where it was dragged to or else as it is seen: x_l, y_l, x_r, y_r px. @param {Moment} [moment] */
+  pointed({views} = this.moment) {
+    const {chosen} = this;
+    return /** @type {Float64Array} */ (this.kept.get("dragged") ?? views.demo.subarray(4 * chosen, 4 * chosen + 4));
+  }
+
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
   recovered(moment = this.moment) {
-    return recovered(moment);
+    const found = recovered(moment);
+    if (moment.fitted && this.kept.has("dragged")) found.set(moment.fitted.recover(this.pointed(moment)), 4 * this.chosen);
+    return found;
   }
 
   /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
@@ -281,8 +294,8 @@ export class Stage {
    * @param {Moment} [moment]
    */
   line(eye, side = 0, moment = this.moment) {
-    const at = (/** @type {Float64Array} */ of) => of.subarray(4 * this.chosen, 4 * this.chosen + 4);
-    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(at(moment.views.demo), at(moment.views.own)) ?? [] : [];
+    const own = moment.views.own.subarray(4 * this.chosen, 4 * this.chosen + 4);
+    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(this.pointed(moment), own) ?? [] : [];
     return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
   }
 

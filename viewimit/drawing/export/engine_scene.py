@@ -39,7 +39,8 @@ def engine_scene(scene: Scene) -> dict[str, Any]:
     """
     require_scene(scene)
     bodies = {str(count): scene.body_points(count) for count in sorted(map(int, scene.points))}
-    return describe_world(World(scene, min(map(int, scene.points))), bodies)
+    described = describe_world(World(scene, min(map(int, scene.points))), bodies)
+    return {**described, "gaze": list(scene.head.gaze_demonstrator)}
 
 
 def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, Any]:

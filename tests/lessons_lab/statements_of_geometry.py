@@ -308,7 +308,9 @@ STATEMENTS: Statements = {
             "Here the fifth fits too": lambda: fifth(alike=True).max() < 1,
             "it would have been off by up to": lambda: fifth(alike=False).max() > 10 * fifth(alike=True).max(),
         },
-        "say": {"four fix it, and the fifth tests it": lambda: fifth(alike=False).min() > fifth(alike=True).max()},
+        "say": {
+            "Four points fix it, and the fifth tests it": lambda: fifth(alike=False).min() > fifth(alike=True).max()
+        },
         "question": {
             "Bring every point of L onto its line": lambda: oracles.least_misfit_px(state("ray/pencil")) < 0.1
         },

@@ -140,7 +140,8 @@
  * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
  * @property {(box: HTMLElement, stage: Stage) => Figure} create
  */
-import {clamp, geometry, Landscape, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {stageMap} from "./maps.js";
+import {clamp, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
 const MAX_MOTIONS = 200, MAX_RACE = 400;
@@ -198,8 +199,6 @@ export class Stage {
     this.kept = new Map();
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
-    /** @type {Map<string, Landscape>} */
-    this.landscapes = new Map();
     /** @type {Record<string, Race>} */
     this.raced = {};
     this.scene = page.scenes[this.state.scene];
@@ -299,17 +298,9 @@ export class Stage {
     return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
   }
 
-  /** E over both joints, for the demonstrator as it stands. @param {number} [stepDeg] */
+  /** E over both joints, for the demonstrator as it is seen. @param {number} [stepDeg] */
   landscape(stepDeg = 1) {
-    const {demo, demoSeen} = this.moment.views, key = `${stepDeg} ${this.session.settings.transfer}`;
-    let found = this.landscapes.get(key);
-    if (!found || found.world !== this.world) this.landscapes.set(key, found = new Landscape(this.world, stepDeg));
-    const seen = /** @type {any} */ (found);
-    if (seen.of !== demo) {
-      found.evaluate(this.session.settings.transfer, {images: demo, seen: demoSeen});
-      seen.of = demo;
-    }
-    return found;
+    return stageMap(this, stepDeg).landscape;
   }
 
   /** A servo's run from the step's start: recorded, or else computed here. @param {string} servo @returns {Race | null} */

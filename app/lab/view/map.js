@@ -8,7 +8,7 @@ const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2; // of a letter
-const PAD = {left: 46, top: 8, right: 12, bottom: 31};
+const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
 /**
  * Marching squares: where a grid of values crosses a level, in grid units.
@@ -77,6 +77,11 @@ export class EnergyMap {
     ];
   }
 
+  /** The plot's left, top, right and bottom, px. @returns {[number, number, number, number]} */
+  get plot() {
+    return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
+  }
+
   /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
   under({clientX, clientY}) {
     const {left, top} = this.box.getBoundingClientRect();
@@ -89,7 +94,7 @@ export class EnergyMap {
     return this.posture(x, y);
   }
 
-  /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
+  /** Shade E, and draw its contours. @param {Landscape | null} landscape null for the axes alone @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -100,6 +105,10 @@ export class EnergyMap {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     set(this.over, {viewBox: `0 0 ${width} ${height}`});
+    if (!landscape) {
+      canvas.width = w; // clears it
+      return this.#axes("");
+    }
     const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
     if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
     const z = this.z;
@@ -164,7 +173,8 @@ export class EnergyMap {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
     const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
-      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
+      const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
+      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
         : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}

@@ -468,7 +468,8 @@ STATEMENTS: Statements = {
         },
         "after": {
             "E stays below": lambda: (
-                facts._valley(state("limits/unobservable")) <= fact("limits/unobservable", "largest E along the valley")
+                facts.valley_E(state("limits/unobservable"))
+                <= fact("limits/unobservable", "largest E along the valley")
             )
         },
         "say": {"Otherwise it is **unobservable**": rigid_joint, "E is a valley": lambda: unobservable_answer() == 0},

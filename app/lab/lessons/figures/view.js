@@ -7,16 +7,19 @@
  */
 import {Outlines} from "../../view/images.js";
 import {add, drawingUnit, set} from "../../view/svg.js";
+import {LIMITS_LAYERS} from "./limits-layers.js";
+import {draggedIn} from "./dragging.js";
+import {TOUR_LAYERS, TOUR_LEGEND} from "./tour-layers.js";
 import {arm, OWN_LAYERS, OWN_LEGEND} from "./view-layers.js";
 
 const VIEWS = "lrLR", MARGIN = 14; // drawing units around the arm
 const CAPTIONS = {l: "left eye, demonstrator", r: "right eye, demonstrator", L: "left eye, own arm", R: "right eye, own arm"};
 
 /** Every owner adds layers here. @type {Record<string, Layer>} */
-export const VIEW_LAYERS = {...OWN_LAYERS};
+export const VIEW_LAYERS = {...OWN_LAYERS, ...TOUR_LAYERS, ...LIMITS_LAYERS};
 
 /** What their marks mean. @type {Record<string, string>} */
-const LEGEND = {...OWN_LEGEND};
+const LEGEND = {...OWN_LEGEND, ...TOUR_LEGEND};
 
 /** @param {"l" | "r" | "L" | "R"} name @returns {FigureKind} */
 export const viewKind = name => ({
@@ -40,6 +43,7 @@ class View {
     this.fitted = "";
     /** px that it shows at least: left, top, right, bottom */
     this.span = [0, 0, 1, 1];
+    if (this.k < 2) draggedIn(this, stage);
   }
 
   /** @param {Stage} stage @param {Set<string>} layers */

@@ -124,7 +124,7 @@ def _arrow_px(situation: Situation) -> float:
     return float(np.sqrt(situation.start.E))
 
 
-def _valley(situation: Situation) -> float:
+def valley_E(situation: Situation) -> float:
     """px²: the largest E over the range of the unobservable joint, the others as the demonstrator's."""
     start, scene = situation.start, situation.scene
     joint = int(np.argmax(records.costs(situation)))
@@ -274,7 +274,7 @@ FACTS: Mapping[str, Fact] = {
     "middle of the cloud is off": Fact(_middle_off, "°", 1),
     "direction of the cloud": Fact(_cloud_direction),
     "joint that can be anything": Fact(_unobservable),
-    "largest E along the valley": Fact(lambda situation: max(_valley(situation), svg.UNSEEN_E), " px²"),
+    "largest E along the valley": Fact(lambda situation: max(valley_E(situation), svg.UNSEEN_E), " px²"),
     "first joint moves": _first_shown(0, False),
     "first joint shows": _first_shown(0, True),
     "second joint shows": _first_shown(1, True),

@@ -215,7 +215,7 @@ def carried_to(situation: Situation, back_m: float, aside_m: float, turned_deg: 
         {
             **situation.scene_fields,
             "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
-            "head": {"gaze_demonstrator": (gaze + moved).tolist()},
+            "head": {**situation.scene_fields.get("head", {}), "gaze_demonstrator": (gaze + moved).tolist()},
         }
     )
 

@@ -9,8 +9,10 @@ import statements_of_geometry as geometry
 import statements_of_servoing as servoing
 from statements import DEFINITION, Statements, state
 from viewimit.app.lab.lessons import facts, records
+from viewimit.app.lab.lessons.situation import Situation
 
 from viewimit import Session, Settings
+from viewimit.analysis.landscape import conflict_at
 from viewimit.drawing.glossary import glossary
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.settings import FIELDS
@@ -94,6 +96,26 @@ def size_falls_with_distance() -> bool:
     return far < near
 
 
+def images_alone() -> bool:
+    return geometry.lines_come_from_images_alone("tour/line")
+
+
+def curved_in_both_directions() -> bool:
+    """About the minimum of the usual scene, E rises in every direction, by more than 0.1 px² at 5°."""
+    one = servoing.USUAL
+    found, start = records.minima(one), one.start
+    angles = np.linspace(0, 2 * np.pi, 36)
+    ring = found.theta[0][:, None] + np.radians(5) * np.array([np.cos(angles), np.sin(angles)])
+    E = conflict_at(one.world, start.fit, start.views.demo, start.views.visible[:, :2], ring)[0]
+    return bool((E > found.E[0] + 0.1).all())
+
+
+def least_is_not_zero() -> bool:
+    last = example("least").snapshot
+    one = Situation(glossary()["least"].show)
+    return last.E > 1 and last.E < 1.1 * records.minima(one).E[0]
+
+
 STATEMENTS: Statements = {
     "glossary/E": {
         "sentence": {
@@ -173,7 +195,7 @@ STATEMENTS: Statements = {
     },
     "glossary/Q": {
         "sentence": {"Near its least value E is a bowl": geometry.one_bowl},
-        "good": DEFINITION,
+        "good": {"Both eigenvalues well above 0": curved_in_both_directions},
         "bad": {"One near 0: a valley": lambda: failures.unobservable_answer() == 0},
     },
     "glossary/rho": {
@@ -193,7 +215,11 @@ STATEMENTS: Statements = {
     },
     "glossary/demo_views": {"sentence": {"l": geometry.only_the_demonstrator_s_pictures_change}},
     "glossary/transfer": {
-        "sentence": {"from matched points alone": lambda: geometry.lines_come_from_images_alone("tour/line")},
+        "sentence": {
+            "from matched points alone: no calibration, no 3-D": lambda: geometry.lines_come_from_images_alone(
+                "tour/line"
+            )
+        },
         "good": {
             "E is 0 at the demonstrator's posture": lambda: (
                 state("tour/line").with_settings(transfer="projective").start.E < 1e-6
@@ -220,7 +246,7 @@ STATEMENTS: Statements = {
         "bad": {"it is not said": lambda: status_of("arrived") != "converged"},
     },
     "glossary/least": {
-        "sentence": DEFINITION,
+        "sentence": {"No motion nearby would lower E, yet it is not 0": least_is_not_zero},
         "good": DEFINITION,
         "bad": {
             "it may be 20° off, and not know": lambda: (

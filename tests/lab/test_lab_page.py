@@ -241,7 +241,7 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
         page.evaluate(f"scrollTo(0, document.querySelector('#{name}').getBoundingClientRect().top + scrollY - 250)")
         box, top = page.locator(f"#{name}").bounding_box(), page.evaluate("scrollY")
         swipe(page, (box["x"] + 0.75 * box["width"], box["y"] + 0.6 * box["height"]), (0, -150))
-        wait_until(lambda: page.evaluate("scrollY") > top + 50)
+        wait_until(lambda top=top: page.evaluate("scrollY") > top + 50)
         assert now(page) == before
     page.evaluate("scrollTo(0, document.querySelector('#map').getBoundingClientRect().top + scrollY - 200)")
     box = page.locator("#map").bounding_box()

@@ -201,6 +201,11 @@ class Room:
         self._gone.discard(browser.person.number)
         self._changed.add(browser.person)
 
+    def _tell_of(self, person: Person) -> None:
+        """Tell lecturers what is new of somebody who is in the class, as the lecturer is not."""
+        if self.persons.get(person.key) is person:
+            self._changed.add(person)
+
     def _new_number(self) -> int:
         taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}
         while (number := secrets.choice(PERSON_NUMBERS)) in taken:
@@ -394,7 +399,7 @@ class Room:
 
     def _set_self(self, person: Person, said: p.Self) -> None:
         person.name = name_of(said.name)
-        self._changed.add(person)
+        self._tell_of(person)
         if person.linked and not said.linked:
             self.store.unlink(person.key, person.token)
             self._numbers.pop(person.key, None)
@@ -427,7 +432,7 @@ class Room:
                 self._set_self(person, message)
             case p.At() if person is not None:
                 person.at = message
-                self._changed.add(person)
+                self._tell_of(person)
             case p.Answer():
                 self._answer(browser, message)
             case p.Copy():

@@ -17,7 +17,6 @@ import {resultsOf} from "./class-results.js";
 import {Lecturer} from "./class-lecturer.js";
 import {make} from "./dom.js";
 import {} from "./lesson.js";
-import {byId as $} from "../view/page.js";
 
 const QUESTIONS = "questions"; // the form of the eight
 const ANSWER_MS = 250, AT_MS = 1000, LEAD_MS = 100; // between two messages
@@ -55,13 +54,13 @@ class Classroom {
     this.problem = "";
     this.lastAt = this.lastScreen = "";
     this.link = new Link(message => this.hear(message), () => this.draw());
-    this.box = $("note").parentElement.insertBefore(make("section", {class: "class-box", "aria-label": "The class"}), $("note"));
+    this.box = lesson.box.appendChild(make("section", {class: "class-box", "aria-label": "The class"}));
     this.dock = document.body.appendChild(make("section", {class: "class-dock", "aria-label": "Answers of the class", hidden: true}));
     new ResizeObserver(() => document.body.style.setProperty("--dock", `${this.dock.offsetHeight}px`)).observe(this.dock);
     this.isNarrow = matchMedia("(max-width:900px),(max-width:1000px) and (orientation:portrait)");
     this.isNarrow.addEventListener("change", () => this.draw());
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
-    $("scheme").before(this.chip);
+    lesson.head.append(this.chip);
     this.dialog = document.body.appendChild(this.#makeDialog());
     this.lecturer = new Lecturer(this);
     this.#watch();
@@ -84,6 +83,9 @@ class Classroom {
       this.began = performance.now();
       this.#stay();
       this.draw();
+    };
+    lesson.onTruth = (/** @type {boolean} */ isHidden) => { // which the lecturer alone shows again
+      if (this.orders.hidden && !isHidden) lesson.hideTruth(true);
     };
     lesson.onChange = () => this.#tellWhere();
     addEventListener("pagehide", () => this.#sendLast());
@@ -120,7 +122,7 @@ class Classroom {
     this.#atTimer = setTimeout(() => {
       this.#atTimer = 0;
       const at = JSON.stringify(this.#where());
-      if (at !== this.lastAt) this.link.send(JSON.parse(this.lastAt = at));
+      if (at !== this.lastAt && !this.isLecturer) this.link.send(JSON.parse(this.lastAt = at));
     }, AT_MS);
   }
 
@@ -284,13 +286,13 @@ class Classroom {
   #putAside() {
     if (this.isAside) return;
     this.isAside = true;
-    this.lesson.aside?.();
+    this.lesson.aside();
   }
 
   #takeBack() {
     if (!this.isAside) return;
     this.isAside = false;
-    this.lesson.back?.();
+    this.lesson.back();
   }
 
   // What this page shows of the class

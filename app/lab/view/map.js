@@ -8,6 +8,7 @@ const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2; // of a letter
+const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
 /**
@@ -176,7 +177,8 @@ export class EnergyMap {
   /** @param {string} labels of contours */
   #axes(labels) {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
+    const room = [bottom - PAD.top, width - left - PAD.right];
+    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
       const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
       return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
@@ -250,9 +252,9 @@ ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - 
   }
 }
 
-/** Round numbers of degrees between two, some five. @param {number} low @param {number} high */
-function nice(low, high) {
-  const step = [5, 10, 15, 30, 45, 90].find(each => (high - low) / each <= 5) ?? 90, found = [];
+/** Round numbers of degrees between two, some five. @param {number} low @param {number} high @param {number} most how many there is room for */
+function nice(low, high, most) {
+  const step = [5, 10, 15, 30, 45, 90, 180].find(each => (high - low) / each <= Math.min(5, most)) ?? 180, found = [];
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }

@@ -49,7 +49,7 @@ def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_
 
     monkeypatch.setattr(Session, "play", slow)
     text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
-    pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
+    pages = [QuietPage(Settings.paper()) for _ in range(4)]
     for page in pages:
         page.page.put(FollowLink(text))
         page.tick(0.1)  # returns, though the link cannot be followed yet
@@ -103,7 +103,7 @@ def test_a_bad_link_says_why_and_changes_nothing():
 
 
 def test_the_card_shows_link_and_code_of_the_moment_shown():
-    page = QuietPage(Settings.paper(), address="/touch/0.x")
+    page = QuietPage(Settings.paper())
     page.page.put(Step())
     page.tick(0.3)
     model = page.page.model
@@ -121,7 +121,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     """The card says nothing of a file, its QR code is there, and pictures are captioned by the scene's title."""
     path = tmp_path / "mine.toml"
     path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
-    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper(), address="/touch/0.x")
+    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper())
     for _ in range(3):
         sender.page.put(Step())
         sender.tick(0.3)

@@ -10,7 +10,6 @@ from browsing import CURVES, PATIENCE_MS, open_page, posture, press, wait, wait_
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 from viewimit.app.panels import PANELS
-from viewimit.app.server.touches import Touches
 from waiting import wait_until
 
 TABS = {panel.inside for panel in PANELS} - {""}
@@ -40,7 +39,7 @@ def ticks(made, count):
 
 
 def leave_undrawn(made, what):
-    assert made.page.touch("unseen", what)
+    made.act("unseen", what)
     ticks(made, 1)
 
 
@@ -73,12 +72,9 @@ def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
 
 
 def test_every_tab_can_be_told_and_all_of_them_at_once(page):
-    """By names of letters alone, as page.js tells no others, in an address as long as may be."""
-    touches, token = Touches(0), "a" * 32
-    address = touches.new_address()
-    touches.open(address, page.page.touch, token)
+    """By names of letters alone, as page.js tells no others."""
     assert TABS > {"Images", "Landscape", "Curves"} and all(re.fullmatch(r"\w+", tab) for tab in TABS)
-    touches.follow(f"{address}/unseen/{','.join(TABS)}", {"Cookie": f"viewimit={token}"})
+    page.act("unseen", ",".join(TABS))
     ticks(page, 1)
     assert page.page.model.view.unseen == TABS
 
@@ -96,7 +92,7 @@ def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page)
 
 
 def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
-    assert page.page.touch("layout", "1")
+    page.act("layout", "1")
     leave_undrawn(page, "Curves")
     ticks(page, 20)
     before = page.shown.count("vi-card")
@@ -105,7 +101,7 @@ def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
     content = page.gui.widgets[card].content
     move(page)
     assert page.gui.widgets[card].content != content
-    assert page.page.touch("layout", "0")
+    page.act("layout", "0")
     ticks(page, 20)
     assert not page.gui.widgets[card].visible
 

@@ -126,6 +126,7 @@ class App:
             self._autosave.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
+        self.services.scripts.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
@@ -199,6 +200,7 @@ class App:
             self.services.files.forget(client_id)
             self.services.experiments.forget(client_id)
             self.services.basins.forget(client_id)
+            self.services.scripts.cancel(client_id)
             whole = page.close(within)
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays

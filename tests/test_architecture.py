@@ -217,7 +217,9 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
             continue
         for module, node in imports_of(path):
             if module[:2] == ("viewimit", "app"):
-                assert module_of(path) in {("viewimit", "commands", name) for name in ("serve", "lab", "class_")}
+                assert module_of(path) in {
+                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam")
+                }
                 assert node.col_offset > 0, "at the top of the module"
 
 

@@ -1,17 +1,27 @@
-"""The pages of a class: its lessons with what a lecturer and students need, and the lab."""
+"""The pages of a class: its lessons in one page, with what a lecturer and students need, and the lab."""
 
-from collections.abc import Callable, Sequence
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
+from ..lab.lessons.format import Lesson
+from ..lab.lessons.page import HERE, lesson_page
+from ..lab.lessons.source import find, shipped
 from ..lab.page import lab_page
 from .server import Page
 
+ENTRY = "lessons/class.js"
 
-def class_pages(lessons: Sequence[str], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
-    """Return what makes each page, by path.
+
+def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
+    """Return what makes each page, by path. Another process computes it: up to a minute, if nothing is cached.
 
     Parameters
     ----------
-    lessons
+    given
         Names of shipped lessons or paths of files; none for all shipped ones.
     embed
         Origins whose pages may show a page in a frame.
@@ -20,5 +30,25 @@ def class_pages(lessons: Sequence[str], embed: Sequence[str]) -> dict[str, Calla
     ------
     ValueError
         For a lesson that is none, with its file, line and field.
+    OSError
+        For a file that cannot be read.
     """
-    return {"/": lambda: Page(lab_page(), embed), "/lab": lambda: Page(lab_page(), embed)}
+    lessons = dict(map(find, given)) if given else shipped()
+    make = lambda page: Page(_in_another_process(page), embed)
+    return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab_page)}
+
+
+def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
+    return lesson_page(lessons, ENTRY, HERE.joinpath("class.css").read_text("utf-8"))
+
+
+def _in_another_process(page: Callable[[], str]) -> str:
+    """The server goes on meanwhile."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _stand_back) as pool:
+        return pool.submit(page).result()
+
+
+def _stand_back() -> None:
+    """Leave the processor to the server. Windows has no niceness."""
+    if sys.platform != "win32":
+        os.nice(5)

@@ -185,6 +185,12 @@ class Gain(Struct, tag="gain", **FIELDS):
     """What the class has learned, by the eight questions."""
 
 
+class Invite(Struct, tag="invite", **FIELDS):
+    """A QR code of what students type: this address, or the one that the server knows for others."""
+
+    address: Annotated[str, Meta(max_length=300)] = ""
+
+
 class Allow(Struct, tag="allow", **FIELDS):
     """How many votes one network address may cast."""
 
@@ -198,7 +204,7 @@ class NewClass(Struct, tag="new", **FIELDS):
 FromStudent = Hello | Self | At | Answer | Copy | Login
 FromLecturer = (
     Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Want | Export
-    | Gain | Allow | NewClass
+    | Gain | Invite | Allow | NewClass
 )  # fmt: skip
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__

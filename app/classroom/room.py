@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import msgspec
+import segno
 
 from . import protocol as p
 from .report import QUESTIONS, as_csv, learned
@@ -126,6 +127,7 @@ class Room:
     ):
         self.store, self.votes_per_address, self._clock = store, votes_per_address, clock
         kept = store.kept()
+        self.address = ""  # what students type, if no lecturer's page knows better
         self._salt = kept.get("salt") or secrets.token_hex(16)
         store.keep("salt", self._salt)
         if is_new_code:
@@ -198,6 +200,11 @@ class Room:
         self.persons[browser.person.key] = browser.person
         self._gone.discard(browser.person.number)
         self._changed.add(browser.person)
+
+    def _tell_of(self, person: Person) -> None:
+        """Tell lecturers what is new of somebody who is in the class, as the lecturer is not."""
+        if self.persons.get(person.key) is person:
+            self._changed.add(person)
 
     def _new_number(self) -> int:
         taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}
@@ -392,7 +399,7 @@ class Room:
 
     def _set_self(self, person: Person, said: p.Self) -> None:
         person.name = name_of(said.name)
-        self._changed.add(person)
+        self._tell_of(person)
         if person.linked and not said.linked:
             self.store.unlink(person.key, person.token)
             self._numbers.pop(person.key, None)
@@ -425,7 +432,7 @@ class Room:
                 self._set_self(person, message)
             case p.At() if person is not None:
                 person.at = message
-                self._changed.add(person)
+                self._tell_of(person)
             case p.Answer():
                 self._answer(browser, message)
             case p.Copy():
@@ -460,6 +467,9 @@ class Room:
                 self._order(reset=self.orders.reset + 1)
             case p.Want(number):
                 self._want(browser, number)
+            case p.Invite(address):
+                address = address or self.address
+                browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
             case p.Allow(votes):
                 self._allow(votes)
             case p.Export():
@@ -508,6 +518,15 @@ class Room:
 def _told(person: Person) -> dict[str, object]:
     """A person for a lecturer's page."""
     return {"number": person.number, "name": person.name, "at": person.at}
+
+
+def _qr_code(text: str) -> str:
+    """As the path of an SVG, a module of the code is one unit; "" for no text."""
+    if not text:
+        return ""
+    rows = segno.make(text, micro=False).matrix
+    path = "".join(f"M{x} {y}h1v1h-1z" for y, row in enumerate(rows) for x, dark in enumerate(row) if dark)
+    return f"{len(rows)} {path}"
 
 
 def name_of(text: str) -> str:

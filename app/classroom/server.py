@@ -112,24 +112,26 @@ def class_app(room: Room, pages: dict[str, Callable[[], Page]], options: ServerO
     room
         The class.
     pages
-        What makes each page, by path. They are made when they are first asked for.
+        What makes each page, by path. It is called in a thread: for the page at / at once, else when first asked.
     options
         How it is served.
     """
-    made: dict[str, Page] = {}
+    making: dict[str, asyncio.Task[Page]] = {}
+
+    def made(path: str) -> asyncio.Task[Page]:
+        if path not in making or making[path].done() and making[path].exception():
+            making[path] = asyncio.create_task(asyncio.to_thread(pages[path]))
+        return making[path]
 
     async def page(request: Request) -> Response:
-        path = request.url.path
-        if path not in made:
-            made[path] = await asyncio.to_thread(pages[path])
-        return made[path].answer(request)
+        return (await asyncio.shield(made(request.scope["path"]))).answer(request)
 
     async def socket(websocket: WebSocket) -> None:
         await _serve(room, websocket, options)
 
     @contextlib.asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        tasks = [asyncio.create_task(room.store.write()), asyncio.create_task(_tick(room))]
+        tasks = [asyncio.create_task(room.store.write()), asyncio.create_task(_tick(room)), made("/")]
         yield
         await room.store.flush()
         for task in tasks:

@@ -15,12 +15,11 @@ from viewimit import Session
 from viewimit.analysis.construction import construct
 from viewimit.analysis.landscape import Landscape, landscape
 from viewimit.analysis.self_assessment import assess
-from viewimit.drawing import curves, equations, status
+from viewimit.drawing import curves, status
 from viewimit.drawing import landscape as landscapes
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.lessons.view import draw_view
 from viewimit.simulation.appearance import Bodies, Silhouettes, reachable_image_points
 from viewimit.simulation.robot import link_meshes
 
@@ -33,12 +32,10 @@ ASK = re.compile(r'<button type="button" class="vi-ask"[^>]*></button>')
 
 @dataclass(frozen=True)
 class Drawing:
-    """state: of `states.STATES`; draw: HTML of it; equations: numbers in the paper of those that are shown with the
-    numbers of the state."""
+    """state: of `states.STATES`; draw: HTML of it."""
 
     state: str
     draw: Callable[[Session, int], str]
-    equations: tuple[str, ...] = ()
 
 
 def _bodies(session: Session) -> Bodies:
@@ -49,17 +46,6 @@ def _bodies(session: Session) -> Bodies:
 def _silhouettes(session: Session) -> Silhouettes:
     meshes = link_meshes(session.world.scene.robot)
     return Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, session.world)
-
-
-def _views(**layers: tuple[str, ...]) -> Callable[[Session, int], str]:
-    """Images beside each other, each with its layers."""
-
-    def draw(session: Session, chosen: int) -> str:
-        now, bodies = session.snapshot, _bodies(session)
-        drawn = "".join(f"<div>{draw_view(view, now, bodies, shown, chosen)}</div>" for view, shown in layers.items())
-        return f'<div class="beside">{drawn}</div>'
-
-    return draw
 
 
 def _images(session: Session, chosen: int) -> str:
@@ -96,33 +82,11 @@ def _claim(session: Session, chosen: int) -> str:
 
 DRAWINGS = {
     "overview": Drawing("begin", _images),
-    "two-views": Drawing("begin", _views(l=("points", "chosen"), L=("line from l", "own chosen")), ("(1)",)),
-    "crossing": Drawing(
-        "begin",
-        _views(l=("chosen",), r=("chosen",), L=("line from l", "line from r", "crossing")),
-    ),
-    "transfer": Drawing("begin", _images, ("(4)",)),
-    "residual": Drawing(
-        "begin", _views(L=("own points", "recovered points", "arrows"), R=("own points", "recovered points", "arrows"))
-    ),
-    "landscape": Drawing("arrived", _bowl, ("(6)",)),
     "servo": Drawing("best", _curves),
-    "papers-law": Drawing("papers-law", _curves, ("(13)",)),
     "arrived": Drawing("best", _claim),
     "unobservable": Drawing("unobservable", _claim),
     "rectification": Drawing("toed-in", lambda session, chosen: draw_rectified(session.snapshot, _bodies(session))),
-    "facing": Drawing("facing", _bowl),
 }
-
-
-def cards(name: str, numbers: tuple[str, ...]) -> str:
-    """The page's equations with these numbers, of a state."""
-    drawn = equations.draw_equations(states.session(name).snapshot, states.chosen(name))
-    found = re.findall(r'<div class="vi-eq">.*?</div>', drawn, re.DOTALL)
-    kept = [card for card in found if re.match(r'<div class="vi-eq"><b>([^<]*)</b>', card)[1] in numbers]
-    if len(kept) != len(numbers):
-        raise ValueError(f"the page shows no equations {numbers} in the state {name!r}")
-    return "".join(kept)
 
 
 class DrawingDirective(SphinxDirective):
@@ -137,7 +101,7 @@ class DrawingDirective(SphinxDirective):
             raise ExtensionError(f"{self.env.docname}, line {self.lineno}: no drawing {name!r}")
         drawing = DRAWINGS[name]
         inside = drawing.draw(states.session(drawing.state), states.chosen(drawing.state))
-        inside = ASK.sub("", inside) + _numbers(drawing)
+        inside = ASK.sub("", inside)
         figure = nodes.container("", classes=["figure", f"figure-{name}"])
         figure += nodes.raw("", f'<div class="drawn">{inside}</div>', format="html")
         words = nodes.container("", classes=["words"])
@@ -147,11 +111,6 @@ class DrawingDirective(SphinxDirective):
         words += nodes.raw("", f"<p><a {told}>Open the page in this state</a></p>", format="html")
         figure += words
         return [figure]
-
-
-def _numbers(drawing: Drawing) -> str:
-    shown = cards(drawing.state, drawing.equations) if drawing.equations else ""
-    return f'<div class="vi-eqs">{shown}</div>' if shown else ""
 
 
 def add_to(app: Sphinx) -> None:

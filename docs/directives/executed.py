@@ -20,7 +20,7 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
-from sphinx.util.docutils import SphinxDirective
+from sphinx.util.docutils import SphinxDirective, SphinxRole
 
 from viewimit.commands.cli import main
 
@@ -124,6 +124,18 @@ class Python(SphinxDirective):
         return found if "hidden" in self.options else [literal(code, "python"), *found]
 
 
+class Value(SphinxRole):
+    """The value of a Python expression, which knows what the page's examples have done, as text of a sentence."""
+
+    def run(self) -> tuple[list[nodes.Node], list[nodes.system_message]]:
+        where = f"{self.env.docname}, line {self.lineno}"
+        try:
+            _, value = execute(self.text, workspace(self.env.docname), where)
+        except Exception as error:
+            raise ExtensionError(f"{where}: {self.text} fails: {error!r}") from error
+        return [nodes.Text(str(value))], []
+
+
 class Console(SphinxDirective):
     """Lines that begin with `$ viewimit`, which know what the page's Python has done, or with `$ python FILE`, which
     do not; what they print is added. :status: is the last one's, 0 unless it is given; messages are shown where it is
@@ -197,6 +209,7 @@ def _close(app: Sphinx, error: Exception | None) -> None:
 
 def add_to(app: Sphinx) -> None:
     app.add_directive("run-python", Python)
+    app.add_role("value", Value())
     app.add_directive("run-console", Console)
     app.add_directive("file", File)
     app.connect("build-finished", _close)

@@ -1,36 +1,78 @@
-"""The gallery's replays, made by docs/gallery.py beside the pages; where that is not there, there is no such page."""
+"""The gallery: replays of docs/gallery.toml, each of a run that repeats itself to the last bit, with their pictures."""
 
-from importlib import import_module
+import html
+import shutil
 from pathlib import Path
+from typing import Any
 
+import msgspec
 from docutils import nodes
 from sphinx.application import Sphinx
-from sphinx.config import Config
 from sphinx.util.docutils import SphinxDirective
 
-FOLDER, LIST = "gallery", "index.fragment.html"
+from viewimit import Session, Settings, replay
+from viewimit.loop.settings import PAPER_FIELDS
+
+DOCS = Path(__file__).parents[1]
+FOLDER = "gallery"  # beside the pages; in docs/, of the pictures that `python docs/pictures.py gallery` makes
+
+
+class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """name: of the file; robot: a URDF beside the table, in place of a scene; motions: at most so many."""
+
+    name: str
+    title: str
+    caption: str
+    settings: dict[str, Any]
+    motions: int
+    robot: str | None = None
+
+    def run(self) -> Session:
+        """Raises ValueError for settings that cannot be."""
+        settings = msgspec.convert({**PAPER_FIELDS, **self.settings}, Settings)
+        if self.robot is not None:
+            settings = msgspec.structs.replace(settings, scene=str(DOCS / self.robot))
+        session = Session(settings)
+        session.run(self.motions)
+        return session
+
+
+class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    replay: tuple[Entry, ...]
+
+
+def entries() -> tuple[Entry, ...]:
+    return msgspec.toml.decode((DOCS / "gallery.toml").read_bytes(), type=Table).replay
+
+
+def build_gallery(folder: Path) -> str:
+    """Write each replay and its picture into a folder, made if need be → HTML of the list, with links to files of that
+    folder. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    items = []
+    for entry in entries():
+        session = entry.run()
+        size = replay(session, entry.title).save(folder / f"{entry.name}.html")
+        picture = DOCS / FOLDER / f"{entry.name}.webp"
+        if picture.is_file():
+            shutil.copy(picture, folder)
+        items.append(_item(entry, session, size))
+    return f'<ul class="gallery">\n{"".join(items)}</ul>\n'
+
+
+def _item(entry: Entry, session: Session, size: int) -> str:
+    title, motions = html.escape(entry.title), session.snapshot.motion
+    image = f'<img src="{FOLDER}/{entry.name}.webp" alt="" width="640" height="400" loading="lazy">'
+    return (
+        f'<li><a href="{FOLDER}/{entry.name}.html">{image}<b>{title}</b></a>'
+        f"<p>{html.escape(entry.caption)}</p><small>{motions} steps, {size / 1e6:.2f} MB</small></li>\n"
+    )
 
 
 class Gallery(SphinxDirective):
     def run(self) -> list[nodes.Node]:
-        folder = Path(self.env.app.outdir) / FOLDER
-        import_module("gallery").build_gallery(folder)
-        listed = (folder / LIST).read_text("utf-8").replace('href="', f'href="{FOLDER}/')
-        (folder / LIST).unlink()
-        return [nodes.raw("", listed, format="html")]
-
-
-def _leave_out(app: Sphinx, config: Config) -> None:
-    """Of all pages, and of the list that the first one has."""
-    if not (Path(app.srcdir) / f"{FOLDER}.py").is_file():
-        config.exclude_patterns.append(f"{FOLDER}.md")
-        app.connect("source-read", _without_entry)
-
-
-def _without_entry(app: Sphinx, page: str, source: list[str]) -> None:
-    source[0] = source[0].replace(f"\n{FOLDER}\n", "\n") if page == "index" else source[0]
+        return [nodes.raw("", build_gallery(Path(self.env.app.outdir) / FOLDER), format="html")]
 
 
 def add_to(app: Sphinx) -> None:
     app.add_directive("gallery", Gallery)
-    app.connect("config-inited", _leave_out)

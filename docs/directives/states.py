@@ -13,11 +13,10 @@ PAGE = "http://127.0.0.1:8080/?s="  # where `viewimit` serves
 
 @dataclass(frozen=True)
 class State:
-    """settings and motions: what leads there; chosen: a body point, None for that with the largest residual; show:
+    """settings: what leads there; chosen: a body point, None for that with the largest residual; show:
     switches of the page."""
 
     settings: Settings = Settings.paper()
-    motions: int = 0
     chosen: int | None = None
     show: dict[str, bool] = field(default_factory=dict)
     runs: bool = False  # until the servo rests
@@ -25,13 +24,9 @@ class State:
 
 STATES = {
     "begin": State(Settings.paper(start_deg=(25, -45)), chosen=6),
-    "agree": State(Settings.paper(start_deg=(45, -90))),
-    "arrived": State(Settings.paper(start_deg=(25, -45)), runs=True),
     "best": State(Settings(start_deg=(25, -45)), runs=True),
-    "papers-law": State(Settings.paper(servo="gradient", start_deg=(30, -60)), motions=100),
     "unobservable": State(Settings(points=5, start_deg=(25, -45)), runs=True),
     "toed-in": State(Settings(scene="panda-toed", start_deg=(25, -45)), show={"rectified": True}),
-    "facing": State(Settings.paper(scene="panda-facing", start_deg=(25, -45)), runs=True),
 }
 
 
@@ -42,8 +37,6 @@ def session(name: str) -> Session:
     found = Session(state.settings)
     if state.runs:
         found.run()
-    for _ in range(state.motions):
-        found.step()
     return found
 
 

@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> int:
         print(f"viewimit: {escape(str(error))}", file=sys.stderr)
         return MISSED
     logging.basicConfig(format="%(asctime)s %(message)s", datefmt="%H:%M:%S", stream=sys.stderr)
-    _invite(args, listeners[0].getsockname()[1])
+    room.address = _invite(args, listeners[0].getsockname()[1])
     _say_code(room.has_own_code, code)
     print(f"answers are kept in {path}" + (f"; it has {len(found)} already" if (found := store.answers()) else ""))
     sys.stdout.flush()
@@ -145,8 +145,8 @@ def _usual_file(port: int) -> Path:
     return path
 
 
-def _invite(args: argparse.Namespace, port: int) -> None:
-    """Print what students open, and a QR code of it where others can reach it."""
+def _invite(args: argparse.Namespace, port: int) -> str:
+    """Print and return what students open, with a QR code where others can reach it."""
     from ..app.server.address import address, address_for_others
 
     root = f"{args.root_path.rstrip('/')}/"
@@ -154,7 +154,7 @@ def _invite(args: argparse.Namespace, port: int) -> None:
     print(f"the class is at {address(args.host, port)}{root}")
     if others is None:
         print("only this machine reaches it; --host 0.0.0.0 admits everybody on its network")
-        return
+        return ""
     others = others if args.address else f"{others}{root}"
     print(f"students open {others}")
     drawn = io.StringIO()
@@ -162,6 +162,7 @@ def _invite(args: argparse.Namespace, port: int) -> None:
     with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
         drawn.getvalue().encode(sys.stdout.encoding or "utf-8")
         print(drawn.getvalue())
+    return others
 
 
 def _say_code(has_own: bool, code: str) -> None:

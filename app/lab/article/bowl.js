@@ -11,7 +11,7 @@ const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DE
 /** @type {import("./frame.js").FigureKind} */
 export function bowl(frame, data) {
   const world = new World(data.scene, 10), session = sessionOf(world, DEMONSTRATOR, START);
-  const box = frame.mapPanel("ground", "E over both joints, in px². Pale is low.", "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
+  const box = frame.mapPanel("ground", "E over both joints, in px²: lowest at the cross", "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
   const ground = new Ground(frame, box, world), boxes = {L: frame.panel("L", "Picture <i>L</i> in this pose")}, images = new Images(boxes, data.hulls);
   let theta = START, demonstrator = DEMONSTRATOR;
   const place = (/** @type {number[]} */ next) => { theta = next; };

@@ -98,8 +98,8 @@ export function crossing(frame, data) {
       frame.say(`The lines cross at <b>${fixed(angle / DEGREE)}°</b>. With ${fixed(noise)} px of noise, 95 of 100 crossings lie in the ellipse. It is <b>${fixed(2 * halfAxes[0], 0)} px</b> long and <b>${fixed(2 * halfAxes[1])} px</b> wide.`);
     },
     state: () => {
-      const {angle, halfAxes} = construction();
-      return {baseline, noise, angle, halfAxes};
+      const {found, angle, halfAxes} = construction();
+      return {baseline, noise, angle, halfAxes, crossing: [found[0], found[1]]};
     },
   };
 }

@@ -1,13 +1,14 @@
 /** Why it is off: perspective, which fades as the eyes move back and zoom in. */
-import {conflict, recovered, residual, TRANSFERS, World} from "../engine/engine.js";
-import {minimise} from "../engine/minimise.js";
+import {solve} from "../engine/algebra.js";
+import {clamp, conflict, recovered, residual, TRANSFERS, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {add, drawingUnit, energyText, fixed, px, set} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
 import {Ground} from "./ground.js";
 import {sessionOf} from "./views.js";
 
-const POSE = [45 * DEGREE, -90 * DEGREE], ROUNDS = 4;
+const POSE = [45 * DEGREE, -90 * DEGREE], ROUNDS = 8;
+const DIFFERENCE_RAD = .25 * DEGREE, MAX_SHARE = 20; // of difference quotients; the longest step in these
 
 /** @type {import("./frame.js").FigureKind} */
 export function distance(frame, data) {
@@ -60,16 +61,21 @@ export function distance(frame, data) {
   };
 }
 
-/** The posture near the demonstrator's in which E is lowest. @param {World} world */
+/** The posture near the demonstrator's in which E is lowest, by Newton's method. @param {World} world of two moving joints */
 function lowest(world) {
-  const {lower, upper} = world.scene, demo = world.look("demonstrator", POSE).images, {fit} = TRANSFERS.epipolar;
-  const residuals = (/** @type {number[][]} */ thetas) => thetas.map(theta => {
-    const own = world.look("learner", theta).images;
-    return residual(fit(demo, own), demo, own);
-  });
-  let theta = POSE;
-  for (let round = 0; round < ROUNDS; round++) theta = minimise(residuals, e => conflict(e), theta, lower, upper).theta;
-  return theta;
+  const demo = world.look("demonstrator", POSE).images, {fit} = TRANSFERS.epipolar, h = DIFFERENCE_RAD;
+  const E = (/** @type {number} */ first, /** @type {number} */ second) => {
+    const own = world.look("learner", [first, second]).images;
+    return conflict(residual(fit(demo, own), demo, own));
+  };
+  let [a, b] = POSE;
+  for (let round = 0; round < ROUNDS; round++) {
+    const here = E(a, b), [right, left, up, down] = [E(a + h, b), E(a - h, b), E(a, b + h), E(a, b - h)];
+    const mixed = (E(a + h, b + h) - E(a + h, b - h) - E(a - h, b + h) + E(a - h, b - h)) / 4;
+    const step = solve([[right + left - 2 * here, mixed], [mixed, up + down - 2 * here]], [(left - right) / 2, (down - up) / 2]);
+    [a, b] = [a + h * clamp(step[0], -MAX_SHARE, MAX_SHARE), b + h * clamp(step[1], -MAX_SHARE, MAX_SHARE)];
+  }
+  return [a, b];
 }
 
 /** Arrows and the shift of the minimum against the distance, both as shares of what they are at first, on logarithmic scales. */
@@ -90,7 +96,7 @@ class Chart {
 
   /** @param {{distance: number, arrow: number, shift: number}[]} rows @param {number} here */
   draw(rows, here) {
-    const [left, top, right, bottom] = [38, 10, this.width - 12, this.height - 24], far = Math.log(rows[rows.length - 1].distance);
+    const [left, top, right, bottom] = [38, 10, this.width - 16, this.height - 24], far = Math.log(rows[rows.length - 1].distance);
     const deepest = Math.log(Math.min(...rows.map(({shift}) => shift / rows[0].shift)));
     const x = (/** @type {number} */ value) => left + (right - left) * Math.log(value) / far;
     const y = (/** @type {number} */ share) => top + (bottom - top) * Math.log(share) / deepest;

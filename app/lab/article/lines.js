@@ -6,7 +6,7 @@ import {fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
 import {imageOf, nearest, Overlay, sessionOf} from "./views.js";
 
-const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, NEAR = 0.72, FAR = 1.3, TRAIL = 15; // shares of the mark's distance
+const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, NEAR = 0.72, FAR = 1.3, FIRST = 1.2, TRAIL = 15; // shares of the mark's distance
 const AZIMUTH = -78 * DEGREE, ELEVATION = 22 * DEGREE; // from where the outside is seen
 
 /** @type {import("./frame.js").FigureKind} */
@@ -20,7 +20,7 @@ export function lines(frame, data) {
   const boxes = {l: frame.panel("l", "Picture <i>l</i>: nothing moves"), L: frame.panel("L", "Picture <i>L</i>: along a line")};
   const outside = new Outside(room, data.hulls), images = new Images(boxes, data.hulls);
   const over = {l: new Overlay(images, 0, ["vi-mark"]), L: new Overlay(images, 2, ["vi-trail", "vi-mark"])};
-  let point = HAND, share = 1, reached = [1, 1];
+  let point = HAND, share = FIRST, reached = [1, FIRST];
 
   const place = (/** @type {number} */ at) => l.centre.map((c, i) => c + at * (body[3 * point + i] - c));
   const metres = () => Math.hypot(...place(1).map((v, i) => v - l.centre[i]));
@@ -32,12 +32,12 @@ export function lines(frame, data) {
     slider.show(Math.round(100 * share));
   };
   const choose = (/** @type {number} */ next) => {
-    [point, share, reached] = [next, 1, [1, 1]];
-    slider.show(100);
+    [point, share, reached] = [next, FIRST, [1, FIRST]];
+    slider.show(100 * FIRST);
   };
 
   const slider = frame.slider({
-    label: "Slide the mark", low: 100 * NEAR, high: 100 * FAR, step: 1, value: 100,
+    label: "Slide the mark", low: 100 * NEAR, high: 100 * FAR, step: 1, value: 100 * FIRST,
     text: value => `${fixed(value / 100 * metres(), 2)} m`, moved: value => move(value / 100),
   });
   frame.button("Another point", () => choose((point + 1) % world.body.length));

@@ -9,12 +9,12 @@ from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle
 from viewimit.simulation.scene import Scene, extended, load_scene
 
-from ..lessons.situation import moved_eyes
+from ..lessons.situation import move_eyes
 from ..page import with_few_points
 
 HERE = Path(__file__).parent
 FIGURES = "lines", "crossing", "assumption", "bowl", "servo", "distance", "points"  # in the article's order
-SCENE, POINTS = "panda", 10
+SCENE = "panda"
 TURNED = {"demonstrator": {"position": [0.95, 0.825, 0.4], "yaw_deg": -45}}  # in which the smallest E is far off
 TIMES = [10 ** (k / 24) for k in range(25)]  # the distance of the eyes from the arms
 BASELINES_CM = range(10, 101, 5)
@@ -48,4 +48,4 @@ def _data() -> dict[str, Any]:
 
 def _rig(scene: Scene, slider: str, value: float) -> dict[str, Any]:
     """The cameras of a scene whose eyes are moved."""
-    return {"value": value, "cameras": engine_scene(moved_eyes(scene, POINTS, slider, value))["cameras"]}
+    return {"value": value, "cameras": engine_scene(move_eyes(scene, slider, value))["cameras"]}

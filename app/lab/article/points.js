@@ -6,7 +6,7 @@ import {DEGREE} from "./frame.js";
 import {Ground} from "./ground.js";
 import {sessionOf} from "./views.js";
 
-const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], FIRST = "4", LOW_PX2 = 1;
+const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], FIRST = "4", LOW_PX2 = 3;
 
 /** @type {import("./frame.js").FigureKind} */
 export function points(frame, data) {

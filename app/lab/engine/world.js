@@ -20,6 +20,7 @@
  * @property {Record<Who, number[]>} bases T_world_base
  * @property {Camera[]} cameras of the views l, r, L, R
  * @property {Record<string, BodyPoint[]>} layouts body points, by their number
+ * @property {number[]} [gaze] what the eyes of l and r look at, m
  *
  * @typedef {{images: Float64Array, seen: Uint8Array}} Look images of a body in a pair of views: (4 N) px, (2 N) 0 or 1
  * @typedef {{demo: Float64Array, demoSeen: Uint8Array, own: Float64Array, ownSeen: Uint8Array}} Views all four

@@ -9,7 +9,6 @@
  * @property {(key: string) => boolean} [key] whether it has taken the key
  * @typedef {Object} Host what the page does about it
  * @property {() => void} answered
- * @property {() => void} turn both knobs have been set, and the mark
  * @property {() => void} startAgain
  * @property {() => boolean} isLocked
  * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
@@ -134,25 +133,41 @@ function task(stage, host) {
 
 /** @param {Stage} stage @param {Host} host @returns {Asked} */
 function select(stage, host) {
-  const {fields = []} = stage.step.ask;
+  const {fields = [], reason = "", reasons = []} = stage.step.ask;
   /** @type {{button: HTMLButtonElement, field: number, value: number}[]} */
   const buttons = [];
   const take = (/** @type {number} */ field, /** @type {number} */ value) => {
     if (stage.isRevealed || host.isLocked()) return;
     const selected = [...stage.answer.selected ?? fields.map(() => -1)];
     selected[field] = value;
-    stage.answer = {selected};
+    stage.answer = {...stage.answer, selected};
     host.answered();
   };
   const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
-    ...values.map(({text}, value) => {
-      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)}, make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}));
+    ...values.map(({text, says}, value) => {
+      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)}, make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}, says ? make("small", {class: "says-how", html: inline(says)}) : null));
       buttons.push({button, field, value});
       return button;
     })));
+  const why = (/** @type {number} */ k) => {
+    if (stage.isRevealed || host.isLocked()) return;
+    stage.answer = {...stage.answer, reason: k};
+    host.answered();
+  };
+  const whys = reasons.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => why(k)}, make("kbd", {}, String(buttons.length + k + 1)), make("span", {html: inline(text)})));
+  const reasonsBox = make("div", {role: "group", "aria-label": plain(reason)}, make("p", {class: "label question", html: inline(reason)}), ...whys);
   return {
-    element: make("div", {class: "options fields"}, ...sets),
+    element: make("div", {class: "options fields"}, ...sets, reasonsBox),
     update() {
+      const isWhole = stage.answer.selected?.length === fields.length && Math.min(...stage.answer.selected) >= 0;
+      reasonsBox.hidden = !whys.length || !isWhole || stage.isRevealed && stage.answer.reason === undefined;
+      whys.forEach((option, k) => {
+        const isChosen = stage.answer.reason === k;
+        option.setAttribute("aria-pressed", String(isChosen));
+        option.className = `option${isChosen ? " chosen" : ""}`;
+        option.hidden = stage.isRevealed && !isChosen;
+        option.disabled = host.isLocked();
+      });
       for (const {button, field, value} of buttons) {
         const isChosen = stage.answer.selected?.[field] === value;
         button.setAttribute("aria-pressed", String(isChosen));
@@ -164,49 +179,49 @@ function select(stage, host) {
     key(key) {
       const one = buttons[Number(key) - 1];
       if (one) take(one.field, one.value);
-      return Boolean(one);
-    },
-  };
-}
-
-/** @param {Stage} stage @param {Host} host @returns {Asked} */
-function predict(stage, host) {
-  const button = make("button", {type: "button", class: "turn filled", onclick: host.turn}, "Turn ", make("kbd", {}, "T")), hint = make("p", {class: "hint"}), says = make("p", {class: "prediction", role: "status"});
-  const isSet = () => Boolean(stage.mark) && [...stage.sliders].some(([name, value]) => name.startsWith("knob ") && Math.abs(value) > 1e-6);
-  return {
-    element: make("div", {class: "predict"}, says, button, hint),
-    update() {
-      const last = stage.rounds[stage.rounds.length - 1], {measure: name = "", below} = stage.step.ask;
-      button.disabled = !isSet() || host.isLocked();
-      button.hidden = hint.hidden = stage.isRevealed;
-      hint.textContent = !isSet() ? touched(stage.mark ? "Now set a knob." : "Set a knob, then click where the ringed dot will go.") : "";
-      if (!last) return void says.replaceChildren();
-      const off = Math.hypot(last.mark[0] - last.to[0], last.mark[1] - last.to[1]), far = Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]);
-      says.replaceChildren(`Your prediction was `, make("b", {}, `${short(off)} px`), ` off; the dot moved ${short(far)} px. `,
-        `To the goal: ${measure(stage, name ?? "").text}${below ? ` (goal: below ${below})` : ""}.`);
-    },
-    key(key) {
-      if (key.toLowerCase() !== "t" || !isSet() || stage.isRevealed) return false;
-      host.turn();
+      else if (Number(key) - 1 - buttons.length in whys && !reasonsBox.hidden) why(Number(key) - 1 - buttons.length);
+      else return false;
       return true;
     },
   };
 }
 
+/** @param {Stage} stage @returns {Asked} */
+function predict(stage) {
+  const hint = make("p", {class: "hint"}), says = make("p", {class: "prediction", role: "status"});
+  return {
+    element: make("div", {class: "predict"}, says, hint),
+    update() {
+      const last = stage.rounds[stage.rounds.length - 1], {measure: name = "", below} = stage.step.ask;
+      hint.hidden = stage.isRevealed || isSet(stage);
+      hint.textContent = !isSet(stage) ? touched(stage.mark ? "Now set a knob." : "Set a knob, then click where the ringed dot will go.") : "";
+      if (!last) return void says.replaceChildren();
+      const off = Math.hypot(last.mark[0] - last.to[0], last.mark[1] - last.to[1]), far = Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]);
+      says.replaceChildren(`Your prediction was `, make("b", {}, `${short(off)} px`), ` off; the dot moved ${short(far)} px. `,
+        `To the goal: ${measure(stage, name ?? "").text}${below ? ` (goal: below ${below})` : ""}.`);
+    },
+  };
+}
+
+/** Whether a knob and the mark are set, so that the arm may turn. @param {Stage} stage */
+export const isSet = stage => Boolean(stage.mark) && [...stage.sliders].some(([name, value]) => name.startsWith("knob ") && Math.abs(value) > 1e-6);
+
 /** @param {Stage} stage @param {Host} host @returns {Asked} */
 function bet(stage, host) {
   const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50, "aria-label": "How sure you are that it is true"});
-  const output = make("output", {class: "large-number"});
+  const output = make("output", {class: "large-number"}), which = make("p", {class: "hint"});
   input.addEventListener("input", () => {
     stage.answer = {bet: Number(input.value)};
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"), make("span", {}, "surely true"))),
+    element: make("div", {class: "number"}, which, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"), make("span", {}, "surely true"))),
     update() {
       const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
       output.textContent = words;
-      if (stage.answer.bet !== undefined) input.value = String(stage.answer.bet);
+      input.value = String(stage.answer.bet ?? 50);
+      which.textContent = stage.runs > 1 ? `Run ${stage.run + 1} of ${stage.runs}` : "";
+      which.hidden = stage.runs < 2;
       input.disabled = stage.isRevealed || host.isLocked();
       input.setAttribute("aria-valuetext", words);
       track(input);

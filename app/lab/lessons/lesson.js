@@ -16,8 +16,9 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @typedef {import("./stage.js").Mark} Mark
  * @typedef {import("./stage.js").Answer} Answer
  * @typedef {import("./step-screen.js").Screen} Screen
- * @typedef {import("./stage.js").Page & {lessons: Lesson[], links?: Record<string, string>, start?: string}} Data links: where
- *   lessons are that this page does not have, by name
+ * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
+ *   catalogue?: {name: string, title: string, short: string, about: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ *   lessons that are served, those here and others
  * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
  * @typedef {Object} Shown what a page shows, for others to follow
  * @property {string} lesson
@@ -26,12 +27,18 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {boolean} revealed
  * @property {[string, number][]} sliders
  * @property {Mark | null} mark
+ * @property {Answer} answer
+ * @property {import("./stage.js").Round[]} rounds
+ * @property {number[]} theta of the learner; empty without a step
+ * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
+ * @property {number} reveal 0 … 1
+ * @property {number} run
  * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was given, or
  *   where marks were made
  */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, LONGEST_S = 240; // of a step: to estimate what is left
-const QUESTION_S = 28, FIRST_SEEDS = 97;
+const QUESTION_S = 28, FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
 
 /** @param {Data} data */
 function begin(data) {
@@ -49,6 +56,8 @@ function begin(data) {
   let stage = null;
   /** @type {Others} */
   let others = null;
+  /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside */
+  let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, began = performance.now();
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
@@ -115,6 +124,7 @@ function begin(data) {
     const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
     for (const {name, start} of slidersOf(made)) if (!made.sliders.has(name)) made.sliders.set(name, start);
+    made.truthHidden = isTruthHidden;
     if (was) recall(made, was);
     stages.set(id, made);
     return made;
@@ -126,6 +136,8 @@ function begin(data) {
     made.mark = was.mark ?? null;
     made.rounds = was.rounds ?? [];
     made.reveal = was.revealed ? 1 : 0;
+    made.bets = was.bets ?? [];
+    made.run = was.run ?? 0;
     for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name) && !name.startsWith("knob ")) made.slide(name, value);
     if (was.motions?.length > 1 && !made.carried) {
       made.motions = was.motions;
@@ -136,8 +148,8 @@ function begin(data) {
 
   function keep() {
     if (!stage) return;
-    const {answer, mark, seed, motions, rounds, step, carried} = stage;
-    kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed, right: stage.isRevealed ? isRight(stage) : null,
+    const {answer, mark, seed, motions, rounds, step, carried, run, bets} = stage;
+    kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs, right: stage.isRevealed ? isRight(stage) : null, run, bets,
       motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders], seconds: kept().steps[step.id]?.seconds ?? 0};
     store.save(lesson.name);
     hooks.onChange();
@@ -154,11 +166,14 @@ function begin(data) {
     hooks.onChange();
   }
 
+  /** The state of viewimit's page that one came from, as its links have it. */
+  const instrument = new URLSearchParams(location.hash.slice(1)).get("page") ?? "";
   const isDealt = (/** @type {Stage} */ {step, carried}) => Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
   function remember() {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
     if (stage && isDealt(stage)) parts.push(`seed=${stage.seed}`);
+    if (instrument) parts.push(`page=${instrument}`);
     try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
   }
 
@@ -181,7 +196,6 @@ function begin(data) {
     stage = place.kind === "step" ? stageOf(place.id) : null;
     document.body.dataset.screen = place.kind;
     if (stage) {
-      stage.truthHidden = isTruthHidden;
       stage.others = others && "marks" in others ? others.marks : [];
       screen = new StepScreen($("body"), $("figures"), stage, course);
     } else if (place.kind === "before" || place.kind === "after") {
@@ -201,7 +215,7 @@ function begin(data) {
         store.forget(one.name);
         stages = new Map();
         show();
-      }, links: data.links ?? {},
+      }, catalogue: (data.catalogue ?? []).filter(({here}) => !here),
     });
     document.title = `${stage ? stage.step.title : lesson.title} · ${lesson.short}`;
     draw();
@@ -225,8 +239,8 @@ function begin(data) {
   function linkTo(target) {
     const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name), at = found?.steps.findIndex(step => step.id === id) ?? -1;
     if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () => enter(found, {kind: "step", id})};
-    const folder = data.links?.[name];
-    return folder ? {words: `${name[0].toUpperCase()}${name.slice(1)} →`, href: `${folder}#lesson=${name}&step=${id}`, go: null} : null;
+    const other = data.catalogue?.find(one => one.name === name && !one.here);
+    return other ? {words: `${other.short} →`, href: `${name}#lesson=${name}&step=${id}`, go: null} : null;
   }
 
   // Drawing
@@ -310,9 +324,13 @@ function begin(data) {
     if (now.lesson !== shown.lesson || now.step !== shown.step || now.seed !== shown.seed) hooks.goTo(shown.lesson, shown.step, shown.seed);
     else if (now.revealed && !shown.revealed) restart(shown.seed);
     if (!stage) return;
-    stage.mark = shown.mark;
+    const {moment} = stage;
+    Object.assign(stage, {mark: shown.mark, answer: shown.answer, rounds: shown.rounds, run: shown.run});
     for (const [name, value] of shown.sliders) if (stage.sliders.get(name) !== value) stage.slide(name, value);
-    if (shown.revealed) hooks.reveal();
+    if (shown.motions.length > 1 && !stage.carried) stage.motions = shown.motions;
+    if (shown.theta.length && shown.theta.some((v, k) => v !== moment.theta[k])) stage.observe(shown.theta);
+    if (shown.revealed && !stage.isRevealed) hooks.reveal();
+    redraw();
   }
 
   const hooks = {
@@ -324,6 +342,30 @@ function begin(data) {
     onQuestion: () => {},
     /** Called after anything that `state` or `summary` tells. @type {() => void} */
     onChange: () => {},
+    /** Called when the key T has hidden or shown what the learner cannot know. @type {(hidden: boolean) => void} */
+    onTruth: () => {},
+    /** In the card, above its buttons: stays empty without others. @type {HTMLElement} */
+    box: $("box"),
+    /** In the head line. @type {HTMLElement} */
+    head: $("head"),
+    data,
+    /** Put answers and place aside, and go on with a copy that is not kept. */
+    aside() {
+      if (store.aside) return;
+      keep();
+      store.putAside();
+      before = {lesson, place, seeds: new Map(seeds)};
+    },
+    /** Bring back what was put aside. */
+    back() {
+      if (!store.aside || !before) return;
+      store.putBack();
+      stages = new Map();
+      const {lesson: name, place: at, seeds: dealt} = before;
+      before = null;
+      enter(name, at);
+      seeds = dealt;
+    },
     /** @param {string} name @param {string} step @param {number} [seed] */
     goTo(name, step, seed) {
       const found = data.lessons.find(one => one.name === name);
@@ -349,7 +391,7 @@ function begin(data) {
     /** @param {boolean} on */
     hideTruth(on) {
       isTruthHidden = on;
-      if (stage) stage.truthHidden = on;
+      for (const one of stages.values()) one.truthHidden = on;
       redraw();
     },
     /** What a class has answered. @param {Others | Mark[]} given */
@@ -366,7 +408,8 @@ function begin(data) {
     /** The step as if nobody had answered it. */
     askAnew: () => { if (stage) restart(stage.seed); },
     /** @returns {Shown} */
-    state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null}),
+    state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
+      answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [], motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
     /** How far one is, for a class's overview. */
     summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length, answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,
       right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage ? stage.motions.length - 1 : 0, E: stage ? stage.moment.E : null}),
@@ -422,6 +465,10 @@ function begin(data) {
       }
       if (key === "ArrowLeft" && place.kind !== "home") return go(-1);
       if (key.toLowerCase() === "d") return recolour();
+      if (key.toLowerCase() === "t" && stage) {
+        hooks.hideTruth(!isTruthHidden);
+        return hooks.onTruth(isTruthHidden);
+      }
       return false;
     };
     if (take() !== false) event.preventDefault();
@@ -434,9 +481,10 @@ function begin(data) {
   addEventListener("hashchange", arrive);
   Object.assign(globalThis, {lesson: hooks});
   arrive();
+  dispatchEvent(new Event("lesson"));
   if (!store.keeps) note("This browser keeps nothing for this page: your answers are lost when you close it.");
 }
 
 if (typeof DecompressionStream === "undefined") fault("The lessons need a browser of 2023 or later.");
-else Promise.all([unpacked("data").json(), unpacked("meshes").arrayBuffer()]).then(([data, meshes]) => begin({...data, meshes}))
+else unpacked("data").json().then(begin)
   .catch(error => { fault(`This page is damaged: ${error.message}`); throw error; });

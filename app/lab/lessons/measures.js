@@ -8,6 +8,10 @@
  */
 import {energyText} from "../view/svg.js";
 import {distance, placed, told} from "./measured.js";
+import {LIMITS_MEASURES} from "./measures_limits.js";
+import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
+import {RAY_MEASURES} from "./measures_ray.js";
+import {TOUR_MEASURES} from "./measures_tour.js";
 
 const DEGREE = Math.PI / 180;
 
@@ -56,6 +60,9 @@ function energyAt(stage, theta) {
 
 /** @type {Record<string, Measure>} */
 export const MEASURES = {
+  ...RAY_MEASURES,
+  ...TOUR_MEASURES,
+  ...JACOBIAN_MEASURES,
   "px apart": apart,
   "degrees apart": apart,
   "your bet": stage => told(stage.answer.bet ?? NaN, " %", 0),
@@ -84,6 +91,7 @@ export const MEASURES = {
   "E of your posture": stage => energy(energyAt(stage, stage.guessed)),
   "noise": stage => told(stage.session.settings.noisePx ?? 0, " px"),
   "lost points": stage => told(100 * (stage.session.settings.missing ?? 0), " %", 0),
+  ...LIMITS_MEASURES,
 };
 
 /** @param {Stage} stage @param {string} name @returns {Measured} with NaN for what nothing computes */

@@ -15,17 +15,17 @@ from typing import Any
 
 from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls
-from viewimit.drawing.export.replay import bundle, packed
+from viewimit.drawing.export.replay import bundle, packed, styles
 from viewimit.drawing.glossary import glossary
 
-from ..page import SHIPPED, served_page, styles
+from ..page import SHIPPED, served_page
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of
 
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
-STYLE_FILES = ("lessons/lesson.css",)
+STYLE_FILES = ("lessons/lesson.css", "lessons/figures/figures.css", "lessons/figures/limits.css")
 MAX_BYTES = 800_000  # of a page with one lesson
 
 

@@ -16,7 +16,7 @@ export class HomeScreen {
    * @param {Lesson[]} lessons
    * @param {Lesson} lesson
    * @param {(lesson: Lesson) => {words: string, done: number}} stateOf
-   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) => void, forget: (lesson: Lesson) => void, links: Record<string, string>}} acts
+   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) => void, forget: (lesson: Lesson) => void, catalogue: {name: string, title: string, about: string, minutes: number}[]}} acts
    */
   constructor(body, lessons, lesson, stateOf, acts) {
     this.start = () => acts.start(lesson);
@@ -31,7 +31,8 @@ export class HomeScreen {
           done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew") : null),
         make("ol", {class: "contents"}, ...one.steps.map(step => make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)}, step.title)))));
     });
-    body.replaceChildren(...cards);
+    const others = acts.catalogue.map(({name, title, about, minutes}) => make("a", {class: "other-lesson", href: name}, make("b", {}, title), make("span", {html: inline(about)}), make("small", {}, `${minutes} minutes`)));
+    body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "", make("div", {class: "others"}, ...others));
   }
 
   draw() { /* it stands still */ }

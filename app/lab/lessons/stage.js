@@ -140,9 +140,11 @@
  * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
  * @property {(box: HTMLElement, stage: Stage) => Figure} create
  */
-import {clamp, geometry, Landscape, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {stageMap} from "./maps.js";
+import {clamp, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
+const RACE_GOAL = 3; // px², of E in a race whose step names no other
 const MAX_MOTIONS = 200, MAX_RACE = 400;
 const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
 const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});
@@ -198,8 +200,6 @@ export class Stage {
     this.kept = new Map();
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
-    /** @type {Map<string, Landscape>} */
-    this.landscapes = new Map();
     /** @type {Record<string, Race>} */
     this.raced = {};
     this.scene = page.scenes[this.state.scene];
@@ -216,6 +216,11 @@ export class Stage {
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
   }
 
+  /** How many runs are bet on. */
+  get runs() {
+    return Math.min(this.step.ask.times ?? 1, this.records.runs?.length ?? 1);
+  }
+
   get hulls() {
     return this.page.hulls;
   }
@@ -229,7 +234,8 @@ export class Stage {
   /** E, or another measure, that has to be reached here or in the step that goes on here; null for none. */
   get goal() {
     const ask = this.carried && this.step.ask.kind !== "do" ? this.carried.step.ask : this.step.ask;
-    return ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
+    const reached = ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
+    return reached ?? (this.step.race?.length ? RACE_GOAL : null);
   }
 
   /** Whether the answer has been given, and the truth may be drawn. */
@@ -263,9 +269,17 @@ export class Stage {
     return this.session.observe(this.moment.thetaDemo);
   }
 
+  /** The chosen point in l and r, where it was dragged to or else as it is seen: x_l, y_l, x_r, y_r px. @param {Moment} [moment] */
+  pointed({views} = this.moment) {
+    const {chosen} = this;
+    return /** @type {Float64Array} */ (this.kept.get("dragged") ?? views.demo.subarray(4 * chosen, 4 * chosen + 4));
+  }
+
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
   recovered(moment = this.moment) {
-    return recovered(moment);
+    const found = recovered(moment);
+    if (moment.fitted && this.kept.has("dragged")) found.set(moment.fitted.recover(this.pointed(moment)), 4 * this.chosen);
+    return found;
   }
 
   /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
@@ -281,22 +295,14 @@ export class Stage {
    * @param {Moment} [moment]
    */
   line(eye, side = 0, moment = this.moment) {
-    const at = (/** @type {Float64Array} */ of) => of.subarray(4 * this.chosen, 4 * this.chosen + 4);
-    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(at(moment.views.demo), at(moment.views.own)) ?? [] : [];
+    const own = moment.views.own.subarray(4 * this.chosen, 4 * this.chosen + 4);
+    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(this.pointed(moment), own) ?? [] : [];
     return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
   }
 
-  /** E over both joints, for the demonstrator as it stands. @param {number} [stepDeg] */
+  /** E over both joints, for the demonstrator as it is seen. @param {number} [stepDeg] */
   landscape(stepDeg = 1) {
-    const {demo, demoSeen} = this.moment.views, key = `${stepDeg} ${this.session.settings.transfer}`;
-    let found = this.landscapes.get(key);
-    if (!found || found.world !== this.world) this.landscapes.set(key, found = new Landscape(this.world, stepDeg));
-    const seen = /** @type {any} */ (found);
-    if (seen.of !== demo) {
-      found.evaluate(this.session.settings.transfer, {images: demo, seen: demoSeen});
-      seen.of = demo;
-    }
-    return found;
+    return stageMap(this, stepDeg).landscape;
   }
 
   /** A servo's run from the step's start: recorded, or else computed here. @param {string} servo @returns {Race | null} */
@@ -311,6 +317,12 @@ export class Stage {
       this.raced[servo] = {postures, E, probes, status: session.now.status};
     }
     return this.raced[servo];
+  }
+
+  /** The motion of a race that reaches the goal, or else its last one. @param {Race} race */
+  last({E}) {
+    const {goal} = this, at = goal === null ? -1 : E.findIndex(value => value < goal);
+    return at < 0 ? E.length - 1 : at;
   }
 
   /** How many motions of a race are shown. @param {number} all */

@@ -29,6 +29,7 @@
  * @property {() => void} remove
  */
 import {isAnswered, isReached} from "./answers.js";
+import {isSet} from "./asks.js";
 import {Card} from "./card.js";
 import {inline, make, touched} from "./dom.js";
 import {FIGURES} from "./figures/registry.js";
@@ -54,7 +55,7 @@ export class StepScreen {
     this.stop = null;
     stage.changed = course.redraw;
     this.card = new Card(body, stage, {
-      answered: () => this.answered(), turn: () => this.turn(), startAgain: () => course.restart(stage.seed), isLocked: course.isLocked,
+      answered: () => this.answered(), startAgain: () => course.restart(stage.seed), isLocked: course.isLocked,
       bar: k => {
         const counts = course.others()?.counts, all = counts?.reduce((sum, count) => sum + count, 0) ?? 0;
         return counts && all ? {count: counts[k] ?? 0, share: (counts[k] ?? 0) / all} : null;
@@ -213,6 +214,7 @@ export class StepScreen {
     const {stage} = this, {step} = stage;
     if (stage.isRevealed) return;
     if (isUnanswered) stage.answer = {...stage.answer, shown: true};
+    if (step.ask.kind === "bet") stage.bets = Object.assign([...stage.bets], {[stage.run]: stage.answer.bet ?? null});
     this.course.note("");
     const lasts = step.play ? 1000 * step.play : step.meets ? MEET_MS : 0;
     const from = stage.moment.theta, to = stage.moment.thetaDemo;
@@ -223,6 +225,18 @@ export class StepScreen {
     }, () => this.course.keep());
     this.course.keep();
     this.body.scrollTop = 0;
+  }
+
+  /** The next claim to bet on. */
+  #nextRun() {
+    const {stage} = this;
+    stage.run++;
+    stage.answer = {};
+    stage.reveal = 0;
+    this.wantsToSee = false;
+    this.course.keep();
+    this.body.scrollTop = 0;
+    this.course.redraw();
   }
 
   /** The sliders go to a solution. */
@@ -274,8 +288,10 @@ export class StepScreen {
   /** @returns {Button} */
   primary() {
     const {stage, course} = this;
+    if (stage.isRevealed && stage.step.ask.kind === "bet" && stage.run + 1 < stage.runs) return {words: "Next run", key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
     if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(), act: () => { this.stop?.(); course.go(1); }};
     if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
+    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "Enter", filled: true, disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
     const isReady = isAnswered(stage) && stage.step.ask.kind !== "predict";
     return {words: "Show me", key: isReady ? "Enter" : undefined, filled: isReady, disabled: course.isLocked() || Boolean(this.stop), act: () => this.show()};
   }

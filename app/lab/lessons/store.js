@@ -13,6 +13,8 @@
  * @property {import("./stage.js").Round[]} rounds
  * @property {[string, number][]} sliders
  * @property {number} seconds
+ * @property {number} [run]
+ * @property {(number | null)[]} [bets]
  * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens, after: import("./questions.js").Givens, person: number}} Kept
  */
 const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
@@ -23,6 +25,8 @@ export class Store {
     this.lessons = {};
     /** Whether the browser keeps what it is given. */
     this.keeps = true;
+    /** What was kept before all was put aside. @type {Record<string, Kept> | null} */
+    this.aside = null;
     try {
       localStorage.setItem(`${PREFIX}test`, "1");
       localStorage.removeItem(`${PREFIX}test`);
@@ -42,8 +46,19 @@ export class Store {
 
   /** @param {string} lesson */
   save(lesson) {
-    if (!this.keeps) return;
+    if (!this.keeps || this.aside) return;
     try { localStorage.setItem(PREFIX + lesson, JSON.stringify(this.of(lesson))); } catch { this.keeps = false; }
+  }
+
+  /** Go on with a copy that is not kept. */
+  putAside() {
+    this.aside ??= structuredClone(this.lessons);
+  }
+
+  /** Go on with what was put aside. */
+  putBack() {
+    if (this.aside) this.lessons = this.aside;
+    this.aside = null;
   }
 
   /** @param {string} lesson */

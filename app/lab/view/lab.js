@@ -62,6 +62,18 @@ export class Lab {
     this.#entered(() => this.experiment.enter(state), true);
   }
 
+  /** Be on display again. */
+  open() {
+    this.isOpen = true;
+  }
+
+  /** Leave the display to a replay. */
+  close() {
+    this.player.play(false);
+    this.isOpen = false;
+    clearTimeout(this.landscapes.resting);
+  }
+
   /** The same experiment with other fields, from the start. @param {Partial<State>} changes */
   restart(changes) {
     this.#entered(() => this.experiment.restart(changes), true);

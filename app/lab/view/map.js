@@ -2,13 +2,14 @@
 import {clamp} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-/** @typedef {import("../engine/landscape.js").Landscape} Landscape */
+/** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground */
 
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2; // of a letter
-const PAD = {left: 46, top: 8, right: 12, bottom: 31};
+const TICK_PX = 36; // from one angle to the next
+const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
 /**
  * Marching squares: where a grid of values crosses a level, in grid units.
@@ -77,6 +78,11 @@ export class EnergyMap {
     ];
   }
 
+  /** The plot's left, top, right and bottom, px. @returns {[number, number, number, number]} */
+  get plot() {
+    return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
+  }
+
   /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
   under({clientX, clientY}) {
     const {left, top} = this.box.getBoundingClientRect();
@@ -89,7 +95,12 @@ export class EnergyMap {
     return this.posture(x, y);
   }
 
-  /** Shade E, and draw its contours. @param {Landscape} landscape @param {{lower: number[], upper: number[], joints: string[]}} range */
+  /**
+   * Shade E, and draw its contours.
+   *
+   * @param {Ground | null} landscape null for the axes alone
+   * @param {{lower: number[], upper: number[], joints: string[]}} range
+   */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -100,6 +111,10 @@ export class EnergyMap {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     set(this.over, {viewBox: `0 0 ${width} ${height}`});
+    if (!landscape) {
+      canvas.width = w; // clears it
+      return this.#axes("");
+    }
     const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
     if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
     const z = this.z;
@@ -162,9 +177,11 @@ export class EnergyMap {
   /** @param {string} labels of contours */
   #axes(labels) {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
+    const room = [bottom - PAD.top, width - left - PAD.right];
+    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
-      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd vi-mid" x="${px(a)}" y="${bottom + 17}">${text}</text>`
+      const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
+      return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
         : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
@@ -194,8 +211,10 @@ export class EnergyMap {
    * @param {number[]} what.learner
    * @param {number[] | null} what.minimum
    * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
+   * @param {number[][]} [what.later] postures still to come, of a recorded run
+   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before
    */
-  marks({demonstrator, learner, minimum, path}) {
+  marks({demonstrator, learner, minimum, path, later = [], demonstrators = []}) {
     const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
     const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];
     /** @type {number[][]} left, top, right, bottom of each name */
@@ -216,22 +235,26 @@ export class EnergyMap {
     };
     const past = path.filter(({isPast}) => isPast), since = path.slice(past.length);
     const way = `M${[...since.map(({theta}) => theta), learner].map(at).join("L")}`;
+    const line = (/** @type {string} */ kind, /** @type {number[][]} */ postures) =>
+      postures.length > 1 ? `<path class="${kind}" d="M${postures.map(at).join("L")}"/>` : "";
+    const still = (later.length ? line("vi-line-own vi-later", [learner, ...later]) : "")
+      + (demonstrator ? line("vi-line-demo", [...demonstrators, demonstrator]) : "");
     const before = past.length ? `<path class="vi-line-own vi-later" d="M${[...past.map(({theta}) => theta), since[0]?.theta ?? learner].map(at).join("L")}"/>` : "";
     const visited = since.map(({theta, probe}) => {
       const [a, b] = this.place(theta);
       return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
     }).join("");
     const cross = minimum && this.place(minimum);
-    const html = `${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
+    const html = `${still}${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
 ${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
     if (html !== this.last) this.moving.innerHTML = this.last = html;
   }
 }
 
-/** Round numbers of degrees between two, some five. @param {number} low @param {number} high */
-function nice(low, high) {
-  const step = [5, 10, 15, 30, 45, 90].find(each => (high - low) / each <= 5) ?? 90, found = [];
+/** Round numbers of degrees between two, some five. @param {number} low @param {number} high @param {number} most how many there is room for */
+function nice(low, high, most) {
+  const step = [5, 10, 15, 30, 45, 90, 180].find(each => (high - low) / each <= Math.min(5, most)) ?? 180, found = [];
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }

@@ -67,7 +67,7 @@ export class View {
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
     say($("missed"), missed(shown));
-    this.#drawSpace(world, shown);
+    this.drawSpace(world, shown);
     return moves;
   }
 
@@ -79,7 +79,7 @@ export class View {
   }
 
   /** @param {World} world @param {Shown} shown */
-  #drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
+  drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
     const {space, scene} = this;
     if (!space || !scene) return;
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);

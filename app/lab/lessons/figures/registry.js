@@ -1,12 +1,56 @@
 /** All figures of lessons, by the names that a lesson's file has. Each owner adds lines. */
-import {landscapeKind} from "./map.js";
+import {BIASES} from "./biases.js";
+import {LANDSCAPE} from "./bowl.js";
+import {CARRIED_FROM_SIDE, CARRIED_IN_L} from "./carried.js";
+import {CLOUDS} from "./clouds.js";
+import {CROSSING} from "./crossing.js";
+import {MATCHES} from "./matches.js";
+import {MENDED, ROWS} from "./mended.js";
+import {RESULTS, ROUNDS} from "./rounds.js";
+import {BETS, CLAIM, E_HISTORY, REVIEW_OF_RUNS, RUN_IMAGES} from "./sign.js";
+import {VERDICT} from "./verdict.js";
+import {eye} from "./eyes.js";
+import {counts, energies, formula, predictions, progress, standings} from "./numbers.js";
+import {outside} from "./outside.js";
+import {energyAxis, roomFromAbove} from "./room.js";
+import {dotToGoal, threeGains, turnedPicture} from "./showing.js";
 import {viewKind} from "./view.js";
 
 /** @type {Record<string, import("../stage.js").FigureKind>} */
 export const FIGURES = {
+  1: eye(1),
+  2: eye(2),
   l: viewKind("l"),
   r: viewKind("r"),
   L: viewKind("L"),
   R: viewKind("R"),
-  landscape: landscapeKind,
+  landscape: LANDSCAPE,
+  biases: BIASES,
+  crossing: CROSSING,
+  matches: MATCHES,
+  verdict: VERDICT,
+  clouds: CLOUDS,
+  mended: MENDED,
+  rows: ROWS,
+  "carried in L": CARRIED_IN_L,
+  "carried from the side": CARRIED_FROM_SIDE,
+  rounds: ROUNDS,
+  results: RESULTS,
+  claim: CLAIM,
+  "run images": RUN_IMAGES,
+  "E history": E_HISTORY,
+  bets: BETS,
+  "review of runs": REVIEW_OF_RUNS,
+  outside,
+  counts,
+  formula,
+  progress,
+  standings,
+  predictions,
+  "room from above": roomFromAbove,
+  "E axis": energyAxis,
+  "three gains": threeGains,
+  "turned picture": turnedPicture,
+  "dot to goal": dotToGoal,
+  "E of both": energies,
 };

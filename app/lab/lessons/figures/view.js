@@ -7,17 +7,19 @@
  */
 import {Outlines} from "../../view/images.js";
 import {add, drawingUnit, set} from "../../view/svg.js";
+import {LIMITS_LAYERS} from "./limits-layers.js";
+import {draggedIn} from "./dragging.js";
+import {TOUR_LAYERS, TOUR_LEGEND} from "./tour-layers.js";
 import {arm, OWN_LAYERS, OWN_LEGEND} from "./view-layers.js";
 
 const VIEWS = "lrLR", MARGIN = 14; // drawing units around the arm
 const CAPTIONS = {l: "left eye, demonstrator", r: "right eye, demonstrator", L: "left eye, own arm", R: "right eye, own arm"};
-const CORNERS = 3; // postures a joint, that a window holds where the arm may go anywhere
 
 /** Every owner adds layers here. @type {Record<string, Layer>} */
-export const VIEW_LAYERS = {...OWN_LAYERS};
+export const VIEW_LAYERS = {...OWN_LAYERS, ...TOUR_LAYERS, ...LIMITS_LAYERS};
 
 /** What their marks mean. @type {Record<string, string>} */
-const LEGEND = {...OWN_LEGEND};
+const LEGEND = {...OWN_LEGEND, ...TOUR_LEGEND};
 
 /** @param {"l" | "r" | "L" | "R"} name @returns {FigureKind} */
 export const viewKind = name => ({
@@ -39,6 +41,9 @@ class View {
     this.window = {x: 0, y: 0, scale: 1, width: 1, height: 1, unit: 1};
     this.last = "";
     this.fitted = "";
+    /** px that it shows at least: left, top, right, bottom */
+    this.span = [0, 0, 1, 1];
+    if (this.k < 2) draggedIn(this, stage);
   }
 
   /** @param {Stage} stage @param {Set<string>} layers */
@@ -80,36 +85,35 @@ class View {
     this.fitted = "";
   }
 
-  /** The window holds the arm wherever the step takes it, and what is drawn beside it. @param {Stage} stage @param {Set<string>} layers */
+  /** The window holds the arm where it begins, where it should go and wherever it has been. @param {Stage} stage @param {Set<string>} layers */
   #fit(stage, layers) {
-    const {world, step, scene, moment} = stage, {k} = this, side = k & 1;
-    const key = `${step.id} ${stage.seed} ${world.scene.cameras[k].centre} ${layers.has("recovered points")} ${k < 2 ? moment.thetaDemo : ""}`;
-    if (key === this.fitted) return;
-    this.fitted = key;
-    const {clientWidth, clientHeight} = this.box, unit = drawingUnit();
-    const who = k < 2 ? "demonstrator" : "learner", postures = k < 2 ? [moment.thetaDemo] : [moment.theta, stage.state.start, moment.thetaDemo];
-    const isFree = (step.sliders ?? []).some(({name}) => name.startsWith(k < 2 ? "demo " : "own ") || k > 1 && name.startsWith("guess "));
-    if (isFree) {
-      const angles = scene.lower.map((low, joint) => Array.from({length: CORNERS}, (_, i) => low + i / (CORNERS - 1) * (scene.upper[joint] - low)));
-      for (const first of angles[0]) for (const second of angles[1]) postures.push([first, second]);
-    }
-    const span = [Infinity, Infinity, -Infinity, -Infinity];
+    const {world, step, moment} = stage, {k} = this, side = k & 1, {clientWidth, clientHeight} = this.box;
+    const key = `${step.id} ${stage.seed} ${world.scene.cameras[k].centre} ${layers.has("recovered points")} ${clientWidth} ${clientHeight} ${drawingUnit()}`;
+    const who = k < 2 ? "demonstrator" : "learner", isNew = key !== this.fitted, span = isNew ? [Infinity, Infinity, -Infinity, -Infinity] : [...this.span];
     const hold = (/** @type {ArrayLike<number>} */ p) => {
       span[0] = Math.min(span[0], p[0]);
       span[1] = Math.min(span[1], p[1]);
       span[2] = Math.max(span[2], p[0]);
       span[3] = Math.max(span[3], p[1]);
     };
-    for (const theta of postures) {
-      const {hulls, bones} = this.outlines.of(world, who, theta, "fit")[side];
+    const holdArm = (/** @type {number[]} */ theta, /** @type {string} */ name) => {
+      const {hulls, bones} = this.outlines.of(world, who, theta, name)[side];
       hulls.flat().forEach(hold);
       bones.forEach(hold);
-    }
-    if (k > 1) for (const theta of [stage.state.start, moment.theta]) {
-      const there = stage.session.observe(theta), found = stage.recovered(there);
+    };
+    const holdRecovered = (/** @type {import("../stage.js").Moment} */ there) => {
+      const found = stage.recovered(there);
       for (const i of there.usable) hold([found[4 * i + 2 * side], found[4 * i + 2 * side + 1]]);
-    }
-    const width = Math.max(40, clientWidth) / unit, height = Math.max(40, clientHeight) / unit;
+    };
+    holdArm(k < 2 ? moment.thetaDemo : moment.theta, k < 2 ? "demo" : "own");
+    if (isNew && k > 1) for (const theta of [stage.state.start, moment.thetaDemo, ...stage.motions.map(motion => motion.theta)]) holdArm(theta, "fit");
+    if (layers.has("guessed") && k > 1) holdArm(stage.guessed, "guess");
+    if (k > 1 && layers.has("recovered points")) holdRecovered(moment);
+    if (isNew && k > 1) holdRecovered(stage.session.observe(stage.state.start));
+    if (!isNew && span.every((v, i) => Math.abs(v - this.span[i]) < .5)) return;
+    this.fitted = key;
+    this.span = span;
+    const unit = drawingUnit(), width = Math.max(40, clientWidth) / unit, height = Math.max(40, clientHeight) / unit;
     const scale = Math.min((width - 2 * MARGIN) / Math.max(span[2] - span[0], 1), (height - 2 * MARGIN) / Math.max(span[3] - span[1], 1));
     this.window = {x: (span[0] + span[2]) / 2 - width / scale / 2, y: (span[1] + span[3]) / 2 - height / scale / 2, scale, width, height, unit};
     set(this.svg, {viewBox: `0 0 ${width} ${height}`});

@@ -168,7 +168,9 @@ def test_only_who_types_the_code_is_the_lecturer_and_leaves_with_one_message(ser
     wait_until(lambda: "a wrong lecturer's code from 127.0.0.1" in server.log)
     guess.send("login", code=CODE)
     session = guess.wait("lecturer")["session"]
+    guess.send("at", lesson="tour", step="eyes")
     wait_until(lambda: len(people(lecturer)) == 3)
+    stays(lambda: len(people(lecturer)) == 3, 1)
     guess.send("logout")
     guess.wait("student")
     wait_until(lambda: len(people(lecturer)) == 4)

@@ -1,0 +1,147 @@
+/** The connection of a class: one websocket that comes back, and answers that wait until the server has kept them. */
+
+/**
+ * @typedef {{kind: string, [field: string]: any}} Message
+ * @typedef {{kind: "answer", seq: number, lesson: string, step: string, answer: Record<string, any>, round: number,
+ *   phase: string, right: boolean | null, sure: boolean | null, seconds: number | null}} Answer
+ */
+const FIRST_WAIT_MS = 400, LONGEST_WAIT_MS = 5000; // before the next try to connect
+const RESEND_MS = 60; // between two answers that are sent again
+const MAX_KEPT = 300, SEQUENCE = 1_000_000;
+const PREFIX = `viewimit-class ${location.pathname} `;
+
+/** What a browser keeps for this page: for all its tabs, for this tab, or as long as the page is open. */
+class Memory {
+  /** @param {() => Storage} storage */
+  constructor(storage) {
+    /** @type {Map<string, string>} */
+    this.own = new Map();
+    /** @type {Storage | null} */
+    this.storage = null;
+    try {
+      storage().setItem(`${PREFIX}test`, "1");
+      storage().removeItem(`${PREFIX}test`);
+      this.storage = storage();
+    } catch { /* a frame or a private window that keeps nothing */ }
+  }
+
+  /** @param {string} key */
+  get(key) {
+    return this.storage ? this.storage.getItem(PREFIX + key) : this.own.get(key) ?? null;
+  }
+
+  /** @param {string} key @param {string | null} value null forgets it */
+  set(key, value) {
+    if (value === null) this.own.delete(key);
+    else this.own.set(key, value);
+    try {
+      if (value === null) this.storage?.removeItem(PREFIX + key);
+      else this.storage?.setItem(PREFIX + key, value);
+    } catch { this.storage = null; }
+  }
+}
+export const browser = new Memory(() => localStorage);
+export const tab = new Memory(() => sessionStorage);
+
+/** Who this browser is to the class: a random number that nobody else has. */
+function token() {
+  let found = browser.get("token");
+  if (!found || !/^[0-9a-f]{32}$/.test(found)) {
+    found = [...crypto.getRandomValues(new Uint8Array(16))].map(byte => byte.toString(16).padStart(2, "0")).join("");
+    browser.set("token", found);
+  }
+  return found;
+}
+
+export class Link {
+  /** @param {(message: Message) => void} heard @param {() => void} changed the connection, or what waits */
+  constructor(heard, changed) {
+    this.heard = heard;
+    this.changed = changed;
+    this.isOpen = false;
+    this.wait = FIRST_WAIT_MS;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    /** Answers that the lecturer's limit keeps waiting, by their number. @type {Set<number>} */
+    this.held = new Set();
+    addEventListener("online", () => this.#connect());
+    document.addEventListener("visibilitychange", () => { if (!document.hidden) this.#connect(); });
+  }
+
+  open() {
+    this.#connect();
+  }
+
+  #connect() {
+    if (this.socket && this.socket.readyState <= WebSocket.OPEN) return;
+    const address = new URL("socket", location.href.replace(/[?#].*/, ""));
+    address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
+    const socket = this.socket = new WebSocket(address);
+    socket.addEventListener("open", () => {
+      const name = browser.get("name") ?? "", session = tab.get("session");
+      const linked = browser.get("unlinked") !== "yes";
+      socket.send(JSON.stringify({kind: "hello", token: token(), name, linked, ...session ? {session} : {}}));
+    });
+    socket.addEventListener("message", ({data}) => this.#hear(JSON.parse(data)));
+    socket.addEventListener("close", () => {
+      if (socket !== this.socket) return;
+      this.isOpen = false;
+      this.changed();
+      setTimeout(() => this.#connect(), this.wait * (.5 + Math.random()));
+      this.wait = Math.min(LONGEST_WAIT_MS, 1.7 * this.wait);
+    });
+  }
+
+  /** @param {Message} message */
+  #hear(message) {
+    if (message.kind === "welcome") {
+      this.isOpen = true;
+      this.wait = FIRST_WAIT_MS;
+      this.changed();
+      this.#resend();
+    } else if (message.kind === "ack" || message.kind === "refused" && !message.again) this.#drop(message.seq);
+    else if (message.kind === "refused") this.held.add(message.seq);
+    else if (message.kind === "resend") this.#resend();
+    this.heard(message);
+  }
+
+  /** What may be lost: the next one says it anew. @param {Message} message */
+  send(message) {
+    if (this.isOpen && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  /** What must arrive. An answer replaces an earlier one to the same question. @param {Omit<Answer, "kind" | "seq">} given */
+  answer(given) {
+    const seq = Math.floor(SEQUENCE * Math.random()), answer = /** @type {Answer} */ ({kind: "answer", seq, ...given});
+    const same = (/** @type {Answer} */ one) => one.lesson === given.lesson && one.step === given.step
+      && one.round === given.round && one.phase === given.phase;
+    this.#keep([...this.waiting().filter(one => !same(one)), answer]);
+    this.send(answer);
+  }
+
+  /** Answers that the server has not yet kept. @returns {Answer[]} */
+  waiting() {
+    try {
+      const found = JSON.parse(browser.get("answers") ?? "[]");
+      return Array.isArray(found) ? found : [];
+    } catch { return []; }
+  }
+
+  #resend() {
+    this.held.clear();
+    const socket = this.socket;
+    this.waiting().forEach((answer, k) => setTimeout(() => { if (socket === this.socket) this.send(answer); }, k * RESEND_MS));
+  }
+
+  /** @param {number} seq */
+  #drop(seq) {
+    this.held.delete(seq);
+    this.#keep(this.waiting().filter(one => one.seq !== seq));
+  }
+
+  /** @param {Answer[]} answers */
+  #keep(answers) {
+    browser.set("answers", answers.length ? JSON.stringify(answers.slice(-MAX_KEPT)) : null);
+    this.changed();
+  }
+}

@@ -1,0 +1,128 @@
+/**
+ * How far the smallest E is from the demonstrator, over the distance of the eyes: a curve for each transfer, both
+ * scales logarithmic, with the present distance and what the visitor said.
+ *
+ * @typedef {import("../stage.js").Stage} Stage
+ * @typedef {import("../stage.js").FigureKind} FigureKind
+ */
+import {fixed, px} from "../../view/svg.js";
+import {stageSmallest} from "../maps.js";
+import {short} from "../measured.js";
+import {farthest} from "./bowl.js";
+import {
+  axis, circles, crossHair, dots, Drawing, legend, legendHeight, Names, path, polyline, text, widthOf,
+} from "./drawing.js";
+
+const FLOOR = .01, HIGHEST = 30; // degrees; smaller ones are raised to the floor
+const ASKED = 10; // times the distance
+const DEGREES = [.01, .1, 1, 10], TIMES = [1, 3, 10, 30];
+const STYLES = new Map([["epipolar", "used"], ["linear", "second"], ["rank3", "third"], ["projective", "exact"]]);
+const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this width on, names stand beside their curves
+
+/** @typedef {{times: number[], degrees: Record<string, number[]>}} Biases */
+
+/** @type {FigureKind} */
+export const BIASES = {
+  layers: ["curves", "here", "foretold", "found"],
+  title: "From the smallest E to the demonstrator: the joint that is farthest off",
+  aspect: 1.8,
+  create(box) {
+    const drawing = new Drawing(box, "lesson-biases");
+    return {
+      resize: () => drawing.measure(),
+      draw(stage, layers) {
+        drawing.show(drawn(drawing, stage, layers), described(stage, layers));
+      },
+    };
+  },
+};
+
+/** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers */
+function drawn({width, height}, stage, layers) {
+  /** @type {Biases} */
+  const {times, degrees} = stage.records.biases, used = stage.session.settings.transfer, isWide = width >= BESIDE_FROM;
+  const shown = layers.has("curves") ? [...STYLES.keys()].filter(name => degrees[name]).reverse() : [];
+  const nameOf = (/** @type {string} */ name) =>
+    `${name.replace("rank3", "rank 3")}${Math.max(...degrees[name]) < FLOOR ? ", < 0.01°" : ""}`;
+  /** @type {[string, string, string][]} */
+  const rows = shown.toReversed().map(name => [
+    path(`lesson-bias lesson-bias-${STYLES.get(name)}`, "M0 0h30"), nameOf(name),
+    `vi-b lesson-bias-words-${STYLES.get(name)}`,
+  ]);
+  const foot = FOOT + (isWide ? 0 : legendHeight(rows, width));
+  const widest = Math.max(...[...STYLES.keys()].filter(name => degrees[name]).map(name => widthOf(nameOf(name), true)));
+  const right = width - (isWide ? widest + 14 : 12);
+  const bottom = height - foot, x = axis(1, 30, LEFT, right, true), y = axis(FLOOR, HIGHEST, bottom, HEAD, true);
+  const at = (/** @type {number} */ v, /** @type {number} */ value) =>
+    [x(v), y(Math.min(Math.max(value, FLOOR), HIGHEST))];
+  const names = new Names(LEFT, HEAD, right, bottom);
+  let svg = path("vi-rule", DEGREES.map(v => `M${LEFT} ${px(y(v))}H${px(right)}`).join(""));
+  const ticks = TIMES.map(v => `M${px(x(v))} ${px(bottom)}v4`).join("");
+  svg += path("vi-axis", `M${LEFT} ${HEAD}V${px(bottom)}H${px(right)}${ticks}`);
+  svg += DEGREES.map(v => text(LEFT - 6, y(v) + 4.5, `${v}°`, "vi-2nd vi-end")).join("");
+  svg += TIMES.map(v => text(x(v), bottom + 17, `${v} ×`, "vi-2nd vi-mid")).join("");
+  svg += text((LEFT + right) / 2, bottom + 34, "distance of the eyes", "vi-2nd vi-mid");
+  for (const name of shown) {
+    const points = degrees[name].map((value, k) => at(times[k], value));
+    names.takeLine(points, 4);
+    svg += path(`lesson-bias lesson-bias-${STYLES.get(name)}`, polyline(points));
+  }
+  const end = (/** @type {string} */ name) => y(Math.max(degrees[name][times.length - 1], FLOOR));
+  const ends = shown.map(name => ({name, at: end(name), words: nameOf(name)}));
+  svg += isWide ? besideCurves(ends, right) : legend(rows, 4, height - legendHeight(rows, width) + 6, width).drawn;
+  const here = stage.sliders.get("distance") ?? 1, now = biasNow(stage);
+  if (layers.has("here")) {
+    svg += path("lesson-here", `M${px(x(here))} ${HEAD}V${px(bottom)}`);
+    if (now !== null) svg += path("lesson-bias-dots lesson-bias-used", dots([at(here, now)]));
+    names.takeLine([[x(here), HEAD], [x(here), bottom]], 2);
+    if (now !== null) names.takePoint(at(here, now), 6);
+    svg += names.beside([x(here), HEAD + 10], "here", "");
+  }
+  const found = valueAt(ASKED, times, degrees[used]), goal = at(ASKED, found), guess = stage.answer.number;
+  if (layers.has("found")) names.takePoint(goal, 9);
+  const you = guess !== undefined && layers.has("foretold") ? at(ASKED, guess) : null;
+  if (you) names.takePoint(you, 16);
+  if (layers.has("found") && you) svg += path("lesson-apart", polyline([you, goal]));
+  if (layers.has("found"))
+    svg += path("lesson-ring", circles([goal], 6.5)) + names.beside(goal, `${short(found)}°`, "", {reach: 4});
+  if (you) svg += crossHair(you) + names.beside(you, `you: ${short(Number(guess))}°`, "", {reach: 10});
+  return svg;
+}
+
+/**
+ * Names at the ends of curves, apart from each other.
+ *
+ * @param {{name: string, at: number, words: string}[]} ends
+ * @param {number} right
+ */
+function besideCurves(ends, right) {
+  let above = Infinity;
+  return ends.sort((a, b) => b.at - a.at).map(({name, at, words}) => {
+    above = Math.min(at + 4.5, above - 16);
+    return text(right + 7, above, words, `vi-b lesson-bias-words-${STYLES.get(name)}`);
+  }).join("");
+}
+
+/** Between distances, by their logarithm. @param {number} at @param {number[]} times @param {number[]} values */
+function valueAt(at, times, values) {
+  const k = Math.max(1, times.findIndex(v => v >= at));
+  const share = Math.log(at / times[k - 1]) / Math.log(times[k] / times[k - 1]);
+  return values[k - 1] + share * (values[k] - values[k - 1]);
+}
+
+/** Degrees from the smallest E to the demonstrator as the eyes stand. @param {Stage} stage */
+function biasNow(stage) {
+  const lowest = stageSmallest(stage);
+  return lowest && farthest(lowest, stage.moment.thetaDemo);
+}
+
+/** @param {Stage} stage @param {Set<string>} layers */
+function described(stage, layers) {
+  /** @type {Biases} */
+  const {times, degrees} = stage.records.biases, used = stage.session.settings.transfer, here = biasNow(stage);
+  const words = ["How far the smallest E is from the demonstrator, over the distance of the eyes"];
+  if (here !== null) words.push(`at ${fixed(stage.sliders.get("distance") ?? 1)} times the distance ${short(here)}°`);
+  if (layers.has("found")) words.push(`at ${ASKED} times ${short(valueAt(ASKED, times, degrees[used]))}°`);
+  if (stage.answer.number !== undefined) words.push(`you said ${short(stage.answer.number)}°`);
+  return `${words.join("; ")}.`;
+}

@@ -1,0 +1,170 @@
+/**
+ * The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
+ *
+ * @typedef {import("../stage.js").Stage} Stage
+ * @typedef {import("../stage.js").FigureKind} FigureKind
+ * @typedef {Object} Way over the map
+ * @property {string} name
+ * @property {string} role you, learner, opponent or slow
+ * @property {number[][]} postures rad
+ * @property {boolean[]} probes whether each was made to learn from
+ * @property {number} best the one with the smallest E, after which it only looked for something lower
+ */
+import {stageMap, stageSmallest} from "../maps.js";
+import {EnergyMap} from "../../view/map.js";
+import {add, fixed} from "../../view/svg.js";
+import {circles, crosses, diamonds, dots, Names, path, polyline, text} from "./drawing.js";
+
+const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
+const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
+const ORDER = ["slow", "learner", "opponent", "you"]; // in which ways are drawn: where two coincide both are seen
+const TITLES = new Map([
+  ["trust-region", "trust region"], ["broyden", "Broyden"], ["gradient", "the paper's law"],
+  ["gradient-retuned", "gradient law"],
+]);
+const NOTE = "hollow: a test move", NOTE_WIDE = 122;
+const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is at its right; with its name
+
+/** @type {FigureKind} */
+export const LANDSCAPE = {
+  layers: ["relief", "smallest", "demonstrator", "paths", "others"],
+  title: "Map of E for every pose, in px²",
+  unit: "rad",
+  aspect: 1.7,
+  create(box) {
+    box.classList.add("bare", "lesson-map");
+    box.append(document.createElement("canvas"));
+    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
+    const map = new EnergyMap(box);
+    let ground = "", over = "";
+    return {
+      resize() {
+        ground = "";
+      },
+      draw(stage, layers) {
+        const {landscape, key} = layers.has("relief") ? stageMap(stage) : {landscape: null, key: ""};
+        const {lower, upper, names} = stage.world.scene;
+        const now = `${key} ${document.documentElement.dataset.scheme} ${names}`;
+        if (now !== ground) {
+          map.ground(landscape, {lower, upper, joints: names});
+          [ground, over] = [now, ""];
+        }
+        const drawn = marks(map, stage, layers);
+        if (drawn === over) return;
+        map.moving.innerHTML = over = drawn;
+        map.over.setAttribute("aria-label", described(stage, layers));
+      },
+      place: (_, theta) => /** @type {[number, number]} */ (map.place([...theta]).map(v => v * map.unit)),
+      unplace: (_, [x, y]) => /** @type {[number, number]} */ (map.posture(x / map.unit, y / map.unit)),
+    };
+  },
+};
+
+/** The visitor's mark, where it is asked for. @param {Stage} stage */
+const markOf = ({step: {ask}, mark}) => ask.kind === "place" && ask.figure === "landscape" ? mark : null;
+
+/** @param {EnergyMap} map @param {Stage} stage @param {Set<string>} layers */
+function marks(map, stage, layers) {
+  const place = (/** @type {ArrayLike<number>} */ theta) => map.place([theta[0], theta[1]]);
+  const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
+  const demo = layers.has("demonstrator") ? place(stage.moment.thetaDemo) : null;
+  const cross = lowest && place(lowest), ways = waysOf(stage, layers), names = new Names(...map.plot);
+  for (const each of [cross, demo]) if (each) names.takePoint(each, 9);
+  if (mark) takeMark(names, place(mark), stage.isRevealed ? cross : null);
+  let below = "", above = "";
+  for (const way of ways) {
+    const points = way.postures.map(place);
+    names.takeLine(points);
+    below += drawnWay(points, way);
+  }
+  if (cross) above += path("lesson-cross-case", crosses([cross], 8)) + path("vi-cross", crosses([cross], 8));
+  if (demo) above += path("vi-seen", diamonds([demo], 6.5));
+  for (const way of ways)
+    above += names.beside(place(way.postures[way.best]), way.name, `lesson-way-${way.role}-words`, {reach: 3});
+  if (demo) above += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
+  if (cross) above += names.beside(cross, "smallest E", "");
+  if (ways.some(({probes, best}) => probes.slice(0, best + 1).some(Boolean))) above += noted(map.plot, names);
+  for (const level of map.standing.querySelectorAll(".vi-level")) {
+    const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
+    level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
+  }
+  return below + above;
+}
+
+/**
+ * Leave the visitor's mark free, its name, and the pill between it and the truth.
+ *
+ * @param {Names} names
+ * @param {number[]} mark
+ * @param {number[] | null} truth
+ */
+function takeMark(names, [x, y], truth) {
+  names.takePoint([x, y], 18);
+  if (x < NEAR_EDGE) names.take([x, y - 10, x + MARK_WIDE, y + 10]);
+  else names.take([x - MARK_WIDE, y - 10, x, y + 10]);
+  if (truth) names.takePoint([(x + truth[0]) / 2, (y + truth[1]) / 2], 16);
+}
+
+/** What hollow marks are, in a corner that is free. @param {number[]} plot @param {Names} names */
+function noted([left, top, right, bottom], names) {
+  for (const y of [bottom, top + 24]) for (const x of [right - NOTE_WIDE, left + 8]) {
+    if (!names.isFree([x, y - 21, x + NOTE_WIDE - 6, y - 3])) continue;
+    names.take([x, y - 21, x + NOTE_WIDE - 6, y - 3]);
+    return text(x, y - 8, NOTE, "vi-2nd vi-halo");
+  }
+  return "";
+}
+
+/** Cased in paper, so that it reads on any shade. @param {number[][]} points @param {Way} way */
+function drawnWay(points, {role, best, probes}) {
+  const until = points.slice(0, best + 1), line = polyline(until), kind = `lesson-way lesson-way-${role}`;
+  const after = path(`${kind} lesson-way-on`, polyline(points.slice(best)));
+  const drawn = after + path("lesson-way-case", line) + path(kind, line);
+  if (points.length > MOST_DOTS) return drawn;
+  return drawn + path(`lesson-way-dots lesson-way-${role}`, dots(until.filter((_, k) => !probes[k])))
+    + path(`lesson-way-probes lesson-way-${role}`, circles(until.filter((_, k) => probes[k]), 3.6));
+}
+
+/** By servo. @param {Stage} stage */
+const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
+  const race = stage.race(servo);
+  return race ? [/** @type {const} */ ([servo, race])] : [];
+});
+
+/** The visitor's own way and those of servos, as far as shown. @param {Stage} stage @param {Set<string>} layers */
+function waysOf(stage, layers) {
+  /** @type {Way[]} */
+  const ways = [];
+  if (layers.has("others")) {
+    const races = racesOf(stage), longest = Math.max(1, ...races.map(([, race]) => race.postures.length));
+    const shown = 1 + stage.played(longest);
+    for (const [servo, race] of races) {
+      const E = race.E.slice(0, shown), name = races.length === 1 ? "the learner" : TITLES.get(servo) ?? servo;
+      ways.push({name, role: ROLES.get(servo) ?? "slow", postures: race.postures.slice(0, shown), probes: race.probes,
+        best: E.indexOf(Math.min(...E))});
+    }
+  }
+  if (layers.has("paths") && stage.motions.length > 1) {
+    const postures = stage.motions.map(({theta}) => theta);
+    ways.push({name: "you", role: "you", postures, probes: postures.map(() => false), best: postures.length - 1});
+  }
+  return ways.sort((a, b) => ORDER.indexOf(a.role) - ORDER.indexOf(b.role));
+}
+
+/** Degrees, of the joint that is farthest. @param {ArrayLike<number>} a @param {ArrayLike<number>} b rad */
+export const farthest = (a, b) => Math.max(...Array.from(a, (v, k) => Math.abs(v - b[k]))) / DEGREE;
+
+/** @param {Stage} stage @param {Set<string>} layers */
+function described(stage, layers) {
+  const {names} = stage.world.scene, words = [`Map of E: ${names[0]} upwards, ${names[1]} to the right`];
+  const at = (/** @type {ArrayLike<number>} */ theta) =>
+    names.map((name, k) => `${name} ${fixed(theta[k] / DEGREE, 0)}°`).join(", ");
+  if (!layers.has("relief")) words.push("it is empty");
+  const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
+  if (lowest) words.push(`E is smallest at ${at(lowest)}`);
+  if (layers.has("demonstrator")) words.push(`the demonstrator is at ${at(stage.moment.thetaDemo)}`);
+  if (mark) words.push(`your mark is at ${at(mark)}`);
+  for (const {name, postures, best} of waysOf(stage, layers))
+    words.push(`the way of ${name} ends at ${at(postures[best])}`);
+  return `${words.join("; ")}.`;
+}

@@ -1,0 +1,28 @@
+/** Cards and tables as HTML, for figures that are words and numbers. */
+import {escaped} from "./drawing.js";
+
+const ICONS = {
+  learner: '<svg viewBox="0 0 16 16" aria-hidden="true"><circle cx="8" cy="8" r="6"/></svg>',
+  truth: '<svg viewBox="0 0 16 16" aria-hidden="true"><path d="M8 1l7 7-7 7-7-7z"/></svg>',
+};
+
+/**
+ * A card with a small head.
+ *
+ * @param {"learner" | "truth" | "plain"} kind
+ * @param {string} head
+ * @param {string} bold its main sentence; empty for none
+ * @param {string} [more] HTML after it
+ */
+export function card(kind, head, bold, more = "") {
+  const icon = kind === "plain" ? "" : ICONS[kind], said = bold ? `<b>${escaped(bold)}</b>` : "";
+  return `<div class="lesson-says lesson-says-${kind}"><small>${icon}${escaped(head)}</small>${said}${more}</div>`;
+}
+
+/** @param {string[]} heads @param {string[][]} rows words, escaped here; the first cell of a row is its name */
+export function table(heads, rows) {
+  const cells = (/** @type {string[]} */ of, /** @type {string} */ tag) =>
+    `<tr>${of.map(each => `<${tag}>${escaped(each)}</${tag}>`).join("")}</tr>`;
+  const body = rows.map(row => cells(row, "td")).join("");
+  return `<table><thead>${cells(heads, "th")}</thead><tbody>${body}</tbody></table>`;
+}

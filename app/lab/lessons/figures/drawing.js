@@ -1,0 +1,299 @@
+/**
+ * Drawings of lessons: SVG as large as its box, in units that grow with the page's letters, and names that keep clear
+ * of each other.
+ *
+ * @typedef {[number, number]} Place in units of a drawing
+ * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing
+ */
+import {add, drawingUnit, px, set} from "../../view/svg.js";
+
+const LINE = 16, LETTER_PX = 12.5; // height of a line, size of letters, in units
+const BESIDE = [[1, -.5], [-1, -.5], [1, .5], [-1, .5], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a mark: right, down
+const REACHES = [9, 22, 38, 58, 80, 110, 150]; // units from a mark to its name: from the second on, a line leads there
+const PILL_HIGH = 21;
+
+/** @type {CanvasRenderingContext2D | null} */
+let brush = null;
+/** @type {Map<string, number>} */
+const widths = new Map();
+
+/** How wide words are, in units. @param {string} words @param {boolean} [bold] @param {number} [size] of letters */
+export function widthOf(words, bold = false, size = LETTER_PX) {
+  const font = `${bold ? 600 : 400} ${size}px Inter,system-ui,sans-serif`, key = font + words;
+  let found = widths.get(key);
+  if (found === undefined) {
+    brush ??= /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
+    brush.font = font;
+    widths.set(key, found = brush.measureText(words).width);
+  }
+  return found;
+}
+
+export class Drawing {
+  /** @param {HTMLElement} box @param {string} kind class of the drawing */
+  constructor(box, kind) {
+    this.box = box;
+    box.classList.add("bare");
+    this.svg = add(box, "svg", {class: `vi lesson-drawing ${kind}`, role: "img"});
+    this.unit = 1;
+    this.width = 1;
+    this.height = 1;
+    this.last = "";
+    this.measure();
+  }
+
+  /** The drawing takes the size of its box. */
+  measure() {
+    this.unit = drawingUnit();
+    this.width = Math.max(this.box.clientWidth, 40) / this.unit;
+    this.height = Math.max(this.box.clientHeight, 40) / this.unit;
+    set(this.svg, {viewBox: `0 0 ${px(this.width)} ${px(this.height)}`});
+  }
+
+  /** @param {string} inside SVG @param {string} label what is seen, in words */
+  show(inside, label) {
+    set(this.svg, {"aria-label": label});
+    if (inside !== this.last) this.svg.innerHTML = this.last = inside;
+  }
+
+  /** Where a pointer is, in units. @param {{clientX: number, clientY: number}} event @returns {Place} */
+  under(event) {
+    const {left, top} = this.svg.getBoundingClientRect();
+    return [(event.clientX - left) / this.unit, (event.clientY - top) / this.unit];
+  }
+}
+
+/** Occupied rectangles of a drawing: a name goes where nothing is yet. */
+export class Names {
+  /** @param {number} left @param {number} top @param {number} right @param {number} bottom within which names stay */
+  constructor(left, top, right, bottom) {
+    this.bounds = {left, top, right, bottom};
+    /** @type {Rectangle[]} */
+    this.taken = [];
+  }
+
+  /** @param {...Rectangle} rectangles that no name may cover */
+  take(...rectangles) {
+    this.taken.push(...rectangles);
+  }
+
+  /** @param {number[]} at @param {number} radius */
+  takePoint([x, y], radius) {
+    this.take([x - radius, y - radius, x + radius, y + radius]);
+  }
+
+  /** @param {number[][]} points of a polyline @param {number} [clear] units on both sides that names leave free */
+  takeLine(points, clear = 3) {
+    for (let k = 1; k < points.length; k++) {
+      const [a, b] = [points[k - 1], points[k]], steps = Math.ceil(Math.hypot(b[0] - a[0], b[1] - a[1]) / 6);
+      for (let i = 0; i <= steps && steps < 400; i++)
+        this.takePoint([a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps], clear);
+    }
+  }
+
+  /** @param {Rectangle} box */
+  isFree([left, top, right, bottom]) {
+    const {bounds, taken} = this;
+    return left >= bounds.left && right <= bounds.right && top >= bounds.top && bottom <= bounds.bottom
+      && taken.every(other => right <= other[0] || left >= other[2] || bottom <= other[1] || top >= other[3]);
+  }
+
+  /**
+   * A name beside a mark, in the first free place, with a line that leads there where it is far; empty without a place.
+   *
+   * @param {number[]} at
+   * @param {string} words
+   * @param {string} kind classes of the words
+   * @param {{lead?: string, reach?: number, clear?: number}} [options] lead: class of the line; reach: added to the
+   *   distance from the mark; clear: the mark's radius, where a line begins
+   */
+  beside(at, words, kind, {lead = "vi-lead", reach = 0, clear = 6} = {}) {
+    const wide = widthOf(words, true) + 4;
+    for (const [k, out] of REACHES.entries()) for (const [right, down] of BESIDE) {
+      const away = out + reach, x = at[0] + right * away + (right - 1) * wide / 2;
+      const y = at[1] + down * (right && k ? 2 : 1) * away + (right ? 0 : down * LINE / 2) - LINE / 2;
+      /** @type {Rectangle} */
+      const box = [x, y, x + wide, y + LINE];
+      if (!this.isFree(box)) continue;
+      this.take(box);
+      const near = [Math.min(Math.max(at[0], box[0]), box[2]), Math.min(Math.max(at[1], box[1] + 3), box[3] - 3)];
+      const long = Math.hypot(near[0] - at[0], near[1] - at[1]);
+      const from = Math.min(clear, long) / Math.max(long, 1e-9);
+      const line = k || reach > clear ? `<path class="${lead}" d="M${px(at[0] + (near[0] - at[0]) * from)} ${
+        px(at[1] + (near[1] - at[1]) * from)}L${px(near[0])} ${px(near[1])}"/>` : "";
+      return line + text(x + 2, y + 12.5, words, `${kind} vi-b vi-halo`);
+    }
+    return "";
+  }
+}
+
+/** @param {string} words */
+export const escaped = words => words.replace(/[&<>"]/g, c => `&#${c.charCodeAt(0)};`);
+
+/** @param {number} x @param {number} y of the base line @param {string} words @param {string} [kind] */
+export const text = (x, y, words, kind = "") =>
+  `<text class="${kind}" x="${px(x)}" y="${px(y)}">${escaped(words)}</text>`;
+
+/** @param {string} kind @param {string} d @param {string} [more] attributes */
+export const path = (kind, d, more = "") => d ? `<path class="${kind}" d="${d}"${more}/>` : "";
+
+/** Data of a path through points; one that is not finite parts it. @param {number[][]} points */
+export function polyline(points) {
+  let d = "", pen = "M";
+  for (const [x, y] of points) {
+    const isThere = Number.isFinite(x) && Number.isFinite(y);
+    if (isThere) d += `${pen}${px(x)} ${px(y)}`;
+    pen = isThere ? "L" : "M";
+  }
+  return d;
+}
+
+/** @param {number[][]} points */
+export const dots = points => points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("");
+
+/** @param {number[][]} points @param {number} r half a diagonal */
+export const diamonds = (points, r) =>
+  points.map(([x, y]) => `M${px(x - r)} ${px(y)}l${r}-${r} ${r} ${r}-${r} ${r}z`).join("");
+
+/** @param {number[][]} points @param {number} r */
+export const circles = (points, r) => points.map(([x, y]) =>
+  `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`).join("");
+
+/** Upright crosses. @param {number[][]} points @param {number} r */
+export const crosses = (points, r) =>
+  points.map(([x, y]) => `M${px(x - r)} ${px(y)}h${2 * r}m-${r}-${r}v${2 * r}`).join("");
+
+/**
+ * Arrows from points to others, short ones without a tip.
+ *
+ * @param {number[][]} from
+ * @param {number[][]} to
+ * @param {number} [head]
+ */
+export function arrows(from, to, head = 6) {
+  let lines = "", tips = "";
+  from.forEach(([a, b], k) => {
+    const [c, d] = to[k], long = Math.hypot(c - a, d - b);
+    if (!Number.isFinite(long)) return;
+    lines += `M${px(a)} ${px(b)}L${px(c)} ${px(d)}`;
+    if (long < head) return;
+    const u = (c - a) / long * head, v = (d - b) / long * head;
+    tips += `M${px(c)} ${px(d)}L${px(c - u - v / 2)} ${px(d - v + u / 2)}L${px(c - u + v / 2)} ${px(d - v - u / 2)}z`;
+  });
+  return path("vi-e", lines) + path("vi-tip", tips);
+}
+
+/** The visitor's own mark: a cross hair. @param {number[]} at @param {Names} [names] with which it gets its own */
+export function crossHair([x, y], names) {
+  names?.takePoint([x, y], 16);
+  const name = names?.beside([x, y], "your mark", "", {reach: 10}) ?? "";
+  const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
+    `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
+  return `${path("lesson-you-case", hair)}${path("lesson-you", hair)}${name}`;
+}
+
+/**
+ * Words on a pill beside the middle of a line, or on it, where nothing is yet.
+ *
+ * @param {number[]} at
+ * @param {number[]} to
+ * @param {string} words
+ * @param {Names} names
+ */
+export function pill(at, to, words, names) {
+  const wide = widthOf(words, true) + 18, long = Math.hypot(to[0] - at[0], to[1] - at[1]);
+  const [u, v] = long < 1 ? [1, 0] : [(to[0] - at[0]) / long, (to[1] - at[1]) / long];
+  for (const away of [0, 26, -26, 44, -44, 66, -66, 90, -90, 130, -130]) {
+    if (!away && long < wide + 60) continue;
+    const x = (at[0] + to[0]) / 2 - v * away * (1 + Math.abs(v)), y = (at[1] + to[1]) / 2 + u * away;
+    /** @type {Rectangle} */
+    const box = [x - wide / 2, y - PILL_HIGH / 2, x + wide / 2, y + PILL_HIGH / 2];
+    if (!names.isFree(box)) continue;
+    names.take(box);
+    return `<rect class="lesson-pill" x="${px(box[0])}" y="${px(box[1])}" width="${px(wide)}" height="${PILL_HIGH}"
+ rx="${PILL_HIGH / 2}"/>${text(x, y + 4.5, words, "lesson-pill-words vi-b vi-mid")}`;
+  }
+  return "";
+}
+
+/**
+ * Rows that explain lines or marks, beside each other where there is room, and their height.
+ *
+ * @param {[string, string, string?][]} rows sample around (15, 0), 30 wide; words; classes of the words
+ * @param {number} x
+ * @param {number} y of the first row's middle
+ * @param {number} width
+ * @returns {{drawn: string, height: number}}
+ */
+export function legend(rows, x, y, width) {
+  let left = x, row = 0, drawn = "";
+  for (const [sample, words, kind] of rows) {
+    const wide = 38 + widthOf(words, true) + 18;
+    if (left > x && left + wide - 14 > x + width) [left, row] = [x, row + 1];
+    const down = y + 19 * row;
+    drawn += `<g transform="translate(${px(left)} ${px(down)})">${sample}</g>`;
+    drawn += text(left + 37, down + 4.5, words, kind);
+    left += wide;
+  }
+  return {drawn, height: rows.length ? 19 * (row + 1) : 0};
+}
+
+/** How high `legend` would be. @param {[string, string, string?][]} rows @param {number} width */
+export const legendHeight = (rows, width) => legend(rows, 0, 0, width).height;
+
+/**
+ * An axis: values to places.
+ *
+ * @param {number} low
+ * @param {number} high
+ * @param {number} from place of the low value
+ * @param {number} to
+ * @param {boolean} [logarithmic]
+ */
+export function axis(low, high, from, to, logarithmic = false) {
+  const of = logarithmic ? Math.log : (/** @type {number} */ v) => v;
+  return (/** @type {number} */ value) => from + (to - from) * (of(value) - of(low)) / (of(high) - of(low));
+}
+
+/**
+ * @param {string} kind
+ * @param {number} x
+ * @param {number} y
+ * @param {number} width
+ * @param {number} height
+ * @param {number} [round] radius of the corners
+ */
+export const rectangle = (kind, x, y, width, height, round = 0) =>
+  `<rect class="${kind}" x="${px(x)}" y="${px(y)}" width="${px(Math.max(width, 0))}" height="${px(Math.max(height, 0))}"
+ rx="${round}"/>`;
+
+/** A drawing that cuts off what leaves its box. @param {Rectangle} box @param {string} inside in the same units */
+export const within = ([left, top, right, bottom], inside) => {
+  const [x, y, width, height] = [left, top, Math.max(right - left, 1), Math.max(bottom - top, 1)].map(px);
+  const size = `width="${width}" height="${height}" viewBox="${x} ${y} ${width} ${height}"`;
+  return `<svg x="${x}" y="${y}" ${size}>${inside}</svg>`;
+};
+
+/** @param {number[][]} points @returns {{low: [number, number], high: [number, number]}} */
+export const extent = points => {
+  const all = (/** @type {number} */ k) => points.map(p => p[k]);
+  return {low: [Math.min(...all(0)), Math.min(...all(1))], high: [Math.max(...all(0)), Math.max(...all(1))]};
+};
+
+/** From points to places in a rectangle, as large as fits. @param {number[][]} points @param {Rectangle} box */
+export function fitted(points, [left, top, right, bottom]) {
+  const {low, high} = extent(points);
+  const scale = Math.min((right - left) / (high[0] - low[0]), (bottom - top) / (high[1] - low[1]));
+  const middle = [(left + right) / 2, (top + bottom) / 2];
+  const place = (/** @type {number[]} */ p) => middle.map((v, k) => v + (p[k] - (low[k] + high[k]) / 2) * scale);
+  return {scale, place};
+}
+
+/** Powers of ten around values, and those that have room. @param {number[]} values @param {number} most ticks */
+export function decades(values, most) {
+  const first = Math.floor(Math.log10(Math.min(...values)));
+  const last = Math.max(first + 1, Math.ceil(Math.log10(Math.max(...values))));
+  const every = Math.ceil((last - first) / Math.max(1, most - 1)), ticks = [];
+  for (let k = first; k <= last; k += every) ticks.push(Number(`1e${k}`));
+  return {from: 10 ** first, to: 10 ** last, ticks};
+}

@@ -1,0 +1,204 @@
+/**
+ * Figures that are numbers: E with its formula, how E went, who came how far, and what the crossing is near to.
+ *
+ * @typedef {import("../stage.js").Stage} Stage
+ * @typedef {import("../stage.js").FigureKind} FigureKind
+ * @typedef {import("../stage.js").Race} Race
+ */
+import {energyText, fixed} from "../../view/svg.js";
+import {measure} from "../measures.js";
+import {Chart, stepTicks} from "./chart.js";
+import {plain} from "./plane.js";
+
+const DEGREE = Math.PI / 180;
+const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
+const FEW = 30; // steps, of which test moves are hollow
+const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
+  "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
+  "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"],
+});
+
+/** @param {HTMLElement} box @param {string} kind */
+function holder(box, kind) {
+  const made = box.appendChild(document.createElement("div"));
+  made.className = kind;
+  return made;
+}
+
+/**
+ * An HTML figure.
+ *
+ * @param {(stage: Stage, layers: Set<string>) => [string, string]} draw its HTML and what a screen reader says
+ * @param {string} kind its class
+ * @param {Partial<FigureKind>} [about]
+ * @returns {FigureKind}
+ */
+const written = (draw, kind, about = {}) => ({
+  layers: [], ...about,
+  create: box => {
+    const made = holder(box, kind);
+    let last = "";
+    return {draw: (stage, layers) => {
+      const [html, label] = draw(stage, layers);
+      if (html === last) return;
+      made.innerHTML = last = html;
+      made.setAttribute("aria-label", label);
+      made.setAttribute("role", "group");
+    }};
+  },
+});
+
+/** E, and how near the crossing is to the learner's own point and to the ghost's. */
+export const counts = written(stage => {
+  const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
+  const rows = [["E", measure(stage, "E").text, "draw-name-E"],
+    ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
+  const html = rows.map(([name, value, kind]) => `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
+  return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
+}, "draw-counts", {aspect: 2.6});
+
+/** E as the mean of the squared arrows, each of them a square of that area. */
+export const formula = written(stage => {
+  const {moment} = stage, found = stage.recovered(), count = moment.usable.length;
+  if (!moment.fitted) return ["<p>Too few points are seen.</p>", "Too few points are seen."];
+  const squares = [0, 2].map(k => moment.usable.map(i => {
+    const [u, v] = [k, k + 1].map(at => moment.views.own[4 * i + at] - found[4 * i + at]);
+    return {i, area: u * u + v * v};
+  }));
+  const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0)), largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
+  const total = Math.max(...squares.map(all => all.reduce((sum, {area}) => sum + Math.sqrt(area), 0))) || 1;
+  const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="draw-squares"><b class="vi-name">${name}</b>
+<div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
+    const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
+    return `<span style="width:${fixed(share, 2)}%" class="${isLongest && stage.isRevealed ? "longest" : ""}"><i></i><small>${share > 4 ? i : ""}</small></span>`;
+  }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
+  const E = (sums[0] + sums[1]) / (2 * count);
+  const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
+${row(squares[0], "L", sums[0])}${row(squares[1], "R", sums[1])}
+<p class="draw-sum"><span>E = </span><span class="draw-ratio"><span>${plain(energyText(sums[0]))} + ${plain(energyText(sums[1]))}</span><span>2 · ${count} points</span></span><span> = <b class="draw-name-E">${plain(energyText(E))} px²</b></span></p>`;
+  return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ${energyText(E)} px².`];
+}, "draw-formula", {aspect: 1.3});
+
+/** E as one large number, how it went step by step, and the goal. @type {FigureKind} */
+export const progress = {
+  layers: [],
+  aspect: 1,
+  create: box => {
+    const made = holder(holder(box, "draw-progress"), "draw-inside"), words = holder(made, "draw-words");
+    const below = made.appendChild(document.createElement("div"));
+    below.className = "draw-progress-curve";
+    const chart = new Chart(below);
+    let last = "";
+    return {
+      resize: () => chart.resize(),
+      draw: stage => {
+        const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1, now = stage.moment.E;
+        const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
+        const html = `<p class="draw-big draw-name-E">E ${plain(energyText(now))}<small> px²</small></p>
+<p class="draw-note">${Number.isFinite(change) ? `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))} % by your last step` : "&nbsp;"}</p>
+<p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
+        if (html !== last) words.innerHTML = last = html;
+        const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0), end = Math.max(MIN_STEPS, steps);
+        chart.draw({
+          x: [0, end], y: [least / 1.6, most * 1.6], log: true, xTicks: stepTicks(end), xName: "steps",
+          levels: goal === null ? [] : [[goal, `goal ${goal} px²`, "goal"]],
+        }, [{points: E.map((value, k) => [k, value]), role: "E"}], `E is ${energyText(now)} px² after ${steps} steps; the goal is ${goal ?? "not given"}.`);
+      },
+    };
+  },
+};
+
+const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reach the goal
+  settled: "rests", unobservable: "cannot see a joint", "no-progress": "finds nothing lower", "too-few-points": "sees too few points",
+});
+
+/**
+ * A race's cells: steps to the goal, E and how far off there, and why it ended.
+ *
+ * @param {Stage} stage
+ * @param {Race} race
+ */
+function raceRow(stage, race) {
+  if (!stage.isRevealed) return ["?", "", "", ""];
+  const {E, postures, status} = race, last = stage.last(race), {goal} = stage;
+  const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
+  if (shown < last) return ["…", energyText(E[shown]), "", ""];
+  const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+  const isThere = goal !== null && E[last] < goal;
+  return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`, isThere ? "" : ENDS[status] ?? `after ${last} steps`];
+}
+
+/** Who came how far from the same start, the visitor first. */
+export const standings = written(stage => {
+  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal} px²`, "E", "off", ""];
+  const rows = (stage.step.race ?? []).flatMap(servo => {
+    const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
+    return race ? [[role, title, ...raceRow(stage, race)]] : [];
+  });
+  if (motions.length > 1) {
+    const {E} = motions[motions.length - 1], isThere = goal !== null && E < goal;
+    const off = measure(stage, "your error").text;
+    rows.unshift(["you", "you", isThere ? String(motions.length - 1) : "never", energyText(E), off, ""]);
+  }
+  const sample = (/** @type {string} */ role) =>
+    `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/></svg>`;
+  const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${plain(title)}</th>`
+    + `${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
+  const head = heads.map(words => `<th scope="col">${plain(words)}</th>`).join("");
+  return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
+    `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
+}, "draw-standings", {aspect: 2.2});
+
+/** How far off each prediction was. @type {FigureKind} */
+export const predictions = {
+  layers: [],
+  title: "How far off your predictions were, px",
+  aspect: 1.1,
+  create: box => {
+    const chart = new Chart(box);
+    return {
+      resize: () => chart.resize(),
+      draw: ({rounds}) => {
+        const off = rounds.map(({mark, to}) => Math.hypot(mark[0] - to[0], mark[1] - to[1])), count = Math.max(6, off.length);
+        const moved = rounds.map(({from, to}) => Math.hypot(to[0] - from[0], to[1] - from[1])), most = Math.max(20, ...off) * 1.15, last = moved[moved.length - 1] ?? 0;
+        chart.draw({
+          x: [.4, count + .6], y: [0, most], yName: last > 1 ? `the last: ${Math.round(100 * off[off.length - 1] / last)} % of the way` : "", xName: "turn",
+          xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),
+        }, off.map((value, k) => ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: `${Math.round(value)}`})),
+        rounds.length ? `Your predictions were off by ${off.map(value => Math.round(value)).join(", ")} px.` : "No prediction yet.");
+      },
+    };
+  },
+};
+
+/** E of both servos, step by step. @type {FigureKind} */
+export const energies = {
+  layers: ["curves"],
+  title: "E after each step",
+  aspect: 1.4,
+  create: box => {
+    const chart = new Chart(box);
+    return {
+      resize: () => chart.resize(),
+      draw: (stage, layers) => {
+        const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
+          const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
+          return race ? [{role, title, last: stage.last(race), probes: race.probes, E: race.E.slice(0, stage.last(race) + 1)}] : [];
+        });
+        const all = races.flatMap(({E}) => E).filter(Number.isFinite), end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
+        const shown = stage.played(end + 1);
+        const curves = races.map(({role, title, last, probes, E}) => ({
+          role, points: E.map((value, k) => [k, Math.max(value, MIN_E)]), shown: hasCurves ? shown + 1 : 1,
+          hollow: last < FEW ? E.map((_, k) => Boolean(probes[k + 1])) : [],
+          name: hasCurves ? `${title}${shown >= last ? `: ${last}` : ""}` : "",
+        }));
+        const least = Math.max(MIN_E, Math.min(...all, goal ?? Infinity));
+        const words = hasCurves ? races.map(({title, last}) => `${title}: ${last} steps`).join("; ") : "E at the start";
+        chart.draw({
+          x: [0, end], y: [least / 1.5, Math.max(...all) * 1.5], log: true, xTicks: stepTicks(end), xName: "steps",
+          yName: "E, px²", levels: goal === null ? [] : [[goal, `goal ${goal}`, "goal"]],
+        }, curves, words);
+      },
+    };
+  },
+};

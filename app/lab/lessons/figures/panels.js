@@ -1,0 +1,71 @@
+/**
+ * Small maps of E beside each other, each with its title and what it comes to.
+ *
+ * @typedef {import("../../engine/landscape.js").Landscape} Landscape
+ * @typedef {Object} MapOfE
+ * @property {string} title
+ * @property {string} words what it comes to; empty for nothing
+ * @property {{landscape: Landscape, key: string} | null} map null for a plane without relief
+ * @property {string} [instead] large words on a plane without relief
+ * @property {number[] | null} demonstrator rad
+ * @property {number[][]} lowest rad, the smallest E first
+ * @property {boolean} [apart] whether a line leads from the smallest E to the demonstrator
+ */
+import {EnergyMap} from "../../view/map.js";
+import {add} from "../../view/svg.js";
+import {crosses, diamonds, Names, path, polyline, text} from "./drawing.js";
+
+/** Boxes of a figure that has several parts. @param {HTMLElement} within @param {string} kind */
+export function part(within, kind) {
+  const box = document.createElement("div");
+  box.className = kind;
+  within.append(box);
+  return box;
+}
+
+export class MapPanel {
+  /** @param {HTMLElement} within */
+  constructor(within) {
+    this.box = part(within, "lesson-panel");
+    const head = part(this.box, "lesson-panel-head");
+    this.title = head.appendChild(document.createElement("b"));
+    this.words = head.appendChild(document.createElement("span"));
+    const box = part(this.box, "lesson-map");
+    box.append(document.createElement("canvas"));
+    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
+    this.map = new EnergyMap(box);
+    this.ground = "";
+  }
+
+  resize() {
+    this.ground = "";
+  }
+
+  /** @param {MapOfE} what @param {import("../stage.js").Scene} scene */
+  draw({title, words, map: made, instead = "", demonstrator, lowest, apart = false}, {lower, upper, names: joints}) {
+    const {map} = this, key = `${made?.key} ${document.documentElement.dataset.scheme}`;
+    this.title.textContent = title;
+    this.words.textContent = words;
+    if (key !== this.ground) map.ground(made?.landscape ?? null, {lower, upper, joints});
+    this.ground = key;
+    const [left, top, right, bottom] = map.plot, names = new Names(left, top, right, bottom);
+    const at = lowest.map(theta => map.place(theta)), demo = demonstrator && map.place(demonstrator);
+    for (const each of [...at, ...demo ? [demo] : []]) names.takePoint(each, 8);
+    let over = apart && demo && at.length ? path("lesson-apart", polyline([at[0], demo])) : "";
+    if (apart && demo && at.length) names.takeLine([at[0], demo]);
+    const cross = crosses(at.slice(1), 3.5) + crosses(at.slice(0, 1), 7.5);
+    over += path("lesson-cross-case", cross) + path("vi-cross", cross);
+    if (demo) over += path("vi-seen", diamonds([demo], 5.5));
+    if (apart && demo) over += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
+    if (apart && at.length) over += names.beside(at[0], "smallest E", "");
+    const size = instead.length > 1 ? "lesson-large" : "lesson-huge";
+    const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
+    if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
+    map.moving.innerHTML = over;
+    for (const level of map.standing.querySelectorAll(".vi-level")) {
+      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
+      level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
+    }
+    map.over.setAttribute("aria-label", `Map of E, ${title}: ${instead || words || "hidden"}`);
+  }
+}

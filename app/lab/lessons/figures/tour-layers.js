@@ -1,0 +1,186 @@
+/**
+ * Layers of the four images for the first lessons: pencils of lines by hand, a point that can be dragged, the ghost with
+ * its lines and the way to it, and goals of single points.
+ *
+ * @typedef {import("../stage.js").Stage} Stage
+ * @typedef {import("./view-layers.js").Frame} Frame
+ * @typedef {import("./view-layers.js").Layer} Layer
+ */
+import {px} from "../../view/svg.js";
+import {pencilOf} from "../measures_ray.js";
+import {arrow, clipped, diamond, disc, Names} from "./plane.js";
+import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
+
+const NEAR_PX = 2, LITTLE = 3; // px of a way that is none; drawing units of an arrow that is not drawn
+const HANDLE = 13, NUMBER = 13; // drawing units
+
+/** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
+const learnerIn = (frame, {world}, theta) => {
+  const {images} = world.look("learner", theta);
+  return (/** @type {number} */ i) => frame.of(images, i);
+};
+
+/** Names that keep clear of the arm, its points and its arrows. @param {Frame} frame @param {Stage} stage */
+function namesOver(frame, stage) {
+  const {moment, world} = stage, names = new Names(frame.width, frame.height), {layers} = frame;
+  const bones = (/** @type {number[]} */ theta, /** @type {string} */ name, /** @type {number} */ radius) => {
+    const points = frame.outlines.of(world, "learner", theta, name)[frame.side].bones.map(frame.at);
+    points.slice(1).forEach((p, k) => names.keepLine(points[k], p, radius));
+  };
+  bones(moment.theta, "own", 9);
+  if (layers.has("ghost")) bones(moment.thetaDemo, "ghost", 9);
+  for (const [found, own] of residuals(frame, stage)) {
+    names.keep(own, 5);
+    if (layers.has("recovered points")) names.keep(found, 6);
+    if (layers.has("arrows")) names.keepLine(found, own, 3);
+  }
+  const lines = [["line from l", 0, moment], ["line from r", 1, moment]];
+  for (const [layer, eye] of lines) if (layers.has(String(layer))) {
+    const line = stage.line(Number(eye), frame.side), ends = line && chord(frame, line);
+    if (ends) names.keepLine(ends[0], ends[1], 3);
+  }
+  return names;
+}
+
+/**
+ * The parts of a pencil's line in this drawing.
+ *
+ * @param {Frame} frame
+ * @param {{a: number, b: number, c: number}} line
+ */
+const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
+
+/** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
+function ways(frame, stage) {
+  const {moment, world} = stage, k = 2 * frame.side, own = moment.views.own, goal = world.look("learner", moment.thetaDemo).images;
+  const found = stage.recovered();
+  return moment.usable.map(i => {
+    const from = [own[4 * i + k], own[4 * i + k + 1]], to = [goal[4 * i + k], goal[4 * i + k + 1]];
+    const residual = Math.hypot(from[0] - found[4 * i + k], from[1] - found[4 * i + k + 1]);
+    return {i, from: frame.at(from), to: frame.at(to), way: Math.hypot(to[0] - from[0], to[1] - from[1]), residual};
+  });
+}
+
+const SHARES = [[.8, .88, .72, .62, .12, .2], [.2, .12, .28, .88, .8, .7]]; // of a line's way, where its name may stand
+const CLEAR = 60; // drawing units: a name that is this far from all points is free
+
+/**
+ * Where the name of a line stands: far from all points, and from the other line's name.
+ *
+ * @param {Frame} frame
+ * @param {Stage} stage
+ * @param {number} eye
+ * @returns {{share: number, at: number[]} | null} null without a line
+ */
+function nameOfLine(frame, stage, eye) {
+  const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line && chord(frame, line);
+  if (!ends) return null;
+  const other = eye && frame.layers.has("line from l") ? nameOfLine(frame, stage, 0) : null;
+  const points = [...residuals(frame, stage).flat(), ...other ? [other.at] : []];
+  const places = SHARES[eye].map(share => ({share, at: [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]))}));
+  const room = (/** @type {{at: number[]}} */ {at: [x, y]}) => Math.min(CLEAR, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
+  return places.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
+}
+
+/** @param {number} eye @param {string} kind @returns {Layer} */
+const lineFrom = (eye, kind) => (frame, stage) => {
+  const name = nameOfLine(frame, stage, eye), words = frame.width > 230 ? `line from ${"lr"[eye]}` : "lr"[eye];
+  return name ? lineThrough(frame, stage.line(eye, frame.side), kind, words, name.share) : "";
+};
+
+/** @type {Record<string, Layer>} */
+export const TOUR_LAYERS = {
+  "line from l": lineFrom(0, "vi-line vi-line-large"),
+  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
+  "ghost": (frame, stage) => {
+    const {moment, truthHidden, world} = stage;
+    if (frame.isDemo || truthHidden) return "";
+    const outline = frame.outlines.of(world, "learner", moment.thetaDemo, "ghost")[frame.side];
+    const at = learnerIn(frame, stage, moment.thetaDemo), names = namesOver(frame, stage);
+    const hand = outline.hulls[outline.hulls.length - 1].map(frame.at), own = frame.outlines.of(world, "learner", moment.theta, "own")[frame.side];
+    const off = (/** @type {number[]} */ p) => Math.min(...own.bones.map(frame.at).map(q => Math.hypot(p[0] - q[0], p[1] - q[1])));
+    const tip = hand.reduce((a, b) => off(b) > off(a) ? b : a);
+    outline.hulls.flat().map(frame.at).forEach(p => names.keep(p, 6));
+    if (Math.hypot(...moment.theta.map((v, k) => v - moment.thetaDemo[k])) > .05)
+      names.put("ghost", tip, "vi-2nd", {away: 9, first: [0, 1]});
+    return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(frame.shown.map(at), 4.4, "vi-goal-ring") + names.html;
+  },
+  "ghost lines": (frame, stage) => {
+    if (frame.isDemo || stage.truthHidden) return "";
+    const ghost = stage.ghost(), lines = [0, 1].map(eye => stage.line(eye, frame.side, ghost));
+    const at = learnerIn(frame, stage, stage.moment.thetaDemo)(stage.chosen);
+    return lines.map((line, eye) => lineThrough(frame, line, `draw-ghost-line${eye ? " vi-from-right" : ""}`)).join("")
+      + rings([at], 6, "vi-goal-ring");
+  },
+  "needed displacement": (frame, stage) => {
+    if (frame.isDemo || stage.truthHidden) return "";
+    const all = ways(frame, stage), names = namesOver(frame, stage);
+    all.forEach(({from, to}) => names.keepLine(from, to, 4));
+    const long = all.filter(({way}) => way > NEAR_PX).sort((a, b) => b.way / (b.residual + 1) - a.way / (a.residual + 1))[0];
+    const still = all.filter(({way}) => way < NEAR_PX).sort((a, b) => b.residual - a.residual)[0];
+    for (const {from, way, residual} of [long, still].filter(Boolean)) {
+      const [first, second] = [`${Math.round(residual)} px arrow,`, `${Math.round(way)} px to go`];
+      if (frame.width > 260) names.put(`${first} ${second}`, from, "vi-of-E", {away: 10});
+    }
+    const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE).map(({from, to}) => arrow(from, to, 9));
+    const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));
+    return `<path class="draw-way" d="${paths[0]}"/><path class="draw-way-tip" d="${paths[1]}"/>${names.html}`;
+  },
+  "pencil": (frame, stage) => {
+    const found = pencilOf(stage), lines = frame.isDemo ? found.first : found.second;
+    return lines.map(line => lineHere(frame, line)).join("");
+  },
+  "left over": (frame, stage) => {
+    if (frame.isDemo) return "";
+    const {second, left} = pencilOf(stage), {images} = frame;
+    const ends = second.map(({a, b}, i) => {
+      const p = [images[4 * i + 2 * frame.side], images[4 * i + 2 * frame.side + 1]];
+      return /** @type {[number[], number[]]} */ ([frame.at(p), frame.at([p[0] - left[i] * a, p[1] - left[i] * b])]);
+    });
+    return arrows(ends, "vi-e", "vi-tip");
+  },
+  "five points": (frame, stage) => {
+    const names = new Names(frame.width, frame.height), found = frame.layers.has("pencil") ? pencilOf(stage) : null;
+    const places = frame.shown.map(i => frame.of(frame.images, i));
+    places.forEach(p => names.keep(p, 7));
+    for (const line of found ? frame.isDemo ? found.first : found.second : []) {
+      const ends = chord(frame, line);
+      if (ends) names.keepLine(ends[0], ends[1], 3);
+    }
+    const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
+    places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own", {size: NUMBER, away: 10}));
+    return `<path class="${frame.isDemo ? "vi-seen" : "draw-own-dot"}" d="${marks}"/>${names.html}`;
+  },
+  "chosen": (frame, stage) => {
+    const {images, isDemo, shown} = frame, {chosen} = stage;
+    if (!shown.includes(chosen)) return "";
+    const [x, y] = frame.of(images, chosen);
+    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>` : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
+    return frame.layers.has("draggable") ? mark : mark + rings([[x, y]], 11, "vi-ring");
+  },
+  "draggable": (frame, stage) => {
+    if (!frame.isDemo) return "";
+    const at = stage.pointed().subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
+    return `<g class="draw-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
+  },
+  "goal": (frame, stage) => {
+    if (frame.isDemo) return "";
+    const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
+    return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
+  },
+  "predicted": (frame, {rounds}) => {
+    if (frame.isDemo || !rounds.length) return "";
+    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at), last = rounds[rounds.length - 1];
+    const off = clipped(frame.at(last.mark), frame.at(last.to), [0, 0, frame.width, frame.height]);
+    const [x, y] = frame.at(last.mark), cross = `M${px(x - 6)} ${px(y - 6)}l12 12m0-12l-12 12`;
+    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>
+<path class="draw-apart" d="${off.length ? `M${off.map(p => p.map(px).join(" ")).join("L")}` : ""}"/><path class="draw-said" d="${cross}"/>`;
+  },
+};
+
+/** What their marks mean. @type {Record<string, string>} */
+export const TOUR_LEGEND = {
+  "needed displacement": '<svg viewBox="0 0 34 12" class="vi"><path class="draw-way" d="M2 6h24"/><path class="draw-way-tip" d="M33 6l-9-4.5v9z"/></svg>the way to the ghost, which the learner cannot see',
+  "left over": '<svg viewBox="0 0 34 12" class="vi"><path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/></svg>how far a point is from its line',
+  "goal": '<svg viewBox="0 0 14 12" class="vi"><path class="draw-goal" d="M2.5 6a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z"/></svg>where a dot should go',
+};

@@ -1,0 +1,182 @@
+/**
+ * Maps of E for the figures of lessons, and where E is smallest. Images are projected once for each world, so that
+ * moving the demonstrator costs transfers only.
+ *
+ * @typedef {import("../engine/world.js").Look} Look
+ * @typedef {import("../engine/world.js").Who} Who
+ * @typedef {import("./stage.js").Stage} Stage
+ */
+import {Landscape, TRANSFERS, World, residual, conflict, select} from "../engine/engine.js";
+
+const DEGREE = Math.PI / 180;
+const COARSE_DEG = 6; // of the first grid
+const AROUND = 1.5, FINER = 9, ROUNDS = 8; // its steps to both sides of its lowest posture, postures a joint, and again
+const WORST_CONDITION = 1e6;
+export const MAP_DEG = 2;
+
+/** A world with other images, other points, or a part of the joints' range. */
+export class Altered extends World {
+  /**
+   * @param {World} world
+   * @param {Object} changes
+   * @param {World["body"]} [changes.body]
+   * @param {number[]} [changes.lower] rad
+   * @param {number[]} [changes.upper]
+   * @param {(look: Look, who: Who, theta: ArrayLike<number>) => Look} [changes.alter]
+   */
+  constructor(world, {body = world.body, lower = world.scene.lower, upper = world.scene.upper, alter = look => look}) {
+    super({...world.scene, lower, upper});
+    this.body = body;
+    this.of = world;
+    this.alter = alter;
+  }
+
+  /** @override @param {Who} who @param {ArrayLike<number>} theta */
+  look(who, theta) {
+    const seen = this.of.body === this.body ? this.of.look(who, theta) : super.look(who, theta);
+    return this.alter(seen, who, theta);
+  }
+}
+
+/** @param {string} transfer @param {Look} demo */
+const seenBy = (transfer, demo) => `${transfer} ${demo.images.join()} ${demo.seen.join("")}`;
+
+/** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */
+const maps = new WeakMap();
+
+/**
+ * The map of E. The same one comes back until something is asked for that changes it.
+ *
+ * @param {World} world
+ * @param {string} transfer
+ * @param {Look} demo what is seen of the demonstrator
+ * @param {number} [stepDeg]
+ * @returns {{landscape: Landscape, key: string}} key: differs where E does
+ */
+export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
+  const known = maps.get(world) ?? new Map(), grid = String(stepDeg), key = seenBy(transfer, demo);
+  maps.set(world, known);
+  const made = known.get(grid) ?? {landscape: new Landscape(world, stepDeg), key: ""};
+  known.set(grid, made);
+  if (made.key !== key) {
+    made.landscape.evaluate(transfer, demo);
+    made.key = key;
+  }
+  return made;
+}
+
+/** @type {WeakMap<World, {key: string, theta: number[] | null}>} */
+const minima = new WeakMap();
+
+/**
+ * The posture where E is smallest: on a coarse grid, then on ever finer ones about the lowest; null where too few
+ * points are seen.
+ *
+ * @param {World} world
+ * @param {string} transfer
+ * @param {Look} demo
+ * @returns {number[] | null} rad
+ */
+export function smallest(world, transfer, demo) {
+  const key = seenBy(transfer, demo), known = minima.get(world);
+  if (known?.key === key) return known.theta;
+  const {lower, upper} = world.scene, coarse = new Landscape(world, COARSE_DEG);
+  coarse.evaluate(transfer, demo);
+  let lowest = coarse.minimum?.theta ?? null, step = COARSE_DEG * DEGREE;
+  for (let round = 0; lowest && round < ROUNDS; round++) {
+    const near = (/** @type {number} */ side) => /** @type {number[]} */ (lowest).map((v, k) =>
+      Math.min(Math.max(v + side * AROUND * step, lower[k]), upper[k]));
+    lowest = leastWithin(world, transfer, demo, near(-1), near(1));
+    step *= 2 * AROUND / (FINER - 1);
+  }
+  minima.set(world, {key, theta: lowest});
+  return lowest;
+}
+
+/** @param {World} world @param {string} transfer @param {Look} demo @param {number[]} low @param {number[]} high rad */
+function leastWithin(world, transfer, demo, low, high) {
+  let least = Infinity, found = null;
+  for (let i = 0; i < FINER; i++) for (let j = 0; j < FINER; j++) {
+    const theta = [low[0] + (high[0] - low[0]) * i / (FINER - 1), low[1] + (high[1] - low[1]) * j / (FINER - 1)];
+    const E = energyAt(world, transfer, demo, theta);
+    if (E < least) [least, found] = [E, theta];
+  }
+  return found;
+}
+
+/**
+ * E of one posture, px²; NaN where too few points are seen.
+ *
+ * @param {World} world
+ * @param {string} transfer
+ * @param {Look} demo
+ * @param {number[]} theta
+ */
+export function energyAt(world, transfer, demo, theta) {
+  const used = matched(world, demo, theta);
+  return used ? conflict(residual(TRANSFERS[transfer].fit(used.demo, used.own), used.demo, used.own)) : NaN;
+}
+
+/**
+ * The images of the points that all four views show; null if these are too few.
+ *
+ * @param {World} world
+ * @param {Look} demo
+ * @param {number[]} theta
+ */
+function matched(world, demo, theta) {
+  const own = world.look("learner", theta), points = world.body.map((_, i) => i).filter(i =>
+    demo.seen[2 * i] && demo.seen[2 * i + 1] && own.seen[2 * i] && own.seen[2 * i + 1]);
+  return points.length < Math.min(5, world.body.length) ? null
+    : {demo: select(demo.images, points), own: select(own.images, points)};
+}
+
+/** @type {WeakMap<World, {key: string, median: number}>} */
+const conditions = new WeakMap();
+
+/**
+ * The median of cond(A) over the postures of a grid.
+ *
+ * @param {World} world
+ * @param {string} transfer
+ * @param {Look} demo
+ * @param {number} stepDeg
+ */
+export function medianCondition(world, transfer, demo, stepDeg) {
+  const key = `${stepDeg} ${seenBy(transfer, demo)}`, known = conditions.get(world);
+  if (known?.key === key) return known.median;
+  const grid = new Landscape(world, stepDeg), found = [];
+  for (let g = 0; g < grid.count; g++) {
+    const used = matched(world, demo, grid.posture(g));
+    if (used) found.push(Math.min(TRANSFERS[transfer].fit(used.demo, used.own).condition, WORST_CONDITION));
+  }
+  found.sort((a, b) => a - b);
+  const middle = (found.length - 1) / 2, median = (found[Math.floor(middle)] + found[Math.ceil(middle)]) / 2;
+  conditions.set(world, {key, median});
+  return median;
+}
+
+/** What is seen of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */
+export function demoLook(stage) {
+  const look = stage.session.observer.demo(stage.moment.thetaDemo), swapped = stage.records.swapped ?? [];
+  return swapped.length ? exchanged(look, swapped) : look;
+}
+
+/** A look whose points bear each other's names. @param {Look} look @param {number[][]} pairs @returns {Look} */
+export function exchanged({images, seen}, pairs) {
+  const order = Array.from({length: seen.length / 2}, (_, i) => i);
+  for (const [i, j] of pairs) [order[i], order[j]] = [order[j], order[i]];
+  const from = new Float64Array(images.length), shown = new Uint8Array(seen.length);
+  order.forEach((i, k) => {
+    from.set(images.subarray(4 * i, 4 * i + 4), 4 * k);
+    shown.set(seen.subarray(2 * i, 2 * i + 2), 2 * k);
+  });
+  return {images: from, seen: shown};
+}
+
+/** The map of a step. @param {Stage} stage @param {number} [stepDeg] */
+export const stageMap = (stage, stepDeg = MAP_DEG) =>
+  mapOf(stage.world, stage.session.settings.transfer, demoLook(stage), stepDeg);
+
+/** Where the map of a step is lowest, between the postures of its grid too, rad. @param {Stage} stage */
+export const stageSmallest = stage => smallest(stage.world, stage.session.settings.transfer, demoLook(stage));

@@ -1,0 +1,93 @@
+/**
+ * Measures of the lesson on rays: how far off a ray a click is, how lines run, and what matched points leave over.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Measure} Measure
+ */
+import {symmetricEigen} from "../engine/algebra.js";
+import {World} from "../engine/engine.js";
+import {placed, told} from "./measured.js";
+import {
+  angleBetween, camerasOf, crossing, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
+  rayLine, seenFromOutside, targetOf, twoCameras,
+} from "./rays.js";
+import {projectPoint} from "../engine/camera.js";
+
+const DEGREE = Math.PI / 180;
+const DIFFERENT_DEG = [25, -45]; // a posture that is not the demonstrator's, as in the tour
+const RAY_FROM = 0.02; // share of the mark's depth, at which the ray begins for a click
+
+/** Points of l and their matches in L, px. @param {World} world @param {number[]} demonstrator @param {number[]} own */
+function matches(world, demonstrator, own) {
+  const {images: demo} = world.look("demonstrator", demonstrator), {images} = world.look("learner", own);
+  return world.body.map((_, i) => [[demo[4 * i], demo[4 * i + 1]], [images[4 * i], images[4 * i + 1]]]);
+}
+
+/** The pencils of a stage's two sliders: lines in l, lines in L, and what is left over. @param {Stage} stage */
+export function pencilOf({world, moment, sliders}) {
+  const pairs = matches(world, moment.thetaDemo, moment.theta);
+  const angle = (/** @type {string} */ name) => (sliders.get(name) ?? 0) * DEGREE;
+  return pencil(pairs.map(([p]) => p), pairs.map(([, q]) => q), angle("lines in l"), angle("lines in L"));
+}
+
+/**
+ * The largest distance of a point from its line in L, if the lines are fitted to the other four.
+ *
+ * @param {number[][][]} pairs five matches
+ */
+export function fifthLeftOut(pairs) {
+  return Math.max(...pairs.map((_, left) => {
+    const rows = pairs.map(pair => pair.flat()), used = rows.filter((_, i) => i !== left);
+    const mean = [0, 1, 2, 3].map(k => used.reduce((sum, row) => sum + row[k], 0) / used.length), W = new Float64Array(16);
+    for (const row of used) for (let i = 0; i < 4; i++) for (let j = 0; j < 4; j++)
+      W[4 * i + j] += (row[i] - mean[i]) * (row[j] - mean[j]);
+    const f = symmetricEigen(W, 4).vectors[0]; // Eq. (2), of four points: their smallest eigenvalue is 0
+    return Math.abs(rows[left].reduce((sum, v, k) => sum + f[k] * (v - mean[k]), 0)) / Math.hypot(f[2], f[3]);
+  }));
+}
+
+/** Five matches of an arm in two poses. @param {Stage} stage @param {number[]} own rad */
+const fiveMatches = ({scene, moment}, own) =>
+  matches(new World(scene, 5), moment.thetaDemo, own);
+
+/** The lines of the chosen point in L, from l and from r. @param {Stage} stage */
+const both = stage => [stage.line(0), stage.line(1)];
+
+/** @type {Record<string, Measure>} */
+export const RAY_MEASURES = {
+  "px moved in picture 1": ({world, mark}) => told(mark ? movedInPicture1(world, mark) : NaN, " px", 0),
+  "the ray, from outside": ({world}) => {
+    const [camera] = twoCameras(world), mark = markOf(world);
+    return placed([RAY_FROM, LAST_SHARE].map(share => seenFromOutside(onRay(camera, mark, share))));
+  },
+  "the mark, from outside": ({world}) => placed(seenFromOutside(markOf(world))),
+  "angle between the lines": stage => {
+    const [first, second] = camerasOf(stage), lines = marksOf(stage).map(p => rayLine(second, first, p));
+    const angles = lines.flatMap((line, k) => lines.slice(k + 1).map(other => angleBetween(line, other)));
+    return told(Math.max(...angles) / DEGREE, "°", 1);
+  },
+  "px to the epipole": stage => {
+    const [first, second] = camerasOf(stage), [x, y] = epipole(second, first), [a, b] = projectPoint(second, targetOf(stage));
+    return told(Math.hypot(x - a, y - b), " px", 0);
+  },
+  "px left over": stage => told(pencilOf(stage).rms, " px"),
+  "fifth left out, alike": stage => told(fifthLeftOut(fiveMatches(stage, stage.moment.thetaDemo)), " px", 1),
+  "fifth left out, different": stage =>
+    told(fifthLeftOut(fiveMatches(stage, DIFFERENT_DEG.map(v => v * DEGREE))), " px", 0),
+  "crossing angle": stage => {
+    const [first, second] = both(stage);
+    return told(first && second ? angleBetween(first, second) / DEGREE : NaN, "°", 0);
+  },
+  "px along a px across": stage => {
+    const [first, second] = both(stage);
+    return told(first && second ? 1 / Math.tan(angleBetween(first, second)) : NaN, "", 1);
+  },
+  "px from the first line": stage => {
+    const line = stage.line(0), {mark} = stage;
+    return told(mark && line ? Math.abs(line.a * mark[0] + line.b * mark[1] + line.c) : NaN, " px", 1);
+  },
+  "crossing of both lines": stage => {
+    const [first, second] = both(stage);
+    return placed(first && second ? crossing(first, second) : [NaN, NaN]);
+  },
+};

@@ -1,0 +1,91 @@
+/**
+ * Measures of the tour: the crossing, the arrows, E in other places, and how much a small E leaves open.
+ *
+ * @typedef {import("./stage.js").Stage} Stage
+ * @typedef {import("./stage.js").Measure} Measure
+ */
+import {placed, told} from "./measured.js";
+import {energyCarried} from "./places.js";
+import {energyText} from "../view/svg.js";
+
+const DEGREE = Math.PI / 180;
+const STEP_DEG = 1; // of the map on which poses below the goal are counted
+
+/** px² @param {number} E */
+const squared = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
+
+/** A point in L, px. @param {Float64Array} images @param {number} i */
+const inL = (images, i) => [images[4 * i], images[4 * i + 1]];
+
+/** Points of the learner in the demonstrator's posture, (4 N) px. @param {Stage} stage */
+const ghostImages = ({world, moment}) => world.look("learner", moment.thetaDemo).images;
+
+/** @param {number[]} p @param {number[]} q */
+const apart = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+
+/** The residual of a point in L, px. @param {Stage} stage @param {number} i */
+const arrowOf = (stage, i) => apart(inL(stage.recovered(), i), inL(stage.moment.views.own, i));
+
+/** How far a point in L is from where it goes, px. @param {Stage} stage @param {number} i */
+const wayOf = (stage, i) => apart(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
+
+/**
+ * Of all arrows, followed backwards from dot to diamond, with the ways to the ghost, over L and R.
+ *
+ * @param {Stage} stage
+ */
+function cosine(stage) {
+  const {own} = stage.moment.views, found = stage.recovered(), goal = ghostImages(stage);
+  let both = 0, arrows = 0, ways = 0;
+  for (const i of stage.moment.usable) for (let k = 4 * i; k < 4 * i + 4; k++) {
+    both += (found[k] - own[k]) * (goal[k] - own[k]);
+    arrows += (found[k] - own[k]) ** 2;
+    ways += (goal[k] - own[k]) ** 2;
+  }
+  return both / Math.sqrt(arrows * ways);
+}
+
+/**
+ * How far off a posture can be while E stays below the goal, degrees of the joint that is farthest off.
+ *
+ * @param {Stage} stage
+ */
+function widest(stage) {
+  const {goal, moment} = stage, landscape = stage.landscape(STEP_DEG);
+  let most = 0;
+  for (let g = 0; g < landscape.count; g++) if (goal !== null && landscape.E[g] < goal)
+    most = Math.max(most, ...landscape.posture(g).map((v, k) => Math.abs(v - moment.thetaDemo[k])));
+  return most / DEGREE;
+}
+
+/** px², of the arrow that is longest in L or R. @param {Stage} stage */
+function longestShare(stage) {
+  const {own} = stage.moment.views, found = stage.recovered(), squares = stage.moment.usable.flatMap(i =>
+    [0, 2].map(k => (own[4 * i + k] - found[4 * i + k]) ** 2 + (own[4 * i + k + 1] - found[4 * i + k + 1]) ** 2));
+  return Math.max(...squares) / squares.reduce((sum, v) => sum + v, 0);
+}
+
+/** How tall the learner's arm is in L, px: the points of its body and the origins of its links. @param {Stage} stage */
+function armHeight(stage) {
+  const {own} = stage.moment.views, ys = stage.moment.usable.map(i => own[4 * i + 1]);
+  return Math.max(...ys) - Math.min(...ys);
+}
+
+/** @type {Record<string, Measure>} */
+export const TOUR_MEASURES = {
+  "recovered in L": stage => placed(inL(stage.recovered(), stage.chosen)),
+  "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
+  "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
+  "arm height": stage => told(armHeight(stage), " px", 0),
+  "crossing to own point": stage => told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
+  "crossing to ghost": stage => told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+  "arrow of 3": stage => told(arrowOf(stage, 3), " px", 0),
+  "arrow of 9": stage => told(arrowOf(stage, 9), " px", 0),
+  "way of 9": stage => told(wayOf(stage, 9), " px", 0),
+  "cosine": stage => told(cosine(stage), "", 2),
+  "E sideways": stage => squared(energyCarried(stage, [0, 0.5])),
+  "E back": stage => squared(energyCarried(stage, [0.5, 0])),
+  "E nearer": stage => squared(energyCarried(stage, [-0.3, 0])),
+  "share of the longest": stage => told(100 * longestShare(stage), " %", 0),
+  "widest below the goal": stage => told(widest(stage), "°", 0),
+};

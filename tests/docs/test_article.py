@@ -1,0 +1,251 @@
+"""The article's figures begin as their stills show, follow hands and keys, and compute what the library computes."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from viewimit.app.lab.article.page import FIGURES, TURNED
+from waiting import wait_until
+
+from viewimit import Session, Settings, World, load_scene
+from viewimit.analysis.construction import construct
+from viewimit.analysis.minima import study_transfer
+from viewimit.simulation.eyes import open_eyes
+from viewimit.simulation.scene import extended
+
+pytest.importorskip("sphinx")
+from directives.live import still  # noqa: E402
+
+HAND = 8
+BEGIN_ALL = "() => document.querySelectorAll('[data-live]').forEach(place => article.mount(place))"
+STATE = "name => article.begun.get(name).figure.state()"
+
+
+def state_of(name):
+    """What a still says that it shows."""
+    return json.loads(re.match(r"<!-- (.*) -->\n", still(name))[1])
+
+
+def facts_of(html):
+    return re.search(r'<p class="facts">(.*?)</p>', html, re.DOTALL)[1]
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    pictures = pytest.importorskip("pictures")
+    path = tmp_path_factory.mktemp("article") / "figures.html"
+    path.write_text(pictures.figures_page(still), "utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser, path):
+    """Opens the figures in windows of their own, which must ask nobody and have no fault."""
+    contexts, faults, requests = [], [], []
+
+    def open_(width=900, height=900, all_at_once=True, **options):
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        page.on("request", lambda request: requests.append(request.url))
+        page.goto(path.as_uri())
+        if all_at_once:
+            page.evaluate(BEGIN_ALL)
+        return page
+
+    yield open_
+    for context in contexts:
+        context.close()
+    assert faults == []
+    assert [url for url in requests if not url.startswith(("file:", "data:"))] == []
+
+
+def seen(scene, start=(45, -90), **settings):
+    """What the library sees at the start of the paper's method in a scene."""
+    chosen = Settings.paper(demonstrator_deg=(45, -90), start_deg=start, rectify="off", **settings)
+    return Session(chosen, open_eyes=lambda sensor, given, points: open_eyes(sensor, scene, points)).snapshot
+
+
+def same(one, other):
+    """Whether two states are, but for rounding."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(value, other[key]) for key, value in one.items())
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one == other if isinstance(one, str) else one == pytest.approx(other, rel=1e-6, abs=1e-9)
+
+
+def centre(page, selector):
+    box = page.locator(selector).bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page, start, by, steps=5):
+    page.mouse.move(*start)
+    page.mouse.down()
+    for k in range(1, steps + 1):
+        page.mouse.move(start[0] + by[0] * k / steps, start[1] + by[1] * k / steps)
+        page.wait_for_timeout(30)
+    page.mouse.up()
+
+
+def waits_for(page, name, condition):
+    """The state of a figure, once it is as it should be."""
+    found = [page.evaluate(STATE, name)]
+
+    def holds():
+        found[0] = page.evaluate(STATE, name)
+        return condition(found[0])
+
+    wait_until(holds)
+    return found[0]
+
+
+def test_every_figure_has_a_still_that_needs_nothing():
+    for name in FIGURES:
+        html = still(name)
+        assert state_of(name) and facts_of(html) and html.count("<svg") >= 2
+        assert "<script" not in html and "<canvas" not in html and not re.findall(r'(?:src|href)="(?!data:|#)', html)
+
+
+def test_the_figures_compute_what_the_library_computes():
+    panda = load_scene("panda")
+    assert state_of("assumption")["E"] == pytest.approx(seen(panda, (25, -45)).E, rel=1e-9)
+    made, shown = construct(seen(panda), HAND), state_of("crossing")
+    assert shown["angle"] == pytest.approx(made.angle[0], rel=1e-6)
+    assert shown["halfAxes"] == pytest.approx(made.half_axes[0], rel=1e-6)
+    turned = extended(panda, TURNED)
+    off = study_transfer(World(turned, 10), seen(turned), "epipolar").bias_deg
+    assert state_of("distance")["shift"] == pytest.approx(np.abs(off).max(), abs=0.01)
+    assert state_of("points")["E"] < 1e-9
+
+
+@pytest.mark.browser
+def test_stills_show_the_figures_as_they_begin(opened):
+    page = opened(width=736)
+    for name in FIGURES:
+        live, html = page.evaluate(STATE, name), still(name)
+        assert same(live, state_of(name)), f"{name}: python docs/pictures.py stills"
+        begun = page.evaluate("name => article.stillOf(article.begun.get(name), name)", name)
+        assert facts_of(begun) == facts_of(html), f"{name}: python docs/pictures.py stills"
+        classes = lambda text: sorted(set(re.findall(r'class="([^"]*)"', text)))
+        assert classes(begun) == classes(html), f"{name}: python docs/pictures.py stills"
+
+
+@pytest.mark.browser
+def test_figures_begin_when_they_come_near(opened):
+    page = opened(all_at_once=False)
+    wait_until(lambda: page.evaluate("article.begun.size") > 0)
+    assert page.evaluate("article.begun.has('lines') && !article.begun.has('points')")
+    page.evaluate("scrollTo(0, document.body.scrollHeight)")
+    wait_until(lambda: page.evaluate("article.begun.has('points')"))
+
+
+@pytest.mark.browser
+def test_hands_change_what_is_computed(opened):
+    page = opened()
+    before = {name: page.evaluate(STATE, name) for name in FIGURES}
+    scroll = lambda name: page.locator(f"[data-live={name}]").scroll_into_view_if_needed()
+
+    scroll("lines")
+    drag(page, centre(page, "[data-live=lines] .live-now .room .vi-mark"), (-60, -40))
+    assert waits_for(page, "lines", lambda now: now["share"] != before["lines"]["share"])["off"] < 3
+    scroll("crossing")
+    drag(page, centre(page, "[data-live=crossing] .live-now .l .vi-mark"), (6, -10))
+    waits_for(page, "crossing", lambda now: now["crossing"] != before["crossing"]["crossing"])
+    scroll("assumption")
+    drag(page, centre(page, "[data-live=assumption] .live-now .L .vi-ring"), (-20, 60))
+    waits_for(page, "assumption", lambda now: now["E"] != before["assumption"]["E"])
+    scroll("bowl")
+    drag(page, centre(page, "[data-live=bowl] .live-now .vi-now"), (-60, -30))
+    now = waits_for(page, "bowl", lambda now: now["E"] < before["bowl"]["E"])
+    drag(page, centre(page, "[data-live=bowl] .live-now .ground .vi-seen"), (50, 20))
+    assert waits_for(page, "bowl", lambda after: after["demonstrator"] != now["demonstrator"])["theta"] == now["theta"]
+    scroll("points")
+    drag(page, centre(page, "[data-live=points] .live-now .vi-now"), (-50, -40))
+    assert waits_for(page, "points", lambda now: now["theta"] != before["points"]["theta"])["E"] < 1e-6
+
+
+@pytest.mark.browser
+def test_keys_do_what_hands_do(opened):
+    page = opened()
+    theta = page.evaluate(STATE, "bowl")["theta"]
+    page.locator("[data-live=bowl] .live-now .map .box").focus()
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Shift+ArrowLeft")
+    after = waits_for(page, "bowl", lambda now: now["theta"][1] < theta[1])["theta"]
+    assert np.degrees(np.subtract(after, theta)) == pytest.approx([1, -5])
+    page.locator("[data-live=crossing] .live-now .r .box").focus()
+    crossing = page.evaluate(STATE, "crossing")["crossing"]
+    page.keyboard.press("ArrowDown")
+    waits_for(page, "crossing", lambda now: now["crossing"] != crossing)
+    page.locator("[data-live=distance] input[type=range]").focus()
+    page.keyboard.press("End")
+    far = waits_for(page, "distance", lambda now: now["distance"] == 10)
+    near = state_of("distance")
+    assert far["E"] < near["E"] / 100 and near["shift"] / far["shift"] > 40
+    page.locator("[data-live=points] input[type=radio]:checked").focus()
+    page.keyboard.press("ArrowRight")
+    assert waits_for(page, "points", lambda now: now["count"] == "5")["E"] > 1
+    page.get_by_role("button", name="Play").focus()
+    page.keyboard.press("Enter")
+    waits_for(page, "servo", lambda now: now["motion"] > state_of("servo")["motion"])
+
+
+@pytest.mark.browser
+def test_with_reduced_motion_a_run_ends_at_once(opened):
+    page = opened(reduced_motion="reduce")
+    page.get_by_text("Retuned").click()
+    page.get_by_role("button", name="Play").click()
+    assert page.evaluate(STATE, "servo")["motion"] == 400
+
+
+@pytest.mark.browser
+def test_a_tap_places_the_arm_and_a_swipe_scrolls(opened):
+    page = opened(width=390, height=800, has_touch=True, is_mobile=True)
+    page.locator("[data-live=bowl] .live-now .map .box").scroll_into_view_if_needed()
+    theta, (x, y) = page.evaluate(STATE, "bowl")["theta"], centre(page, "[data-live=bowl] .live-now .map .box")
+    page.touchscreen.tap(x - 40, y)
+    placed = waits_for(page, "bowl", lambda now: now["theta"] != theta)["theta"]
+    devtools, top = page.context.new_cdp_session(page), page.evaluate("scrollY")
+    touch = lambda kind, points: devtools.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    touch("touchStart", [{"x": x + 60, "y": y}])
+    for k in range(1, 7):
+        touch("touchMove", [{"x": x + 60, "y": y - 25 * k}])
+        page.wait_for_timeout(25)
+    touch("touchEnd", [])
+    wait_until(lambda: page.evaluate("scrollY") > top + 50)
+    assert page.evaluate(STATE, "bowl")["theta"] == placed
+
+
+@pytest.mark.browser
+def test_print_and_browsers_without_script_show_the_stills(opened, browser, path):
+    page = opened()
+    shown = "kind => [...document.querySelectorAll(kind)].map(e => getComputedStyle(e).display !== 'none')"
+    assert not any(page.evaluate(shown, ".still")) and all(page.evaluate(shown, ".live-now"))
+    page.emulate_media(media="print")
+    assert all(page.evaluate(shown, ".still")) and not any(page.evaluate(shown, ".live-now"))
+    context = browser.new_context(java_script_enabled=False)
+    plain = context.new_page()
+    plain.goto(path.as_uri())
+    for name in FIGURES:
+        assert plain.locator(f"[data-live={name}] .still .facts").bounding_box()["height"] > 20
+    context.close()
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("width", [390, 820, 2560])
+def test_nothing_is_wider_than_the_window_and_maps_follow_the_theme(opened, width):
+    page = opened(width=width)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    parts = ".live-now :is(.panel,.facts,.controls>*)"
+    wide = "parts => [...document.querySelectorAll(parts)].filter(e => e.scrollWidth > e.clientWidth + 2).length"
+    assert page.evaluate(wide, parts) == 0
+    corner = """() => { const map = document.querySelector('[data-live=bowl] canvas'), brush = map.getContext('2d');
+        return [...brush.getImageData(map.width - 30, map.height - 60, 1, 1).data].slice(0, 3); }"""
+    light = page.evaluate(corner)
+    page.evaluate("document.body.dataset.theme = 'dark'")
+    wait_until(lambda: page.evaluate(corner) != light)

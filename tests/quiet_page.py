@@ -78,13 +78,15 @@ class QuietPage:
         resumed=None,
         landscapes=None,
         shared=None,
+        scripts=None,
     ):
         self.client, self.now, self.acted = QuietClient(id(self)), 100.0, 0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
         clock = lambda: self.now
-        services = Services(*workers, shedding, lambda robot, arm: None, clock=clock)
+        how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
+        services = Services(*workers, shedding, lambda robot, arm: None, **how)
         reach = Reach(shared=shared)
         self.page = Page(self.client, services, settings or Settings.paper(), keep, resumed, reach)
 

@@ -90,16 +90,17 @@ def test_a_script_has_only_so_much_time():
 
 @pytest.mark.parametrize("lets_go", [LetGo, Undo], ids=["Escape", "Undo"])
 def test_a_link_that_is_followed_can_be_let_go(lets_go):
-    page = QuietPage(Settings.paper())
+    scripts = Held()
+    page = QuietPage(Settings.paper(), scripts=scripts)
     model = page.page.model
-    before, model.following._scripts = model.session.snapshot, Held()
+    before = model.session.snapshot
     page.page.put(FollowLink(linked_text(transfer="linear")))
     page.tick(0.3)
     assert model.following.goes_on and "Esc lets it go" in page.shown
     page.page.put(lets_go())
     page.tick(0.3)
     assert not model.following.goes_on and "Esc lets it go" not in page.shown
-    model.following._scripts.done(Session(Settings.paper(transfer="linear")))  # it was whole just then
+    scripts.done(Session(Settings.paper(transfer="linear")))  # it was whole just then
     page.tick(0.3)
     assert model.session.snapshot is before
 

@@ -142,6 +142,10 @@ function select(stage, host) {
     selected[field] = value;
     stage.answer = {...stage.answer, selected};
     host.answered();
+    requestAnimationFrame(() => {
+      const open = selected.indexOf(-1), next = open < 0 ? reasonsBox : sets[open];
+      if (!stage.isRevealed) next.scrollIntoView({block: "nearest"});
+    });
   };
   const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
     ...values.map(({text, says}, value) => {

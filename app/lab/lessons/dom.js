@@ -29,7 +29,7 @@ const isTouched = () => matchMedia("(pointer: coarse)").matches;
 export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap").replace(/\bpress\b/g, "tap") : words;
 
 /** Words with **bold**; a bold term of the glossary explains itself. @param {string} words @param {Record<string, string>} [glossary] */
-export const inline = (words, glossary = {}) => escaped(touched(words)).replace(/\*\*(.+?)\*\*/g, (_, bold) => {
+export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g, (_, bold) => {
   const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase() || `${term.toLowerCase()}s` === bold.toLowerCase());
   return key ? `<button type="button" class="term" data-term="${key}" aria-expanded="false"><b>${bold}</b></button>` : `<b>${bold}</b>`;
 });

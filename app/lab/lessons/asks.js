@@ -14,7 +14,7 @@
  * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, make, plain, touched, track} from "./dom.js";
+import {inline, isTouched, make, plain, touched, track} from "./dom.js";
 import {energy, measure} from "./measures.js";
 import {short} from "./measured.js";
 
@@ -72,7 +72,8 @@ function place(stage) {
     element: hint,
     update() {
       hint.hidden = stage.isRevealed;
-      hint.textContent = stage.mark ? touched("Click again to move your mark, or use the arrow keys.") : touched("Click in the framed picture. With the keyboard: arrow keys.");
+      hint.textContent = stage.mark ? isTouched() ? "Tap again to move your mark." : "Click again to move your mark, or use the arrow keys."
+        : isTouched() ? "Tap in the framed picture." : "Click in the framed picture, or use the arrow keys.";
     },
   };
 }

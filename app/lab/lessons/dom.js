@@ -23,7 +23,7 @@ export function make(tag, properties = {}, ...children) {
 export const escaped = text => text.replace(/[&<>"]/g, c => ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
 
 /** Whether a finger is what points here. */
-const isTouched = () => matchMedia("(pointer: coarse)").matches;
+export const isTouched = () => matchMedia("(pointer: coarse)").matches;
 
 /** "Tap" for "Click" where fingers point. @param {string} words */
 export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap").replace(/\bpress\b/g, "tap") : words;

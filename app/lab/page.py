@@ -75,7 +75,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         }
         chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
     if scene is not None:
-        chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
+        chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
     return lab_html(TITLE, data, shapes.packed)
 

@@ -267,7 +267,7 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(session, replay, 
     page.keyboard.press("n")
     assert page.evaluate("replay.chosen") == 5
     page.mouse.click(*place_of(page, "R", 8))
-    wait_until(lambda: "point 8" in page.locator("#missed").inner_text())
+    wait_until(lambda: "point 8" in page.locator("#residual").inner_text())
     page.keyboard.press("ArrowRight")  # it stays chosen
     assert page.evaluate("replay.chosen") == 8
 

@@ -13,6 +13,8 @@ from viewimit.app.lab.lessons.format import Bet, Choice, Item, Place, Select, St
 from viewimit.app.lab.lessons.situation import Situation
 from viewimit.app.lab.lessons.source import questions, shipped
 
+from viewimit.drawing.glossary import glossary
+
 DEFINITION, REPORT = "definition", "report"
 Check = Callable[[], object]
 Entry = str | Mapping[str, Check] | Check
@@ -46,7 +48,7 @@ def fact(key: str, name: str) -> float:
 
 
 def texts() -> Iterator[tuple[str, str, str]]:
-    """Yield (key, field, text) of all lessons, of the eight questions and of the ten runs."""
+    """Yield (key, field, text) of all lessons, the eight questions, the ten runs and the glossary."""
     for name, lesson in shipped().items():
         yield name, "about", lesson.about
         for step in lesson.step:
@@ -58,6 +60,10 @@ def texts() -> Iterator[tuple[str, str, str]]:
     for k, run in enumerate(sign.signed_runs()):
         yield f"runs/{k + 1}", "name", run.name
         yield f"runs/{k + 1}", "because", run.because
+    for word, entry in glossary().items():
+        for field in ("sentence", "good", "bad"):
+            if getattr(entry, field):
+                yield f"glossary/{word}", field, getattr(entry, field)
 
 
 def _texts_of(step: Step) -> Iterator[tuple[str, str]]:

@@ -10,12 +10,13 @@ import pytest
 import statements_of_failures
 import statements_of_geometry
 import statements_of_servoing
+import statements_of_words
 from statements import DEFINITION, REPORT, dealt, fact, state, step_named, texts
 from viewimit.app.lab.lessons.facts import FACTS
 from viewimit.app.lab.lessons.format import Choice, Number
 from viewimit.app.lab.lessons.source import questions, shipped
 
-MODULES = (statements_of_geometry, statements_of_failures, statements_of_servoing)
+MODULES = (statements_of_geometry, statements_of_failures, statements_of_servoing, statements_of_words)
 STATEMENTS = {key: fields for module in MODULES for key, fields in module.STATEMENTS.items()}
 TEXTS = {(key, field): text for key, field, text in texts()}
 NAMES = re.compile(

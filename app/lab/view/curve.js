@@ -80,7 +80,8 @@ export class Curve extends Plot {
     };
     const probes = history.slice(0, -1).map(({probe}, k) => probe && E.length <= MAX_DOTS && Number.isFinite(E[k])
       ? `<circle class="vi-probe-E" cx="${px(xs[k])}" cy="${px(y(E[k]))}" r="2.4"/>` : "").join("");
-    const labels = [top, ...y(bottom) - y(top) > ROOM_PX ? [bottom] : []].map(E => this.label(energyText(E), y(E))).join("");
+    const ends = y(bottom) - y(top) > ROOM_PX ? [top, bottom] : [top];
+    const labels = ends.map(E => this.label(energyText(E), y(E))).join("");
     const rest = at < E.length - 1 ? `<path class="vi-line-E vi-later" d="${line(at, E.length - 1)}"/>` : "";
     const truth = least === null ? ""
       : `<path class="vi-line-demo" d="M${this.axis.left} ${px(y(Math.max(least, MIN_E)))}H${width - PAD.right}"/>`;
@@ -92,27 +93,34 @@ ${labels}${rest}<path class="vi-line-E" d="${line(0, at)}"/>${probes}${here}`;
 
 /** The learner's angles, and dashed those of the demonstrator. */
 export class Angles extends Plot {
-  /** @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history @param {number} at @param {string[]} symbols of the joints */
+  /**
+   * @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history
+   * @param {number} at
+   * @param {string[]} symbols of the joints
+   */
   draw(history, at, symbols) {
     const key = `${history.length} ${at}`;
     if (key === this.last) return;
     this.last = key;
     const {width, height} = this, right = 34, now = history[at];
-    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each motion, dashed those of the demonstrator`});
+    set(this.svg, {"aria-label": `Angles of ${symbols.join(", ")} after each motion; dashed: the demonstrator's`});
     if (width < 80) return void this.svg.replaceChildren();
-    const all = history.flatMap(({theta, thetaDemo}) => [...theta, ...thetaDemo]).filter(Number.isFinite).map(v => v / DEGREE);
-    const low = Math.min(...all), high = Math.max(...all, low + MIN_DEG), xs = this.span(history.map(({motion}) => motion), right);
-    const y = (/** @type {number} */ rad) => PAD.top + (height - PAD.top - PAD.bottom) * (high - rad / DEGREE) / (high - low);
-    const line = (/** @type {string} */ kind, /** @type {(one: typeof now) => number} */ of, from = 0, to = history.length - 1) => {
+    const all = history.flatMap(({theta, thetaDemo}) => [...theta, ...thetaDemo].map(v => v / DEGREE));
+    const low = Math.min(...all), high = Math.max(...all, low + MIN_DEG), down = height - PAD.top - PAD.bottom;
+    const xs = this.span(history.map(({motion}) => motion), right);
+    const y = (/** @type {number} */ rad) => PAD.top + down * (high - rad / DEGREE) / (high - low);
+    /** @param {string} kind @param {(one: typeof now) => number} of @param {number} [from] @param {number} [to] */
+    const line = (kind, of, from = 0, to = history.length - 1) => {
       const places = history.slice(from, to + 1).map((one, k) => `${px(xs[from + k])} ${px(y(of(one)))}`);
-      return Number.isFinite(of(history[0])) ? `<path class="${kind}" d="M${places.join("L")}"/>` : "";
+      return `<path class="${kind}" d="M${places.join("L")}"/>`;
     };
     /** @type {number[]} */
     const taken = [];
     const parts = symbols.map((symbol, j) => {
-      const end = y(history[history.length - 1].theta[j]), isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);
+      const end = y(history[history.length - 1].theta[j]);
+      const isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);
       if (isFree) taken.push(end);
-      const name = isFree ? `<text class="vi-of-own" x="${width - right + 6}" y="${px(end + 4)}">${symbol}</text>` : "";
+      const name = isFree ? `<text class="vi-of-own" x="${px(xs[xs.length - 1] + 6)}" y="${px(end + 4)}">${symbol}</text>` : "";
       return line("vi-line-demo", one => one.thetaDemo[j]) + line("vi-line-own vi-later", one => one.theta[j], at)
         + line("vi-line-own", one => one.theta[j], 0, at) + name
         + `<path class="vi-dot-own" d="M${px(xs[at])} ${px(y(now.theta[j]))}h0"/>`;

@@ -4,7 +4,7 @@
  * @typedef {import("../engine/world.js").World} World
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {import("../engine/affine.js").Line} Line
- * @typedef {Object} Construction of the chosen point: where noise of 1 px in l and r spreads it in L and R, and the steps to it
+ * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
  * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
  * @property {number[][][] | null} steps in l, r, L, R: px
  * @typedef {Object} Picture the contents of one frame
@@ -13,8 +13,8 @@
  * @property {Line[]} lines of the chosen point
  * @property {number} chosen
  * @property {boolean} goal whether the learner is drawn as well as it would be in the demonstrator's pose
- * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none; computed
- *   from the moment if it is left out
+ * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none;
+ *   computed from the moment if it is left out
  * @property {Construction | null} [construction]
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
  */
@@ -29,7 +29,10 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
   "vi-seen", "vi-seen vi-idle", "vi-found", "vi-ring"];
 
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
-/** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px per px */
+/**
+ * @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
+ *   per px
+ */
 
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
@@ -77,7 +80,10 @@ export class Outlines {
 }
 
 export class Images {
-  /** @param {Record<string, HTMLElement>} boxes by view: all or some @param {Record<string, number[][]>} hulls outermost vertices of links */
+  /**
+   * @param {Record<string, HTMLElement>} boxes by view: all or some
+   * @param {Record<string, number[][]>} hulls outermost vertices of links
+   */
   constructor(boxes, hulls) {
     this.outlines = new Outlines(hulls);
     this.views = VIEWS.map((view, k) => ({view, k})).filter(({view}) => boxes[view]).map(({view, k}) => {
@@ -150,13 +156,25 @@ export class Images {
     return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
   }
 
-  /** Where a place of an image is drawn, in its drawing's units. @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */
+  /**
+   * Where a place of an image is drawn, in its drawing's units.
+   *
+   * @param {number} k the view
+   * @param {number} x px
+   * @param {number} y px
+   * @returns {[number, number]}
+   */
   place(k, x, y) {
     const {window} = this.view(k);
     return [(x - window.x) * window.scale, (y - window.y) * window.scale];
   }
 
-  /** The demonstrator's skeleton as the transfer puts it into the learner's views. @param {Pick<Moment, "fitted">} moment @param {Outline[]} demo */
+  /**
+   * The demonstrator's skeleton as the transfer puts it into the learner's views.
+   *
+   * @param {Pick<Moment, "fitted">} moment
+   * @param {Outline[]} demo
+   */
   #recoveredBones({fitted}, demo) {
     if (!fitted) return null;
     const joints = demo[0].bones.map((p, i) => [p[0], p[1], demo[1].bones[i][0], demo[1].bones[i][1]]);
@@ -212,7 +230,11 @@ export class Images {
     const dot = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a)} ${px(b)}h0`;
     const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
     const used = new Set(moment.usable);
-    /** @param {(a: number, b: number) => string} mark @param {boolean} isUsed @returns {(a: number, b: number, i: number) => string} */
+    /**
+     * @param {(a: number, b: number) => string} mark
+     * @param {boolean} isUsed
+     * @returns {(a: number, b: number, i: number) => string}
+     */
     const shown = (mark, isUsed) => (a, b, i) => seen[2 * i + side] && used.has(i) === isUsed ? mark(a, b) : "";
     /** @type {Record<string, string>} */
     const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};
@@ -247,7 +269,8 @@ export class Images {
     }
     const spread = isDemo ? null : construction?.ellipses[side];
     if (spread) {
-      const [a, b] = [spread.long, spread.short].map(half => Math.min(half * scale, MAX_HALF_AXIS)), turn = spread.turn * Math.PI / 180;
+      const [a, b] = [spread.long, spread.short].map(half => Math.min(half * scale, MAX_HALF_AXIS));
+      const turn = spread.turn * Math.PI / 180;
       const [u, v, arc] = [a * Math.cos(turn), a * Math.sin(turn), `a${px(a)} ${px(b)} ${spread.turn} 0 1 `];
       const [mx, my] = [(spread.x - x) * scale, (spread.y - y) * scale];
       d["vi-spread"] = `M${px(mx - u)} ${px(my - v)}${arc}${px(2 * u)} ${px(2 * v)}${arc}${px(-2 * u)} ${px(-2 * v)}z`;

@@ -7,8 +7,8 @@ import {View} from "./view.js";
 
 /**
  * @typedef {import("./view.js").Common & import("./experiment.js").Offered &
- *   {run?: import("./recorded.js").Run, words?: string}} Data run: of a replay, whose presets are empty where the lab cannot
- *   take over; words: the glossary, in HTML
+ *   {run?: import("./recorded.js").Run, words?: string}} Data run: of a replay, whose presets are empty where the lab
+ *   cannot take over; words: the glossary, in HTML
  */
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
@@ -28,14 +28,16 @@ function begin(data, meshes) {
   if (!run) return void openLab(location.hash);
 
   $("words").innerHTML = data.words ?? "";
-  const takes = data.presets.length > 0, replay = new Replay(run, Object.values(data.scenes)[0], view, !takes ? null : (state, says) => {
+  const takes = data.presets.length > 0;
+  const takeOver = (/** @type {Partial<import("./address.js").State>} */ state, /** @type {string} */ says) => {
     replay.close();
     data.presets[0].says = says;
-    if (lab) lab.open();
+    lab?.open();
     const opened = lab ?? openLab("");
     shown = opened;
     opened.enter({...opened.experiment.usual, ...state});
-  });
+  };
+  const replay = new Replay(run, Object.values(data.scenes)[0], view, takes ? takeOver : null);
   const back = () => {
     lab?.close();
     shown = replay;
@@ -56,7 +58,8 @@ function publish(lab, {space, images, map}) {
   Object.assign(globalThis, {lab: {
     session: () => experiment.session, world: () => experiment.world, landscape: () => landscapes.shown,
     pageLink: () => experiment.pageLink(), fineMap: () => landscapes.fine(),
-    pose: (/** @type {number[]} */ theta) => lab.pose(theta), place: (/** @type {number[]} */ theta) => lab.place(theta),
+    pose: (/** @type {number[]} */ theta) => lab.pose(theta),
+    place: (/** @type {number[]} */ theta) => lab.place(theta),
     step: () => lab.player.step(), draw: () => lab.draw(), space, images, map, drawnAt: performance.now(),
   }});
 }

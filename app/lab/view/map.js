@@ -2,12 +2,14 @@
 import {clamp} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-/** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground */
+/**
+ * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
+ */
 
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
-const NAME_PX = 7.2; // of a letter
+const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
 const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
@@ -47,12 +49,21 @@ export class EnergyMap {
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
+    // Axes, the path, the contours' numbers over it, and above all the dots with their names
     this.standing = add(this.over, "g");
+    this.way = add(this.over, "g");
+    this.levels = add(this.over, "g");
     this.moving = add(this.over, "g");
-    this.still = "";
-    this.last = "";
+    /** What each of them shows. @type {Map<SVGGElement, string>} */
+    this.written = new Map();
+    /** Places of the contours' numbers. @type {number[][]} */
+    this.numbers = [];
     this.z = new Float64Array(0);
-    /** What is drawn below the marks: its grid, and the contours' levels, ln px². @type {{rows: number, columns: number, levels: number[]}} */
+    /**
+     * What is drawn below the marks: its grid, and the contours' levels, ln px².
+     *
+     * @type {{rows: number, columns: number, levels: number[]}}
+     */
     this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
@@ -113,7 +124,9 @@ export class EnergyMap {
     set(this.over, {viewBox: `0 0 ${width} ${height}`});
     if (!landscape) {
       canvas.width = w; // clears it
-      return this.#axes("");
+      this.numbers = [];
+      this.#write(this.levels, "");
+      return this.#axes();
     }
     const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
     if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
@@ -171,11 +184,19 @@ export class EnergyMap {
     }
     brush.stroke();
     brush.restore();
-    this.#axes(labels);
+    this.numbers = taken;
+    this.#write(this.levels, labels);
+    this.#axes();
   }
 
-  /** @param {string} labels of contours */
-  #axes(labels) {
+  /** @param {SVGGElement} group @param {string} html */
+  #write(group, html) {
+    if (html === this.written.get(group)) return;
+    group.innerHTML = html;
+    this.written.set(group, html);
+  }
+
+  #axes() {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
     const room = [bottom - PAD.top, width - left - PAD.right];
     const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
@@ -186,8 +207,8 @@ export class EnergyMap {
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
 <text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${joints[1]}</text>
-<text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>${labels}`;
-    if (html !== this.still) this.standing.innerHTML = this.still = html;
+<text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>`;
+    this.#write(this.standing, html);
   }
 
   /** @param {number} rows @param {number} columns @param {number} least @param {number} most @param {string} hills */
@@ -217,8 +238,8 @@ export class EnergyMap {
   marks({demonstrator, learner, minimum, path, later = [], demonstrators = []}) {
     const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
     const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];
-    /** @type {number[][]} left, top, right, bottom of each name */
-    const taken = [];
+    /** Left, top, right, bottom of each name and number. */
+    const taken = this.numbers.map(([a, b]) => [a - NUMBER_PX[0], b - NUMBER_PX[1], a + NUMBER_PX[0], b + NUMBER_PX[1]]);
     /** A name beside its dot, in the first of four places that is free. */
     const name = (/** @type {number[]} */ [a, b], /** @type {string} */ kind, /** @type {string} */ text) => {
       const wide = NAME_PX * text.length, boxes = [[1, -1], [-1, 1], [1, 1], [-1, -1]].map(([right, down]) => {
@@ -245,10 +266,11 @@ export class EnergyMap {
       return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
     }).join("");
     const cross = minimum && this.place(minimum);
-    const html = `${still}${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
-${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
+    const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;
+    this.#write(this.way, `${still}${before}${drawn}${visited}`);
+    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
-    if (html !== this.last) this.moving.innerHTML = this.last = html;
+    this.#write(this.moving, html);
   }
 }
 

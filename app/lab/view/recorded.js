@@ -30,8 +30,8 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
  * @property {string} servoTitle
  * @property {boolean} crosses whether it crosses epipolar lines
  * @property {boolean} rectified
- * @property {{transfer: string, servo: string, noisePx: number, missing: number, seed: number, points: number}} lab with what
- *   the lab goes on
+ * @property {{transfer: string, servo: string, noisePx: number, missing: number, seed: number, points: number}} lab
+ *   with what the lab goes on
  * @property {string[]} lacks what the lab has not
  * @typedef {Object} RecordedMap
  * @property {string} [says] instead of a map
@@ -53,6 +53,8 @@ const LINE_VIEWS = [...PAIRS.map(([from, into]) => ({into, from})), ...PAIRS.map
 
 /** @param {(number | null)[]} values */
 const pixels = values => Float64Array.from(values, v => v === null ? NaN : v / PX);
+/** @param {Float64Array} flat x, y of each */
+const places = flat => Array.from({length: flat.length / 2}, (_, i) => [flat[2 * i], flat[2 * i + 1]]);
 /** @param {number[]} values */
 const angles = values => values.map(v => v / RAD);
 /** @param {string} text @param {number} count */
@@ -68,19 +70,26 @@ export class Recorded {
     this.moments = run.moments.map(one => {
       const {theta: thetaDemo, images: demo, seen: demoSeen} = demonstrators[one.demo], own = pixels(one.own);
       const views = {demo, demoSeen, own, ownSeen: flags(one.seen, own.length / 2)};
-      const seenByAll = (/** @type {number} */ i) => [0, 1].every(side => demoSeen[2 * i + side] && views.ownSeen[2 * i + side]);
+      const seenByAll = (/** @type {number} */ i) =>
+        [2 * i, 2 * i + 1].every(at => demoSeen[at] && views.ownSeen[at]);
       const usable = Array.from({length: own.length / 4}, (_, i) => i).filter(seenByAll);
       const bones = one.bones && pixels(one.bones), half = (bones?.length ?? 0) / 2;
       return {
-        motion: one.motion, probe: one.probe, E: one.E ?? NaN, theta: angles(one.theta), thetaDemo, views, usable, fitted: null,
-        recovered: pixels(one.recovered),
-        bones: bones && [0, half].map(from => Array.from({length: half / 2}, (_, i) => [bones[from + 2 * i], bones[from + 2 * i + 1]])),
+        motion: one.motion, probe: one.probe, E: one.E ?? NaN, theta: angles(one.theta), thetaDemo, views, usable,
+        fitted: null, recovered: pixels(one.recovered),
+        bones: bones && [places(bones.subarray(0, half)), places(bones.subarray(half))],
       };
     });
     this.maps = run.maps.map(map => this.#ground(map));
   }
 
-  /** The epipolar lines of a point, if the transfer crosses them. @param {number} k @param {number} point @returns {Line[]} */
+  /**
+   * The epipolar lines of a point, if the transfer crosses them.
+   *
+   * @param {number} k
+   * @param {number} point
+   * @returns {Line[]}
+   */
   lines(k, point) {
     const {views: {demo, own}, usable} = this.moments[k], method = this.run.methods[this.run.moments[k].method];
     if (!method.crosses || !usable.includes(point) || usable.length < MIN_POINTS) return [];
@@ -101,11 +110,7 @@ export class Recorded {
       x: recovered[4 * point + 2 * side], y: recovered[4 * point + 2 * side + 1],
       long: axes[2 * side], short: axes[2 * side + 1], turn: built.turn[side],
     }));
-    const steps = built.steps?.map(stops => {
-      const flat = pixels(stops);
-      return Array.from({length: flat.length / 2}, (_, i) => [flat[2 * i], flat[2 * i + 1]]);
-    });
-    return {ellipses, steps: steps ?? null};
+    return {ellipses, steps: built.steps?.map(stops => places(pixels(stops))) ?? null};
   }
 
   /** How a point is found, in a sentence. @param {number} k @param {number} point */
@@ -118,7 +123,12 @@ export class Recorded {
     return `${found} With 1 px of noise 95 % fall in the ellipse.`;
   }
 
-  /** A map of E as map.js draws it; null where there is none. @param {RecordedMap} map @returns {import("./map.js").Ground | null} */
+  /**
+   * A map of E as map.js draws it; null where there is none.
+   *
+   * @param {RecordedMap} map
+   * @returns {import("./map.js").Ground | null}
+   */
   #ground({size, level, unknown, minimum}) {
     if (!size || !level || !unknown || !minimum) return null;
     const {lower, upper} = this.scene, count = level.length, E = new Float64Array(count);

@@ -1,4 +1,6 @@
-/** A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its moments. */
+/**
+ * A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its moments.
+ */
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
 import {listen} from "./keys.js";
@@ -6,14 +8,18 @@ import {byId as $, copy} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say} from "./svg.js";
-import {missText, SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
+import {residualText, SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 /** @typedef {import("./recorded.js").Run} Run @typedef {import("./view.js").View} View */
 
 const GLIDE = 0.75; // share of a motion's time in which the arm moves
-const SPEEDS = /** @type {const} */ ([[200, "25"], [60, "10"], [24, "4"], [0, "2"]]); // motions a second, from so many motions on
+/** Motions a second, of runs of more motions than these. */
+const SPEEDS = /** @type {const} */ ([[200, "25"], [60, "10"], [24, "4"], [-1, "2"]]);
 const LEAP = 10; // motions by Page Up and Page Down
-const STATES = {moving: "moving", arrived: "settled", least: "settled", settled: "settled", ready: "ready", paused: "ready"};
+/** Marks of what the learner says; of others that it is stuck. @type {Record<string, string>} */
+const STATES = {
+  moving: "moving", arrived: "settled", least: "settled", settled: "settled", ready: "ready", paused: "ready",
+};
 
 export class Replay {
   /**
@@ -134,13 +140,12 @@ export class Replay {
 
   /** The arm on its way to the next moment. @param {number} share of the way */
   #glide(share) {
-    const {moment} = this, {theta} = this.recorded.moments[Math.min(this.now + 1, this.last)], eased = share * share * (3 - 2 * share);
-    const between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
-    const shown = {
-      moment: {...moment, theta: between}, recovered: moment.recovered, lines: this.recorded.lines(this.now, this.chosen),
-      chosen: this.chosen, goal: $("goal").checked, ease: 1, rays: $("rays").checked,
-    };
-    this.view.drawSpace(this.world, shown);
+    const {moment, recorded, chosen, now} = this, {theta} = recorded.moments[Math.min(now + 1, this.last)];
+    const eased = share * share * (3 - 2 * share), between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
+    this.view.drawSpace(this.world, {
+      moment: {...moment, theta: between}, recovered: moment.recovered, lines: recorded.lines(now, chosen),
+      chosen, goal: $("goal").checked, ease: 1, rays: $("rays").checked,
+    });
   }
 
   #map() {
@@ -168,8 +173,9 @@ export class Replay {
 
   /** What the learner says, what is true, and the numbers of the moment. */
   #say() {
-    const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.moments[now], method = run.methods[one.method];
-    $("state").className = `state ${STATES[/** @type {keyof typeof STATES} */ (one.state)] ?? "stuck"}`;
+    const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.moments[now];
+    const method = run.methods[one.method];
+    $("state").className = `state ${STATES[one.state] ?? "stuck"}`;
     say($("outcome"), one.title);
     say($("sentence"), ` · ${one.sentence}${one.doubt ? ` ${one.doubt}` : ""}`);
     $("word").hidden = !one.word;
@@ -179,7 +185,7 @@ export class Replay {
     say($("truth"), $("goal").checked ? hidden : "The goal is hidden, from you as from the learner.");
     say($("E"), energyText(moment.E));
     const isKnown = Number.isFinite(moment.E), {usable, views: {own}, recovered} = moment;
-    say($("miss"), isKnown ? `a typical miss of ${missText(moment.E)}` : "no E: too few points");
+    say($("typical"), isKnown ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
     say($("by-servo"), method.servoTitle);
     say($("by-transfer"), method.transferTitle + (method.rectified ? ", of rectified images" : ""));
     const lengths = usable.flatMap(i => [0, 2].map(k => ({
@@ -231,7 +237,8 @@ export class Replay {
     const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.moments[this.now].method];
     const from = `The replay goes on here after motion ${moment.motion}.`;
     const [servo, transfer] = [SERVO_WORDS[lab.servo].title, TRANSFER_WORDS[lab.transfer].title.toLowerCase()];
-    const instead = lacks.length ? ` The lab does not have ${listed(lacks)}: now it is “${servo}” and the ${transfer} transfer.` : "";
+    const now = `: now it is “${servo}” and the ${transfer} transfer`;
+    const instead = lacks.length ? ` The lab does not have ${listed(lacks)}${now}.` : "";
     this.takeOver?.({...lab, demonstrator: moment.thetaDemo, start: moment.theta, steps: 0}, from + instead);
   }
 
@@ -252,7 +259,8 @@ export class Replay {
   #controls() {
     /** @type {Record<string, () => void>} */
     const buttons = {
-      run: () => this.play(!this.isPlaying), back: () => this.jump(this.now - 1), forward: () => this.jump(this.now + 1),
+      run: () => this.play(!this.isPlaying),
+      back: () => this.jump(this.now - 1), forward: () => this.jump(this.now + 1),
       scheme: () => this.#recolour(), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
     };
     for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
@@ -274,7 +282,8 @@ export class Replay {
     };
     /** @type {Record<string, () => void>} */
     const keys = {
-      " ": () => this.play(!this.isPlaying), ArrowLeft: () => this.jump(this.now - 1), ArrowRight: () => this.jump(this.now + 1),
+      " ": () => this.play(!this.isPlaying),
+      ArrowLeft: () => this.jump(this.now - 1), ArrowRight: () => this.jump(this.now + 1),
       Home: () => this.jump(0), End: () => this.jump(this.last), "+": () => faster(1), "-": () => faster(-1),
       PageUp: () => this.jump(this.now - LEAP), PageDown: () => this.jump(this.now + LEAP),
       d: () => this.#recolour(), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
@@ -292,4 +301,5 @@ export class Replay {
 }
 
 /** @param {string[]} words */
-const listed = words => words.length < 2 ? words.join() : `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}`;
+const listed = words =>
+  words.length < 2 ? words.join() : `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}`;

@@ -92,7 +92,7 @@ def hand_arrow_is_no_signpost() -> bool:
 
 def size_falls_with_distance() -> bool:
     one = state("tour/carried")
-    near, far = (records.carried_to(one, back, 0).start.views.demo.std(0).mean() for back in (0, 2))
+    near, far = (oracles.carried_to(one, back, 0).start.views.demo.std(0).mean() for back in (0, 2))
     return far < near
 
 

@@ -34,7 +34,7 @@ export class Marks {
       if (!isOpen() || event.button !== 0) return;
       held = event.pointerId;
       box.setPointerCapture(held);
-      box.focus({preventScroll: true});
+      box.focus(/** @type {any} */ ({preventScroll: true, focusVisible: false}));
       this.#at(event);
       event.preventDefault();
     });

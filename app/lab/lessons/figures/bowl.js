@@ -36,7 +36,7 @@ export const LANDSCAPE = {
     box.append(document.createElement("canvas"));
     add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);
-    let ground = "", over = "";
+    let ground = "", over = "none yet";
     return {
       resize() {
         ground = "";
@@ -47,7 +47,7 @@ export const LANDSCAPE = {
         const now = `${key} ${document.documentElement.dataset.scheme} ${names}`;
         if (now !== ground) {
           map.ground(landscape, {lower, upper, joints: names});
-          [ground, over] = [now, ""];
+          [ground, over] = [now, "none yet"];
         }
         const drawn = marks(map, stage, layers);
         if (drawn === over) return;

@@ -101,7 +101,8 @@ function drawn(drawing, stage, layers, known) {
   if (middle) svg += path("lesson-middle-case", circles([middle], 8)) + path("lesson-middle", circles([middle], 8));
   if (cross) svg += path("lesson-cross-case", crosses([cross], 7)) + path("vi-cross", crosses([cross], 7));
   const reach = shown.length ? 26 : 0;
-  if (middle || !reach) svg += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo", reach, clear: 9});
+  if (middle || !reach)
+    svg += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo", reach, clear: 9});
   if (cross) svg += names.beside(cross, "smallest E without noise", "", {reach: 26, clear: 9});
   if (middle) svg += names.beside(middle, "middle of the cloud", "lesson-cloud-words-averaged", {reach: 26, clear: 9});
   return svg;

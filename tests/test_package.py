@@ -12,8 +12,11 @@ import zipfile
 from email import message_from_string
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import parse_qsl
 
 import pytest
+from viewimit.app.lab.article.page import FIGURES
+from viewimit.app.lab.page import presets
 from viewimit.app.sessions.link import read
 
 import viewimit
@@ -173,7 +176,9 @@ def test_all_that_a_page_links_to_or_loads_is_there(wheel):
                 continue
             path = (site / place).parent / target.partition("?")[0] if target else site / place
             assert path.is_file(), (place, address)
-            if anchor and path.suffix == ".html":
+            if path.name == "lab.html" and "=" in anchor:  # a state of the lab
+                assert dict(parse_qsl(anchor))["preset"] in {preset.name for preset in presets()}, (place, address)
+            elif anchor and path.suffix == ".html":
                 assert f'id="{anchor}"' in path.read_text("utf-8"), (place, address)
         assert not re.search(r'<link[^>]*href="https?:', page) and "@import" not in page
     assert not any(re.search(r"url\(\s*[\"']?https?:", sheet.read_text()) for sheet in site.rglob("*.css"))
@@ -191,6 +196,11 @@ def test_the_documentation_works_from_a_file_in_a_browser(wheel, browser):
     for place in ("limits.html", "reference/commands.html", "notebooks/figures.html", "method.html"):
         page.goto(begin.replace("index.html", place))
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), place
+        cut = "[...document.querySelectorAll('pre')].filter(e => e.scrollWidth > e.clientWidth + 1).length"
+        assert page.evaluate(cut) == 0, place
+    assert page.locator("[data-live] > .still").count() == len(FIGURES)
+    page.locator("[data-live]").first.scroll_into_view_if_needed()
+    page.locator("[data-live] .live-now input[type=range]").first.wait_for()
     assert page.evaluate("getComputedStyle(document.querySelector('.drawn')).backgroundColor") == "rgb(36, 36, 36)"
     assert page.locator(".equation math").first.bounding_box()["height"] > 12
     page.goto(begin.replace("index.html", "search.html?q=rectification"))

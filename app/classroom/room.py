@@ -201,6 +201,11 @@ class Room:
         self._gone.discard(browser.person.number)
         self._changed.add(browser.person)
 
+    def _tell_of(self, person: Person) -> None:
+        """Tell lecturers what is new of somebody who is in the class, as the lecturer is not."""
+        if self.persons.get(person.key) is person:
+            self._changed.add(person)
+
     def _new_number(self) -> int:
         taken = {*self._numbers.values(), *(one.number for one in self.persons.values())}
         while (number := secrets.choice(PERSON_NUMBERS)) in taken:
@@ -301,7 +306,7 @@ class Room:
         asked = Round(number, ask.lesson, ask.step, ask.phase, times)
         self.rounds.append(asked)
         self.store.add_round(asked)
-        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times), lead=False)
+        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
         self._counted = False
 
     def _reveal(self) -> None:
@@ -394,7 +399,7 @@ class Room:
 
     def _set_self(self, person: Person, said: p.Self) -> None:
         person.name = name_of(said.name)
-        self._changed.add(person)
+        self._tell_of(person)
         if person.linked and not said.linked:
             self.store.unlink(person.key, person.token)
             self._numbers.pop(person.key, None)
@@ -427,7 +432,7 @@ class Room:
                 self._set_self(person, message)
             case p.At() if person is not None:
                 person.at = message
-                self._changed.add(person)
+                self._tell_of(person)
             case p.Answer():
                 self._answer(browser, message)
             case p.Copy():
@@ -451,9 +456,9 @@ class Room:
                 self._order(asked=None)
             case p.Lead(on):
                 self._order(lead=on)
-            case p.Gather(lesson, step):
+            case p.Gather(lesson, step, seed):
                 number = 1 + (self.orders.gather.number if self.orders.gather else 0)
-                self._order(gather=p.Place(number, lesson, step), lead=False, asked=None)
+                self._order(gather=p.Place(number, lesson, step, seed), lead=False, asked=None)
             case p.Freeze(on):
                 self._order(frozen=on)
             case p.Hide(on):

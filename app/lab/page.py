@@ -1,27 +1,21 @@
 """The one file of the lab: scenes, presets, meshes, styles and the modules, as a page that asks nobody for anything."""
 
-import html
-import json
 from functools import cache
-from pathlib import Path
-from string import Template
 from typing import Any
 
 import msgspec
 import numpy as np
 from viewimit.assets import ROOT
 
-from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
-from viewimit.drawing.export.replay import bundle, packed
+from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
-from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import Scene, extended, load_scene
 from viewimit.simulation.world import World
 
-HERE = Path(__file__).parent
 SHIPPED = "panda"
+TITLE = "viewimit lab: one robot copies another from pictures"
 USUAL_POINTS = 10
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 SENT = "name", "title", "says", "transfer", "servo", "missing", "seed"  # fields of a preset, as they are
@@ -81,15 +75,9 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         }
         chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
     if scene is not None:
-        chosen[0] |= {"title": given.title, "says": "Press Play, and the blue robot copies the pose of the orange one."}
+        chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    return _template().substitute(
-        version=html.escape(__version__),
-        styles=styles("view/lab.css"),
-        data=packed(json.dumps(data, separators=(",", ":")).encode()),
-        meshes=packed(shapes.packed),
-        script=bundle("view/main.js"),
-    )
+    return lab_html(TITLE, data, shapes.packed)
 
 
 def _named_on_the_page(preset: Preset, given: str) -> str:
@@ -122,16 +110,3 @@ def served_page(name: str, robot: str | None) -> str:
         return lab_page(load_scene(name, robot), name)
     except ValueError:
         return lab_page()
-
-
-@cache
-def _template() -> Template:
-    return Template(HERE.joinpath("view", "lab.html").read_text("utf-8"))
-
-
-@cache
-def styles(*names: str) -> str:
-    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
-    own = "\n".join(HERE.joinpath(name).read_text("utf-8") for name in names)
-    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
-    return "\n".join((schemes, font_faces(), DRAWING_CSS, own))

@@ -9,11 +9,9 @@ from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 
 def _write(app: Sphinx) -> None:
     dark = variables(True)
-    sheet = (
-        f"{font_faces()}\nbody{{{variables(False)}}}\nbody[data-theme=dark]{{{dark}}}\n"
-        f"@media (prefers-color-scheme:dark){{body:not([data-theme=light]){{{dark}}}}}\n"
-        f"{DRAWING_CSS}\n"
-    )
+    chosen, by_system = f"body[data-theme=dark]{{{dark}}}", f"body:not([data-theme=light]){{{dark}}}"
+    on_screens = f"@media not print{{{chosen}@media (prefers-color-scheme:dark){{{by_system}}}}}"
+    sheet = f"{font_faces()}\nbody{{{variables(False)}}}\n{on_screens}\n{DRAWING_CSS}\n"
     folder = Path(app.outdir) / "_static"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "drawings.css").write_text(sheet, "utf-8")

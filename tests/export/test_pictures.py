@@ -16,6 +16,7 @@ from viewimit.app.control.saving import PICTURES
 from viewimit.app.jobs.experiments import Request, Run
 
 import viewimit
+from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.equations import equations_of, filled
 from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import cite
@@ -28,8 +29,9 @@ from viewimit.drawing.export.figures import (
     svg_elements,
     typeset_equations,
 )
-from viewimit.drawing.export.panels import draw_panels
+from viewimit.drawing.export.panels import Appearance, make_landscape
 from viewimit.drawing.export.perspective import Viewpoint, default_viewpoint, draw_space
+from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.theme import ROLES
 from viewimit.estimation.equations import Equation
 from viewimit.experiments import EXPERIMENTS
@@ -53,11 +55,13 @@ def text_of(picture):
 
 
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
-    drawn, citation = draw_panels(session, [3], 7), cite(session)
+    moment, citation = session.history[3], cite(session)
+    images = draw_images(moment, *Appearance(session.world, session.history[0]).of(moment), 7)
+    made = make_landscape(session.world, moment)
     figures = (
-        four_images(drawn.images[0][7], "The four images"),
-        overlay([drawn.grounds[0], drawn.path[0]], "E over the postures"),
-        stack([drawn.conflict[0], drawn.angles[0]], "Both curves"),
+        four_images(images, "The four images"),
+        overlay([made.picture.html, made.picture.draw_path(session.history, 3)], "E over the postures"),
+        stack([draw_curves(session.history, 3, made.E_true, session.scene.moving_joints)], "Both curves"),
         draw_space(session.world, session.snapshot),
     )
     for figure in figures:
@@ -68,7 +72,7 @@ def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session)
         assert "".join(citation.command.split()) in "".join(said.split())
         assert ROLES["paper"][0] in picture and ROLES["paper"][1] not in picture
         assert float(root.get("height")) > figure.height
-    own = [one for one in svg_elements(drawn.images[0][7]) if IMAGE_L in one.classes][0]
+    own = [one for one in svg_elements(images) if IMAGE_L in one.classes][0]
     points = re.search(rf'<path class="{OWN_POINTS}" d="[^"]*"/>', own.inside)[0]
     assert points in figures[0].captioned(citation)  # the page's very drawing
 
@@ -144,7 +148,7 @@ def test_the_page_hands_out_a_replay_and_every_picture():
         return got[name]
 
     replay = save(SaveReplay(), "viewimit-replay.html").decode()
-    assert "1 motions" not in replay and 'id="run"' in replay
+    assert "1 motions" not in replay and 'id="data"' in replay
     for what, why in (("Duel", "there is no duel"), ("Experiments", "the experiment is not done yet")):
         page.page.put(choose_picture(what))
         page.page.put(SavePicture())

@@ -8,25 +8,16 @@ import zlib
 import msgspec
 import numpy as np
 import pytest
-from drawn import CHOSEN_POINT, HULL, IMAGE_R, OWN_POINTS, RECOVERED_POINTS, RESIDUALS
-from hypothesis import given
-from hypothesis import strategies as st
 from PIL import Image
 from waiting import wait_until
 
 import viewimit
 from viewimit.analysis.construction import construct
-from viewimit.drawing.export import panels as panels_module
+from viewimit.drawing.export import recording
 from viewimit.drawing.export.citation import cite
-from viewimit.drawing.export.panels import (
-    MAX_SNAPSHOTS,
-    Appearance,
-    DedupedHTML,
-    dedupe,
-    kept_motions,
-    largest_residual,
-)
-from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.export.panels import compute_landscape, make_landscape
+from viewimit.drawing.export.recording import MAP_DEG, MAX_SNAPSHOTS, PX, RAD, SHARE, kept_motions
+from viewimit.geometry.affine import LINE_VIEWS, POINT_VIEWS
 from viewimit.loop.script import MoveDemonstrator
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -42,16 +33,15 @@ ARM = """<robot name="r"><link name="base"/>
 <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
 
 
-def told(replay):
+def unpacked(replay):
     """What the file has packed."""
-    packed = re.search(r'id="run">([^<]*)<', replay.html)[1]
+    packed = re.search(r'id="data">([^<]*)<', replay.html)[1]
     return msgspec.json.decode(zlib.decompress(base64.b64decode(packed)))
 
 
-def images(replay, k, point):
-    """The four images at a moment, as the file has them for a chosen point."""
-    panels = told(replay)["panels"]
-    return DedupedHTML(**panels["images"][k])[panels["points"].index(point)]
+def numbers(values):
+    """Hundredths of a px as px; null as NaN."""
+    return np.array(values, float) / PX
 
 
 @pytest.fixture(scope="module")
@@ -69,50 +59,65 @@ def replay(session):
     return viewimit.replay(session)
 
 
-def test_at_every_moment_it_shows_what_the_page_would(session, replay):
-    run = told(replay)
-    assert run["motions"] == list(range(len(session.history)))
-    appearance, chosen = Appearance(session.world, session.history[0]), largest_residual(session.history[0])
-    for k in (0, 3, len(session.history) - 1):
-        moment = session.history[k]
-        bodies, windows = appearance.of(moment)
-        outline = draw_images(moment, bodies, windows, chosen)
-        shown = images(replay, k, chosen)
-        for kind in (OWN_POINTS, RECOVERED_POINTS, RESIDUALS, HULL):
-            drawn = re.findall(rf'<path class="{kind}" d="[^"]*"', outline)
-            assert drawn and all(path in shown for path in drawn)
+def test_at_every_moment_it_has_what_the_learner_saw_and_made_of_it(session, replay):
+    run = unpacked(replay)["run"]
+    assert [each["motion"] for each in run["moments"]] == list(range(len(session.history)))
+    for recorded, moment in zip(run["moments"], session.history):
+        demo = run["demonstrators"][recorded["demo"]]
+        np.testing.assert_allclose(np.array(recorded["theta"]) / RAD, moment.theta, atol=1e-6)
+        np.testing.assert_allclose(np.array(demo["theta"]) / RAD, moment.theta_demo, atol=1e-6)
+        for name, images in (("own", moment.views.own), ("recovered", moment.recovered)):
+            np.testing.assert_allclose(numbers(recorded[name]), images.ravel(), atol=0.01)
+        np.testing.assert_allclose(numbers(demo["images"]), moment.views.demo.ravel(), atol=0.01)
+        assert recorded["E"] == pytest.approx(moment.E, rel=1e-5)
         off = np.degrees(np.abs(moment.theta - moment.theta_demo).max())
-        assert f"{off:.1f}° off" in run["panels"]["claims"][k] or off < 0.05
-        assert "Viewer only" in run["panels"]["claims"][k] and "press space" not in run["panels"]["claims"][k]
-    grounds = run["panels"]["ground"]
-    assert grounds[0] == 0 and grounds[-1] == 1  # of the demonstrator's other posture
+        assert f"{off:.1f}° off" in recorded["truth"] or off < 0.05
+        assert "press space" not in recorded["sentence"]
+    assert run["moments"][0]["map"] == 0 and run["moments"][-1]["map"] == 1  # of the demonstrator's other posture
 
 
-def test_every_point_can_be_chosen_and_costs_little(session, replay):
-    appearance, panels = Appearance(session.world, session.history[0]), told(replay)["panels"]
-    for moment in session.history:
-        appearance.of(moment)
-    assert panels["points"] == list(range(len(session.world.body)))
-    for k, point in ((0, 0), (5, 9), (len(session.history) - 1, 4)):
-        moment = session.history[k]
-        drawn = draw_images(moment, *appearance.of(moment), point, construction=construct(moment, point))
-        assert images(replay, k, point) == drawn
-        ring = re.search(rf'{IMAGE_R}.*?<circle class="{CHOSEN_POINT}" cx="([-\d.]+)" cy="([-\d.]+)"', drawn)
-        assert panels["places"][k][3][point] == [float(ring[1]), float(ring[2])]
-    assert len(panels["images"]) * len(panels["points"]) * len(drawn) > 4 * len(msgspec.json.encode(panels["images"]))
+def test_points_that_are_not_seen_stay_hidden():
+    session = Session(Settings.paper(points=16, missing=0.1, seed=3))
+    session.run(3)
+    run = unpacked(viewimit.replay(session))["run"]
+    for recorded, moment in zip(run["moments"], session.history):
+        seen = [*run["demonstrators"][recorded["demo"]]["seen"]], [*recorded["seen"]]
+        flags = np.concatenate([np.array(each or ["1"] * 32, int).reshape(-1, 2) for each in seen], 1)
+        assert (flags == moment.views.visible).all()
+        assert (np.isnan(numbers(recorded["recovered"]).reshape(-1, 4)).any(1) == ~moment.usable).all()
 
 
-@given(st.lists(st.text("ab<>", max_size=12), max_size=5))
-def test_what_is_deduped_comes_out_as_it_was(drawings):
-    deduped = dedupe(drawings)
-    assert [deduped[k] for k in range(len(drawings))] == drawings and len(set(deduped.pieces)) == len(deduped.pieces)
+@pytest.mark.parametrize("transfer", ["epipolar", "linear"])
+def test_of_every_point_it_has_how_it_is_transferred(transfer):
+    session = Session(Settings(transfer=transfer, start_deg=(25, -45)))
+    session.run(3)
+    run = unpacked(viewimit.replay(session))["run"]
+    for recorded, moment in zip(run["moments"], session.history):
+        for point in (0, 9):
+            built, found = construct(moment, point), recorded["constructed"][str(point)]
+            np.testing.assert_allclose(numbers(found["axes"]), built.half_axes.ravel(), atol=0.01)
+            np.testing.assert_allclose(found["turn"], np.degrees(built.direction), atol=0.1)
+            if transfer == "epipolar":
+                np.testing.assert_allclose(found["angle"], np.degrees(built.angle), atol=0.5)
+            else:
+                np.testing.assert_allclose(numbers(found["steps"]), built.steps.reshape(4, -1), atol=0.01)
 
 
-def test_where_all_points_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
-    monkeypatch.setattr(panels_module, "MAX_IMAGES", 10)
-    small = viewimit.replay(session, chosen=6)
-    panels = told(small)["panels"]
-    assert panels["points"] == [6] and images(small, 0, 6) and all(len(one["indices"]) == 1 for one in panels["images"])
+def test_the_map_has_E_over_both_joints(session, replay):
+    run, moment = unpacked(replay)["run"], session.history[0]
+    wanted = compute_landscape(session.world, moment, MAP_DEG)
+    found = run["maps"][0]
+    E = np.exp(np.cumsum(found["level"]) / SHARE).reshape(found["size"])
+    E.ravel()[np.array(found["unknown"], int)] = np.nan
+    np.testing.assert_allclose(E, wanted.E, rtol=1e-3)
+    np.testing.assert_allclose(np.array(found["minimum"]) / RAD, wanted.minimum, atol=1e-6)
+    assert found["E_true"] == pytest.approx(make_landscape(session.world, moment).E_true)
+
+
+def test_where_all_constructions_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
+    monkeypatch.setattr(recording, "MAX_CONSTRUCTIONS", 10)
+    moments = unpacked(viewimit.replay(session, chosen=6))["run"]["moments"]
+    assert all([*moment["constructed"]] == ["6"] for moment in moments)
 
 
 def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
@@ -128,7 +133,7 @@ def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
     _, result = ask_json(*words[1:-1])
     assert result["final_deg"] == pytest.approx(np.degrees(session.snapshot.theta), abs=1e-6)
     assert f"viewimit {viewimit.__version__}" in replay.html and "seed 7" in replay.html
-    assert len(told(replay)["space"]["links"]) >= 2 and len(replay.html) < 0.5 * MB
+    assert len(unpacked(replay)["robot"]["links"]) >= 2 and len(replay.html) < 0.5 * MB
 
 
 @pytest.mark.parametrize(
@@ -148,15 +153,15 @@ def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
     session.run(motions, patience=3)
     replay = viewimit.replay(session)
     assert session.snapshot.status == (status or session.snapshot.status)
-    assert len(replay.html) < 0.8 * MB and len(told(replay)["motions"]) == len(session.history)
+    assert len(replay.html) < 0.8 * MB and len(unpacked(replay)["run"]["moments"]) == len(session.history)
 
 
 def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
     session = Session(Settings.paper(points=16, servo="gradient-retuned", start_deg=(25, -45)))
     session.run(100, patience=3)
     replay = viewimit.replay(session)
-    assert len(session.history) == 101 and len(told(replay)["panels"]["points"]) == 16
-    assert len(replay.html) < 3 * MB
+    assert len(session.history) == 101 and len(unpacked(replay)["run"]["moments"][0]["constructed"]) == 16
+    assert len(replay.html) < 0.8 * MB
 
 
 def test_of_a_long_run_moments_are_spread_and_both_ends_kept(session):
@@ -186,80 +191,193 @@ def colours(page):
     return len(picture.getcolors(picture.width * picture.height))
 
 
-@pytest.mark.browser
-def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(browser, session, replay, tmp_path):
-    path = tmp_path / "run.html"
-    assert replay.save(path) == path.stat().st_size < 0.5 * MB
-    page = browser.new_page(viewport={"width": 1280, "height": 720}, color_scheme="light")
-    faults, requests = [], []
-    page.on("pageerror", lambda error: faults.append(str(error)))
-    page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
-    page.on("request", lambda request: requests.append(request.url))
-    page.goto(path.as_uri())
-    last, time = len(session.history) - 1, page.locator("#time")
-    wait_until(
-        lambda: page.evaluate(
-            "document.querySelector('#path svg') && document.querySelector('#labels span').style.transform"
-        )
+@pytest.fixture
+def opened(browser, tmp_path):
+    """Opens a replay from a file in a window of its own, which must ask nobody and have no fault."""
+    pages, faults, requests = [], [], []
+
+    def open_(replay, address="", width=1280, height=720, before=None, **options):
+        path = tmp_path / "run.html"
+        assert replay.save(path) == path.stat().st_size
+        page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options)
+        pages.append(page)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        page.on("request", lambda request: requests.append(request.url))
+        if before is not None:
+            page.add_init_script(before)
+        page.goto(path.as_uri() + address)
+        wait_until(lambda: page.evaluate("document.querySelector('#l .vi-seen')?.getAttribute('d') || false"))
+        return page
+
+    yield open_
+    for page in pages:
+        page.close()
+    assert faults == []
+    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
+
+
+def place_of(page, view, point):
+    """px of the window where a point is drawn in an image."""
+    box = page.locator(f"#{view}").bounding_box()
+    x, y = page.evaluate(
+        """([k, i]) => {
+            const {images} = replay.view, {demo, own} = replay.moment.views;
+            const of = k < 2 ? demo : own, at = 4 * i + 2 * (k & 1);
+            return images.place(k, of[at], of[at + 1]).map(v => v * images.unit);
+        }""",
+        ["lrLR".index(view), point],
     )
+    return box["x"] + x, box["y"] + y
+
+
+@pytest.mark.browser
+def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(session, replay, opened):
+    assert len(replay.html) < 0.5 * MB
+    page = opened(replay)
+    last, time = len(session.history) - 1, page.locator("#time")
+    wait_until(lambda: page.evaluate("document.querySelector('#labels span').style.transform"))
     assert colours(page) > 200
     assert page.evaluate("document.documentElement.scrollHeight") == 720  # all is seen together
     asks = page.locator(".vi-ask:visible").evaluate_all("all => all.map(one => [one.offsetWidth, one.offsetHeight])")
-    assert len(asks) > 5 and all(size == [14, 14] for size in asks)  # none covers the number beside it
+    assert len(asks) > 5 and all(size == [14, 14] for size in asks)
 
-    start = page.locator("#claims").inner_text()
+    where = lambda: page.locator("#where").inner_text()
+    start = page.locator(".card").inner_text()
     time.fill("3")
-    assert page.locator("#where").inner_text() == f"3 of {last}" and page.locator("#claims").inner_text() != start
+    wait_until(lambda: where() == f"3 of {last}" and page.locator(".card").inner_text() != start)
     page.keyboard.press("End")
-    assert page.locator("#where").inner_text() == f"{last} of {last}"
+    assert where() == f"{last} of {last}"
     page.keyboard.press("ArrowLeft")
-    assert page.locator("#where").inner_text() == f"{last - 1} of {last}"
+    assert where() == f"{last - 1} of {last}"
     page.locator("#speed").select_option("25")
-    page.locator("#play").click()  # on from there, to the end
+    page.locator("#run").click()  # on from there, to the end
     wait_until(lambda: page.evaluate(f"document.querySelector('#where').value == '{last} of {last}'"))
     wait_until(lambda: page.locator("body.playing").count() == 0)
-    box = page.locator("#conflict").bounding_box()
-    page.mouse.click(box["x"] + 0.1 * box["width"], box["y"] + 0.5 * box["height"])  # the curve's left end
-    assert page.locator("#where").inner_text() == f"0 of {last}"
-
-    ring = """[...document.querySelectorAll("#images .vi-at-L .vi-ring")].map(
-        one => [one.cx, one.cy].map(place => place.baseVal.value))"""
-    places = told(replay)["panels"]["places"]
-    for digit in (0, 9, 4):
-        page.keyboard.press(str(digit))
-        assert page.evaluate(ring) == [pytest.approx(places[0][2][digit])]
-    page.keyboard.press("n")
-    assert page.evaluate(ring) == [pytest.approx(places[0][2][5])]
-    box = page.locator("#images .vi-at-R").bounding_box()
-    scale, (x, y) = (
-        box["width"] / page.evaluate("document.querySelector('#images .vi-at-R').viewBox.baseVal.width"),
-        places[0][3][8],
-    )
-    page.mouse.click(box["x"] + scale * x, box["y"] + scale * y)
-    assert page.evaluate(ring) == [pytest.approx(places[0][2][8])]
-    page.keyboard.press("ArrowRight")  # it stays chosen
-    assert page.evaluate(ring) == [pytest.approx(places[1][2][8])]
+    for curve in ("#curve", "#angles"):  # are sliders, too
+        box = page.locator(curve).bounding_box()
+        page.mouse.click(box["x"] + 0.1 * box["width"], box["y"] + 0.5 * box["height"])
+        assert where() == f"0 of {last}"
+        page.keyboard.press("End")
     page.keyboard.press("Home")
 
-    run = told(replay)["space"]
-    rows = page.evaluate(
-        "() => replay.framesOf('learner', replay.moments.at(-1).learner).map(frame => Array.from(frame))"
-    )
-    frames = np.array(rows).reshape(-1, 3, 4)
-    world, points = session.world, np.array(run["points"]["local"])
-    placed = np.einsum("nij,nj->ni", frames[run["points"]["link"]], np.column_stack([points, np.ones(len(points))]))
-    truth = world.points_world(session.history[-1].theta, world.T_world_own)
-    assert np.allclose(placed, truth, atol=2e-4)  # m; coordinates are kept to a tenth of a mm
+    for digit in (0, 9, 4):
+        page.keyboard.press(str(digit))
+        assert page.evaluate("replay.chosen") == digit
+    page.keyboard.press("n")
+    assert page.evaluate("replay.chosen") == 5
+    page.mouse.click(*place_of(page, "R", 8))
+    wait_until(lambda: "point 8" in page.locator("#residual").inner_text())
+    page.keyboard.press("ArrowRight")  # it stays chosen
+    assert page.evaluate("replay.chosen") == 8
+
+    rows = page.evaluate("Array.from(replay.world.arms.learner.points(replay.moment.theta, replay.world.body))")
+    truth = session.world.points_world(session.history[1].theta, session.world.T_world_own)
+    assert np.allclose(np.reshape(rows, (-1, 3)), truth, atol=1e-5)  # m; angles are kept to a microradian
 
     page.keyboard.press("d")
     assert page.evaluate("getComputedStyle(document.body).color") == "rgb(240, 242, 245)"
     page.set_viewport_size({"width": 390, "height": 844})
     wait_until(lambda: page.evaluate("document.querySelector('#space').width < 800"))
     assert page.evaluate("document.documentElement.scrollWidth") == 390 and colours(page) > 200
-    assert page.locator("#play").is_visible()
-    assert [url for url in requests if not url.startswith(("file:", "data:"))] == [] and len(requests) <= 3
-    assert faults == []
+    assert page.locator("#run").is_visible()
 
-    page.set_content(f"<body>{replay._repr_html_()}</body>")  # a cell of a notebook
-    page.frame_locator("iframe").locator("#path svg").wait_for()
+
+@pytest.mark.browser
+def test_a_cell_of_a_notebook_shows_it(browser, replay):
+    page = browser.new_page()
+    page.set_content(f"<body>{replay._repr_html_()}</body>")
+    frame = page.frame_locator("iframe")
+    frame.locator("#map .vi-now").wait_for()
+    frame.locator("#forward").click()
+    frame.get_by_text("1 of", exact=False).first.wait_for()
     page.close()
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(
+    "settings", [Settings.paper(start_deg=(25, -45)), Settings.paper(scene="panda-toed", rectify="auto")]
+)
+def test_epipolar_lines_are_those_of_the_library(settings, opened):
+    session = Session(settings)
+    session.run(2)
+    page = opened(viewimit.replay(session), "#1")
+    lines = page.evaluate("replay.recorded.lines(1, 4).map(({into, from, a, b, c}) => [into, from, a, b, c])")
+    moment = session.history[1]
+    wanted = {
+        (into, start): line / np.hypot(*line[:2])
+        for into, start, line in zip(LINE_VIEWS.tolist(), POINT_VIEWS.tolist(), np.array(moment.epipolar_lines(4)))
+    }
+    assert len(lines) == 12
+    for into, start, *line in lines:
+        expected = wanted[into, start]
+        assert np.array(line) * np.sign(np.dot(line[:2], expected[:2])) == pytest.approx(expected, abs=0.2)
+
+
+@pytest.mark.browser
+def test_outlines_are_drawn_through_the_lens_of_the_scene(opened):
+    settings = Settings(scene="panda", undistort=(-0.2, 0.05))
+    session = Session(settings)
+    page = opened(viewimit.replay(session))
+    assert page.locator("#takeover").is_hidden()  # the lab has pinhole cameras
+    bones = page.evaluate(
+        "replay.view.images.outlines.known.own.outlines.map(({bones}) => bones.map(p => [p[0], p[1]]))"
+    )
+    frames = session.world.link_frames(session.snapshot.theta, session.world.T_world_own)
+    for camera, found in zip(session.world.own_cameras, bones):
+        images, _ = camera.project(frames[:, :3, 3].T)
+        np.testing.assert_allclose(np.array(found).T, images, atol=0.01)
+
+
+@pytest.mark.browser
+def test_with_many_joints_it_shows_what_noise_costs_in_place_of_the_map(opened):
+    session = Session(Settings(joints=(1, 2, 4), points=16, start_deg=(10, 25, -45)))
+    session.run(2)
+    page = opened(viewimit.replay(session))
+    assert page.locator("#takeover").is_hidden() and page.locator("#map").is_hidden()
+    assert "1 px of noise" in page.locator("#bars").inner_text()
+    assert page.locator("#own .joint").count() == 3 and page.locator("#own input").first.is_disabled()
+
+
+@pytest.mark.browser
+def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, opened):
+    page, state = (
+        opened(replay, "#2"),
+        "() => { const {theta, thetaDemo} = lab.session().now; return [theta, thetaDemo]; }",
+    )
+    page.locator("#takeover").click()
+    wait_until(lambda: page.evaluate("typeof lab === 'object'"))
+    moment = session.history[2]
+    np.testing.assert_allclose(page.evaluate(state), [moment.theta, moment.theta_demo], atol=2e-6)
+    assert "after motion 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
+    assert "rectified images" in page.locator("#says").inner_text()  # the lab has none
+    page.locator("#step").click()
+    wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)
+    wait_until(lambda: "preset=replay" in page.evaluate("location.hash"))
+    address = page.evaluate("location.hash")
+    page.keyboard.press("t")
+    wait_until(lambda: page.locator("#run").is_visible())
+    assert page.locator("#where").inner_text().startswith("2 of") and page.locator("#play").is_hidden()
+    page.keyboard.press("End")
+    page.keyboard.press("t")  # from another moment
+    last = session.history[-1]
+    wait_until(lambda: page.locator("#play").is_visible())
+    np.testing.assert_allclose(page.evaluate(state), [last.theta, last.theta_demo], atol=2e-6)
+    again = opened(replay, address)  # straight into the lab
+    wait_until(lambda: again.evaluate("typeof lab === 'object' && lab.session().now.motion") == 1)
+    again.locator("#return").click()
+    wait_until(lambda: again.locator("#run").is_visible())
+
+
+@pytest.mark.browser
+def test_it_works_without_webgl_and_with_reduced_motion(session, replay, opened):
+    page = opened(replay, reduced_motion="reduce", before=(
+        "HTMLCanvasElement.prototype.getContext = new Proxy(HTMLCanvasElement.prototype.getContext,"
+        "{apply: (f, it, given) => given[0] === 'webgl2' ? null : Reflect.apply(f, it, given)})"
+    ))  # fmt: skip
+    assert "no WebGL" in page.locator("#labels").inner_text()
+    page.keyboard.press("ArrowRight")
+    wait_until(lambda: page.locator("#where").inner_text().startswith("1 of"))
+    page.locator("#speed").select_option("25")
+    page.keyboard.press(" ")
+    wait_until(lambda: page.locator("#where").inner_text().startswith(f"{len(session.history) - 1} of"))

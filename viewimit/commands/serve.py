@@ -50,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=Path,
         metavar="FILE",
-        help="a lesson of your own, offered instead of the tour; more than once for more (docs/lessons.md)",
+        help="a lesson of your own, offered instead of the tour; more than once for more (docs/teach/lesson-format.md)",
     )
     parser.add_argument("--lecturer", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")

@@ -12,7 +12,6 @@ from .plots import Axes, Tick, decade_ticks, decades, log10
 
 SIDE_BY_SIDE = 600  # px: drawings of this width or more have the plots side by side
 CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot, side by side and otherwise
-PAIRED_WIDTH = 424  # px of each plot of a pair
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
 GAP = 28, 6  # px between the plots, side by side and below each other
 MAX_VERTICES, MAX_DOTS = 90, 48  # of a curve; longer curves have no dots
@@ -56,21 +55,6 @@ def draw_curves(
     first, second = _draw_both(history, cursor, E_true, joints, box)
     second += svg.text(box[2] + RIGHT, 12, describe_errors(errors_deg), "vi-end")
     return f'<div class="vi-panel">{arrange_plots(width, first, second)}</div>'
-
-
-def draw_curve_pair(
-    history: Sequence[Snapshot], cursor: int, E_true: float | None, joints: Sequence[int]
-) -> tuple[str, str]:
-    """Draw the plots of E and of the joint angles as separate HTML; parameters as for `draw_curves`."""
-    first, second = _draw_both(history, cursor, E_true, joints, plot_box(PAIRED_WIDTH))
-    wrap = f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {PAIRED_WIDTH} {TAB_HEIGHT}">{{}}</svg></div>'
-    return wrap.format(first), wrap.format(second)
-
-
-def paired_axis(last: int) -> tuple[float, float, int]:
-    """Locate the x axis of a paired plot: its ends as shares of the width, and the motions at its end."""
-    left, _, right, _ = plot_box(PAIRED_WIDTH)
-    return left / PAIRED_WIDTH, right / PAIRED_WIDTH, axis_end(last)
 
 
 def axis_end(last: int) -> int:

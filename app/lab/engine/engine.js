@@ -8,7 +8,7 @@
  *     session.step();                                           // one motion; false when the servo rests
  *     session.undo(); session.pose(theta); session.change({transfer: "linear"}); session.begin({...session.settings});
  *     session.now;                                              // the present Moment: postures, views, E, status
- *     recovered(session.now);                                   // where the demonstrator's points should be in [L], [R]
+ *     recovered(session.now);                                   // the demonstrator's points, transferred to [L], [R]
  *     geometry(session.now).lines(demo, own);                   // the epipolar lines of a point
  *     const landscape = new Landscape(world, 2);                // E over both joints, in steps of 2°
  *     landscape.evaluate("epipolar", session.observer.demo(theta));

@@ -1,6 +1,6 @@
 /**
  * Transfers: from the demonstrator's points in [l], [r] to where they would be in the learner's own views [L], [R], if
- * both arms stood alike. And what the learner makes of them: residuals, and the conflict E.
+ * both arms were in the same pose. And what the learner makes of them: residuals, and the conflict E.
  *
  * @typedef {Object} Fitted a transfer that was fitted to matched points
  * @property {(images: Float64Array) => Float64Array} recover (4 M) px in [l], [r] → (4 M) px in [L], [R]

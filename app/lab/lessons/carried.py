@@ -31,7 +31,7 @@ LOOP_SHARE = 0.5  # breadth over length, from which a path is a loop
 class Followed:
     """A motion that was followed with one frozen transfer, over T frames; k links."""
 
-    frozen: Snapshot  # what was seen when the transfer was fitted
+    frozen: Snapshot  # to which the transfer was fitted
     run: Trajectory
     overlap_px: Array  # (T,) from the hand to its target, mean of L and R
     truth_px: Array  # (T,) from the hand to its true place, mean of L and R

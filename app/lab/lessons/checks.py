@@ -66,10 +66,15 @@ def figure_kinds() -> Mapping[str, FigureKind]:
 
 
 @cache
+def measure_table() -> Mapping[str, Mapping[str, str]]:
+    """Return the units of all measures that steps can name, by where they are computed: "browser" or "library"."""
+    return parse_toml(HERE.joinpath("measures.toml").read_bytes())
+
+
+@cache
 def measure_units() -> Mapping[str, str]:
-    """Return the unit of each measure that steps can name."""
-    table = parse_toml(HERE.joinpath("measures.toml").read_bytes())
-    return {**table["browser"], **table["library"]}
+    """Return the unit of each measure."""
+    return {**measure_table()["browser"], **measure_table()["library"]}
 
 
 def faults(lesson: Lesson) -> Faults:
@@ -81,7 +86,7 @@ def faults(lesson: Lesson) -> Faults:
         for where, what in _of_step(lesson, step, ids):
             yield f".step[{k}]{where}", what
         ids.add(step.id)
-    least = round(least_minutes(lesson))
+    least = max(1, round(least_minutes(lesson)))
     if lesson.minutes < least:
         yield (
             ".minutes",

@@ -84,7 +84,7 @@ def deal_scenes(situation: Situation, count: int, seed: int) -> list[Situation]:
     Parameters
     ----------
     situation : Situation
-        What is dealt has names of fields of `Settings`, or of HEADS.
+        Its ranges are named as fields of `Settings`, or by HEADS.
     count, seed : int
 
     Returns
@@ -129,7 +129,7 @@ def _at(head: Head, metres: float) -> Head:
     return replace(head, position=tuple(position.round(6).tolist()))
 
 
-HEADS: Mapping[str, Any] = {  # what can be dealt of a head
+HEADS: Mapping[str, Any] = {  # values of a head that can be dealt
     "head distance": _at,
     "head baseline": lambda head, metres: replace(head, baseline=metres),
     "head toe-in": lambda head, degrees: replace(head, toe_in_deg=degrees),
@@ -173,7 +173,7 @@ def rounds_record(situation: Situation) -> dict[str, Any]:
 
 
 def compute_rounds(situation: Situation, starts: int) -> dict[str, Any]:
-    """Run the method of every choice, and the page's own, from so many starts: some seconds for each."""
+    """Run the method of every choice, and the page's own, from a number of starts: some seconds for each."""
     page = "/".join(PAGE_CHOICE)
     chosen = product(situation.choices.get("transfer", ()), situation.choices.get("servo", ()))
     names = dict.fromkeys([*map("/".join, chosen), page])

@@ -1,4 +1,4 @@
-"""Facts and records of a step: what the library computes for it when the page is written.
+"""Facts and records of a step: computed by the library when the page is written.
 
     situation = Situation(settings, step.scene, step.chosen, step.race, goal, dealt=…, choices=…)
     facts, records = compute(situation, measures, figures)
@@ -38,7 +38,7 @@ class Fact:
 
     of: Callable[[Situation], Any]  # a number, NaN where there is none, or a text
     unit: str = ""  # behind the number
-    digits: int | None = None  # after the point; None for as many as its size deserves
+    digits: int | None = None  # after the point; None for two below 10, one below 1000, none above
     missing: str = "–"  # instead of NaN
     write: Callable[[float], str] | None = None  # the number in words, instead of digits
 
@@ -74,11 +74,11 @@ def compute(
         {name: plain data for JSON}.
     """
     facts = {name: FACTS[name].tell(situation) for name in measures if name in FACTS}
-    wanted = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
-    wanted |= {"races"} if situation.race else set()
-    wanted |= {"swapped"} if situation.settings.swapped else set()
-    wanted -= {"rounds"} if situation.dealt else set()  # these are of each dealt scene
-    return facts, {name: RECORDS[name](situation) for name in RECORDS if name in wanted}
+    names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
+    names |= {"races"} if situation.race else set()
+    names |= {"swapped"} if situation.settings.swapped else set()
+    names -= {"rounds"} if situation.dealt else set()  # these are of each dealt scene
+    return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
 
 
 def deals(situation: Situation, step: str, count: int, seed: int) -> list[Situation]:
@@ -94,7 +94,7 @@ def deals(situation: Situation, step: str, count: int, seed: int) -> list[Situat
     Returns
     -------
     list of Situation
-        Alike in all but what was dealt.
+        Equal but for the deal.
     """
     deal = design.deal_scenes if situation.dealt else design.deal_postures
     return deal(situation, count, seed)
@@ -124,7 +124,7 @@ def _arrow_px(situation: Situation) -> float:
     return float(np.sqrt(situation.start.E))
 
 
-def _valley(situation: Situation) -> float:
+def valley_E(situation: Situation) -> float:
     """px²: the largest E over the range of the unobservable joint, the others as the demonstrator's."""
     start, scene = situation.start, situation.scene
     joint = int(np.argmax(records.costs(situation)))
@@ -237,10 +237,6 @@ def _hand_run_off(situation: Situation) -> float:
     return float(sign.off_deg(one.session.snapshot)[1])
 
 
-def _place(back: float, aside: float) -> Callable[[Situation], float]:
-    return lambda situation: records.carried_to(situation, back, aside).start.E
-
-
 def _first_shown(joint: int, by_arrows: bool) -> Fact:
     return Fact(lambda situation: records.shown_px(situation, joint, by_arrows), " px")
 
@@ -255,9 +251,6 @@ def _rounds(situation: Situation) -> float:
 
 FACTS: Mapping[str, Fact] = {
     # tour
-    "E sideways": Fact(_place(0.0, 0.5), " px²", 0),
-    "E back": Fact(_place(2.0, 0.0), " px²", 0),
-    "E nearer": Fact(_place(*records.NEARER), " px²", 0),
     "median cosine": Fact(lambda situation: float(np.median(records.signposts(situation))), "", 2),
     # limits
     "bias at once the distance": Fact(_bias_at(1.0), "°", 1),
@@ -274,7 +267,7 @@ FACTS: Mapping[str, Fact] = {
     "middle of the cloud is off": Fact(_middle_off, "°", 1),
     "direction of the cloud": Fact(_cloud_direction),
     "joint that can be anything": Fact(_unobservable),
-    "largest E along the valley": Fact(lambda situation: max(_valley(situation), svg.UNSEEN_E), " px²"),
+    "largest E along the valley": Fact(lambda situation: max(valley_E(situation), svg.UNSEEN_E), " px²"),
     "first joint moves": _first_shown(0, False),
     "first joint shows": _first_shown(0, True),
     "second joint shows": _first_shown(1, True),
@@ -326,7 +319,6 @@ FACTS: Mapping[str, Fact] = {
 }
 RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which the page has it
     "races": records.races,
-    "places": records.places,
     "biases": records.biases,
     "clouds": records.clouds_record,
     "swapped": lambda situation: [list(pair) for pair in records.true_pairs(situation)],
@@ -337,8 +329,6 @@ RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which
     "runs": lambda situation: sign.runs_record(),
 }
 FIGURE_RECORDS: Mapping[str, tuple[str, ...]] = {  # the records that a figure draws
-    "room from above": ("places",),
-    "E axis": ("places",),
     "biases": ("biases",),
     "clouds": ("clouds",),
     "mended": ("rectification", "offDeg"),

@@ -15,10 +15,10 @@ from typing import Any
 
 from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls
-from viewimit.drawing.export.replay import bundle, packed
+from viewimit.drawing.export.replay import bundle, packed, styles
 from viewimit.drawing.glossary import glossary
 
-from ..page import SHIPPED, served_page, styles
+from ..page import SHIPPED, served_page
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of

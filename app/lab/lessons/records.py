@@ -1,4 +1,4 @@
-"""What steps that compare postures record: runs of servos, maps of E, minima, clouds of estimates, places in a room.
+"""Records of steps that compare postures: runs of servos, maps of E, minima, clouds of estimates, places in a room.
 
 All is computed from a step's situation, and kept for equal situations. `plain` makes data for JSON of it.
 """
@@ -29,13 +29,11 @@ CLAIM_DEG = 1.0  # within which a claim has all joints
 DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of the eyes
 RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
 PAIRS, PAIR_SEED, APART_DEG = 356, 3, 20.0  # of postures at random, whose largest difference is at least so much
-PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, aside
-NEARER = (-0.3, 0)  # m back, aside
 MORE_POINTS = 20  # layout of the scene that is compared with its layout of ten
 
 
 def plain(values: ArrayLike, digits: int = 4) -> Any:
-    """Return numbers with so many significant digits, nested as they are; None for NaN and infinity."""
+    """Round numbers to significant digits, nested as they are; None for NaN and infinity."""
     array = np.asarray(values, float)
     if array.ndim:
         return [plain(row, digits) for row in array]
@@ -70,7 +68,7 @@ def claim_probability(certificate: Certificate, within_deg: float = CLAIM_DEG) -
 
 
 def claim_record(session: Session) -> dict[str, Any]:
-    """What the learner says at the end, beside the truth: degrees off in each joint, None for one it cannot observe."""
+    """The learner's claim at the end, beside the truth: degrees off in each joint, None for one it cannot observe."""
     last = session.snapshot
     unobservable = [] if last.certificate is None else last.certificate.reportable_joints(last.status)
     off = np.degrees(np.abs(last.theta - last.theta_demo))
@@ -105,7 +103,7 @@ def races(situation: Situation) -> dict[str, Any]:
 
 @cache
 def landscape(situation: Situation, step_deg: float = MAP_STEP_DEG, transfer: str | None = None) -> Landscape:
-    """Compute E over both joints, for the demonstrator as it is seen at the start."""
+    """Compute E over both joints, for the demonstrator in the images at the start."""
     world = situation.world
     return landscape_over(world, *_seen(situation, transfer), grid_axes(world, step_deg))
 
@@ -206,34 +204,11 @@ def signposts(situation: Situation) -> Array:
     return np.array(found)
 
 
-def carried_to(situation: Situation, back_m: float, aside_m: float, turned_deg: float = 0.0) -> Situation:
-    """Carry the demonstrator across the room, away from the head and away from the learner. The eyes turn after it."""
-    scene = situation.scene
-    base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
-    moved = np.array([back_m, aside_m, 0.0])
-    return situation.with_scene(
-        {
-            **situation.scene_fields,
-            "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
-            "head": {"gaze_demonstrator": (gaze + moved).tolist()},
-        }
-    )
-
-
-def places(situation: Situation) -> list[dict[str, Any]]:
-    """E with the demonstrator carried to PLACES, and nearer, which changes more."""
-    at = [(*place, "place") for place in PLACES] + [(*NEARER, "nearer")]
-    return [
-        {"back": back, "aside": aside, "kind": kind, "E": plain(carried_to(situation, back, aside).start.E)}
-        for back, aside, kind in at
-    ]
-
-
 # Swapped points, and eyes turned inwards
 
 
 def true_pairs(situation: Situation) -> Pairs:
-    """Which points are swapped in what is seen: each lies where the other should."""
+    """Pairs of points that are swapped in the demonstrator's images: each lies where the other should."""
     start = situation.start
     true, _ = situation.world.demo_images(start.theta_demo)
     order = np.linalg.norm(start.views.demo[:, None] - true, axis=-1).argmin(1).tolist()

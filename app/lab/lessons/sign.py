@@ -58,7 +58,7 @@ def off_deg(last: Snapshot) -> NDArray[np.float64]:
 
 
 def bet(last: Snapshot) -> float:
-    """What the learner's certificate bets on the claim; NO_CLAIM_BET where the learner makes none."""
+    """The bet of the learner's certificate on the claim; NO_CLAIM_BET where the learner makes none."""
     if not last.status.is_claim or last.certificate is None:
         return NO_CLAIM_BET
     return claim_probability(last.certificate)
@@ -71,7 +71,7 @@ def brier(bets: Sequence[float], holds: Sequence[bool]) -> float:
 
 @cache
 def runs_record() -> list[dict[str, Any]]:
-    """All runs as the page has them: what the learner knows, and the truth."""
+    """All runs as the page has them: the learner's knowledge, and the truth."""
     return [_record(one) for one in signed_runs()]
 
 

@@ -1,4 +1,4 @@
-"""What a step of a lesson shows, computed by the library: scene, world and what is seen at the start.
+"""The state that a step of a lesson shows: scene, world, and the images at its start.
 
 Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
 """
@@ -26,7 +26,7 @@ EYE_SLIDERS = ("distance", "baseline")  # sliders that move the eyes
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """The state that a step shows, and what is computed from it on demand.
+    """The state that a step shows. Scene, world and images are computed when first used.
 
     Two situations are equal if settings, scene and eyes are: then they have the same maps, clouds and runs.
     """
@@ -37,7 +37,7 @@ class Situation:
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
     sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
-    dealt: tuple[Any, ...] = ()  # ranges of what is dealt besides postures: `name`, `low`, `high`, `step`
+    dealt: tuple[Any, ...] = ()  # ranges of further dealt values: `name`, `low`, `high`, `step`
     choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
 
     @cached_property
@@ -80,7 +80,7 @@ class Situation:
 
     @cached_property
     def start(self) -> Snapshot:
-        """What is seen at the start."""
+        """The snapshot at the start."""
         return self.session().snapshot
 
     @cached_property
@@ -135,9 +135,9 @@ def _at_distance(scene: Scene, times: float) -> Scene:
     head = scene.head
     gazes = np.array([head.gaze_demonstrator, head.gaze_learner])
     middle = gazes.mean(0)
-    back, aside = np.array(head.position) - middle, ((gazes - middle) ** 2).sum(1).mean()
+    back, spread = np.array(head.position) - middle, ((gazes - middle) ** 2).sum(1).mean()
     near = back @ back
-    position = middle + np.sqrt((times**2 * (near + aside) - aside) / near) * back
+    position = middle + np.sqrt((times**2 * (near + spread) - spread) / near) * back
     moved = replace(scene, head=replace(head, position=tuple(position.tolist())))
     return replace(moved, head=_zoomed(moved.head, _spread_px(scene) / _spread_px(moved)))
 

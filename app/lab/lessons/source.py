@@ -170,7 +170,7 @@ def line_of(text: str, where: str) -> int:
         else:
             continue
         same = next((i for i, (a, b) in enumerate(zip(found, keys)) if a != b), min(len(found), len(keys)))
-        if same == len(found) and same > depth:
+        if same in (len(found), len(keys)) and same > depth:
             best, depth = number, same
     return best
 

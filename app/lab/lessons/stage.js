@@ -144,6 +144,7 @@ import {stageMap} from "./maps.js";
 import {clamp, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
+const RACE_GOAL = 3; // px², of E in a race whose step names no other
 const MAX_MOTIONS = 200, MAX_RACE = 400;
 const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
 const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});
@@ -233,7 +234,8 @@ export class Stage {
   /** E, or another measure, that has to be reached here or in the step that goes on here; null for none. */
   get goal() {
     const ask = this.carried && this.step.ask.kind !== "do" ? this.carried.step.ask : this.step.ask;
-    return ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
+    const reached = ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
+    return reached ?? (this.step.race?.length ? RACE_GOAL : null);
   }
 
   /** Whether the answer has been given, and the truth may be drawn. */
@@ -315,6 +317,12 @@ export class Stage {
       this.raced[servo] = {postures, E, probes, status: session.now.status};
     }
     return this.raced[servo];
+  }
+
+  /** The motion of a race that reaches the goal, or else its last one. @param {Race} race */
+  last({E}) {
+    const {goal} = this, at = goal === null ? -1 : E.findIndex(value => value < goal);
+    return at < 0 ? E.length - 1 : at;
   }
 
   /** How many motions of a race are shown. @param {number} all */

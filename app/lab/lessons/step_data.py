@@ -76,7 +76,7 @@ def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
         sorted(measures_of(step)),
         [figure.figure for figure in figures_of(step)],
     ]
-    scenes, computed = cached("step", inputs, lambda: _computed(lesson, step))
+    scenes, computed = cached("step", inputs, lambda: compute_step(lesson, step))
     return scenes, computed
 
 
@@ -98,7 +98,8 @@ def _facts_of_questions(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     return facts.compute(usual, names)[0]
 
 
-def _computed(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
+def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
+    """Compute what `step_data` returns."""
     situation, origin, scenes = situation_of(lesson, step), _origin(lesson, step), Scenes()
     data = _of_situation(step, situation, scenes)
     if origin.deal:
@@ -180,7 +181,7 @@ def cached(kind: str, inputs: Any, compute: Callable[[], Any]) -> Any:
     folder = _cache_folder()
     if folder is None:
         return json.loads(_plain(compute()))
-    digest = hashlib.sha256(f"{kind} {_source_digest()} {json.dumps(inputs, sort_keys=True)}".encode()).hexdigest()
+    digest = hashlib.sha256(f"{kind} {source_digest()} {json.dumps(inputs, sort_keys=True)}".encode()).hexdigest()
     path = folder / f"{kind}-{digest[:32]}.json"
     try:
         return json.loads(path.read_bytes())
@@ -219,8 +220,8 @@ def _keep(path: Path, data: bytes) -> None:
 
 
 @cache
-def _source_digest() -> str:
-    """A digest of the package's version, source and data: any of them may change what is computed."""
+def source_digest() -> str:
+    """Return a digest of the package's version, source and data: any of them may change what is computed."""
     digest = hashlib.sha256(viewimit.__version__.encode())
     for path in _sources():
         digest.update(path.read_bytes())

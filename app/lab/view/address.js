@@ -29,6 +29,7 @@ import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 const DEGREE = Math.PI / 180, MAX_STEPS = 3000;
+const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {
@@ -52,6 +53,7 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
     if (asked.has(name) && !isRight) wrong.push(`${name}=${asked.get(name)}`);
     return isRight;
   };
+  for (const name of asked.keys()) if (name && !FIELDS.includes(name)) checked(name, false);
   checked("preset", preset.name === asked.get("preset"));
   const number = (/** @type {string} */ name, /** @type {number} */ usual, /** @type {number} */ low, /** @type {number} */ high) => {
     const value = Number(asked.get(name) || NaN);
@@ -80,7 +82,13 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
   };
 }
 
-/** The address of a state, without the values that are those of the preset. @param {State} state @param {Preset} preset @param {import("../engine/world.js").Scene} scene */
+/**
+ * The address of a state, without the values that are those of the preset.
+ *
+ * @param {State} state
+ * @param {Preset} preset
+ * @param {import("../engine/world.js").Scene} scene
+ */
 export function toAddress(state, preset, scene) {
   const usual = beginning(preset, scene), degrees = (/** @type {number[]} */ angles) => angles.map(v => String(Number((v / DEGREE).toFixed(2)))).join();
   const parts = [`preset=${state.preset}`, `demo=${degrees(state.demonstrator)}`, `start=${degrees(state.start)}`];

@@ -4,25 +4,35 @@
  * @typedef {import("../engine/world.js").World} World
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {import("../engine/affine.js").Line} Line
+ * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
+ * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
+ * @property {number[][][] | null} steps in l, r, L, R: px
  * @typedef {Object} Picture the contents of one frame
- * @property {Moment} moment
+ * @property {Pick<Moment, "theta" | "thetaDemo" | "views" | "usable" | "fitted">} moment
  * @property {Float64Array} recovered (4 N) px, NaN where not usable
  * @property {Line[]} lines of the chosen point
  * @property {number} chosen
  * @property {boolean} goal whether the learner is drawn as well as it would be in the demonstrator's pose
+ * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none;
+ *   computed from the moment if it is left out
+ * @property {Construction | null} [construction]
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
  */
 import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
-const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18;
+const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18, MAX_HALF_AXIS = 400;
 const COMPASS = Array.from({length: 16}, (_, k) => [Math.cos(k * Math.PI / 8), Math.sin(k * Math.PI / 8)]);
 const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-line vi-from-right", "vi-line vi-partner",
-  "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own", "vi-seen", "vi-found", "vi-ring"];
+  "vi-spread", "vi-steps", "vi-stop", "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own", "vi-own vi-idle",
+  "vi-seen", "vi-seen vi-idle", "vi-found", "vi-ring"];
 
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
-/** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px per px */
+/**
+ * @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
+ *   per px
+ */
 
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
@@ -70,7 +80,10 @@ export class Outlines {
 }
 
 export class Images {
-  /** @param {Record<string, HTMLElement>} boxes by view: all or some @param {Record<string, number[][]>} hulls outermost vertices of links */
+  /**
+   * @param {Record<string, HTMLElement>} boxes by view: all or some
+   * @param {Record<string, number[][]>} hulls outermost vertices of links
+   */
   constructor(boxes, hulls) {
     this.outlines = new Outlines(hulls);
     this.views = VIEWS.map((view, k) => ({view, k})).filter(({view}) => boxes[view]).map(({view, k}) => {
@@ -111,7 +124,7 @@ export class Images {
     const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease)].some(Boolean);
     this.fresh = false;
     const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
-    const bones = this.#recoveredBones(moment, demo);
+    const bones = picture.bones === undefined ? this.#recoveredBones(moment, demo) : picture.bones;
     for (const view of this.views) {
       const side = view.k & 1, isDemo = view.k < 2;
       this.#drawView(view, world.scene.cameras[view.k], picture, (isDemo ? demo : own)[side], isDemo || !picture.goal ? null : goal[side], goalImages, isDemo ? null : bones?.[side] ?? null);
@@ -120,7 +133,7 @@ export class Images {
   }
 
   /** A point under a finger. @param {PointerEvent} event @returns {{view: number, point: number} | null} */
-  hit(event, /** @type {Moment} */ {views}) {
+  hit(event, /** @type {Pick<Moment, "views">} */ {views}) {
     const view = this.views.find(({svg}) => svg.contains(/** @type {Node} */ (event.target)));
     if (!view) return null;
     const [x, y] = this.under(event, view.k), images = view.k < 2 ? views.demo : views.own;
@@ -143,13 +156,25 @@ export class Images {
     return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
   }
 
-  /** Where a place of an image is drawn, in its drawing's units. @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */
+  /**
+   * Where a place of an image is drawn, in its drawing's units.
+   *
+   * @param {number} k the view
+   * @param {number} x px
+   * @param {number} y px
+   * @returns {[number, number]}
+   */
   place(k, x, y) {
     const {window} = this.view(k);
     return [(x - window.x) * window.scale, (y - window.y) * window.scale];
   }
 
-  /** The demonstrator's skeleton as the transfer puts it into the learner's views. @param {Moment} moment @param {Outline[]} demo */
+  /**
+   * The demonstrator's skeleton as the transfer puts it into the learner's views.
+   *
+   * @param {Pick<Moment, "fitted">} moment
+   * @param {Outline[]} demo
+   */
   #recoveredBones({fitted}, demo) {
     if (!fitted) return null;
     const joints = demo[0].bones.map((p, i) => [p[0], p[1], demo[1].bones[i][0], demo[1].bones[i][1]]);
@@ -187,7 +212,7 @@ export class Images {
    * @param {Float64Array | null} goalImages
    * @param {number[][] | null} bones
    */
-  #drawView(view, camera, {moment, recovered, lines, chosen}, outline, ghost, goalImages, bones) {
+  #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;
     const X = (/** @type {number} */ a) => px((a - x) * scale), Y = (/** @type {number} */ b) => px((b - y) * scale);
@@ -204,17 +229,26 @@ export class Images {
     };
     const dot = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a)} ${px(b)}h0`;
     const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
-    const shown = (/** @type {(a: number, b: number) => string} */ mark) => (/** @type {number} */ a, /** @type {number} */ b, /** @type {number} */ i) => seen[2 * i + side] ? mark(a, b) : "";
+    const used = new Set(moment.usable);
+    /**
+     * @param {(a: number, b: number) => string} mark
+     * @param {boolean} isUsed
+     * @returns {(a: number, b: number, i: number) => string}
+     */
+    const shown = (mark, isUsed) => (a, b, i) => seen[2 * i + side] && used.has(i) === isUsed ? mark(a, b) : "";
     /** @type {Record<string, string>} */
     const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};
-    if (isDemo) d["vi-seen"] = each(images, shown(diamond(3.6)));
-    else {
+    if (isDemo) {
+      d["vi-seen"] = each(images, shown(diamond(3.6), true));
+      d["vi-seen vi-idle"] = each(images, shown(diamond(3.6), false));
+    } else {
       if (ghost) {
         d["vi-goal"] = closed(ghost.hulls);
         d["vi-goal-bone"] = polyline(ghost.bones);
       }
       if (goalImages) d["vi-goal-dot"] = each(goalImages, dot);
-      d["vi-own"] = each(images, shown(dot));
+      d["vi-own"] = each(images, shown(dot, true));
+      d["vi-own vi-idle"] = each(images, shown(dot, false));
       d["vi-found"] = each(recovered, diamond(3.9));
       if (bones) d["vi-bone vi-found"] = polyline(bones);
       let tips = "";
@@ -227,6 +261,19 @@ export class Images {
         return `M${px(a)} ${px(b)}L${px(c)} ${px(e)}`;
       });
       d["vi-tip"] = tips;
+    }
+    const stops = construction?.steps?.[view.k];
+    if (stops) {
+      d["vi-steps"] = polyline(stops);
+      d["vi-stop"] = stops.slice(0, -1).map(([a, b]) => dot((a - x) * scale, (b - y) * scale)).join("");
+    }
+    const spread = isDemo ? null : construction?.ellipses[side];
+    if (spread) {
+      const [a, b] = [spread.long, spread.short].map(half => Math.min(half * scale, MAX_HALF_AXIS));
+      const turn = spread.turn * Math.PI / 180;
+      const [u, v, arc] = [a * Math.cos(turn), a * Math.sin(turn), `a${px(a)} ${px(b)} ${spread.turn} 0 1 `];
+      const [mx, my] = [(spread.x - x) * scale, (spread.y - y) * scale];
+      d["vi-spread"] = `M${px(mx - u)} ${px(my - v)}${arc}${px(2 * u)} ${px(2 * v)}${arc}${px(-2 * u)} ${px(-2 * v)}z`;
     }
     const at = [images[4 * chosen + 2 * side], images[4 * chosen + 2 * side + 1]], r = isDemo ? 8 : 10;
     if (seen[2 * chosen + side]) d["vi-ring"] = `M${px((at[0] - x) * scale - r)} ${Y(at[1])}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;

@@ -4,7 +4,7 @@
 export function listen(keys, isOn) {
   document.addEventListener("keydown", event => {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, {target} = event;
-    if (!isOn() || !(key in keys) || !(target instanceof Element)) return;
+    if (event.defaultPrevented || !isOn() || !(key in keys) || !(target instanceof Element)) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (target.matches("select, input[type=number]") || document.querySelector("dialog[open], :popover-open")) return;
     if (target.matches("input") && /^(Arrow|Home|End|Page)/.test(key)) return;

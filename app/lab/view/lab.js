@@ -9,7 +9,7 @@ import {byId as $, copy} from "./page.js";
 import {Player} from "./playing.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say} from "./svg.js";
-import {missText, outcome, truth} from "./words.js";
+import {residualText, outcome, truth} from "./words.js";
 
 /** @typedef {import("./address.js").State} State @typedef {import("../engine/session.js").Moment} Moment */
 
@@ -60,6 +60,18 @@ export class Lab {
     this.player.play(false);
     this.experiment.misread = [];
     this.#entered(() => this.experiment.enter(state), true);
+  }
+
+  /** Be on display again. */
+  open() {
+    this.isOpen = true;
+  }
+
+  /** Leave the display to a replay. */
+  close() {
+    this.player.play(false);
+    this.isOpen = false;
+    clearTimeout(this.landscapes.resting);
   }
 
   /** The same experiment with other fields, from the start. @param {Partial<State>} changes */
@@ -163,7 +175,7 @@ export class Lab {
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
-    say($("miss"), moment.fitted ? `a typical miss of ${missText(moment.E)}` : "no E: too few points");
+    say($("typical"), moment.fitted ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
     $("map").classList.toggle("blank", !moment.fitted);
     document.body.classList.toggle("goalless", !goal);
     sliders.demo.show(thetaDemo, thetaDemo);

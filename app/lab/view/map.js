@@ -2,12 +2,15 @@
 import {clamp} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-/** @typedef {import("../engine/landscape.js").Landscape} Landscape */
+/**
+ * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
+ */
 
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
-const NAME_PX = 7.2; // of a letter
+const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
+const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
 /**
@@ -46,12 +49,21 @@ export class EnergyMap {
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
+    // Axes, the path, the contours' numbers over it, and above all the dots with their names
     this.standing = add(this.over, "g");
+    this.way = add(this.over, "g");
+    this.levels = add(this.over, "g");
     this.moving = add(this.over, "g");
-    this.still = "";
-    this.last = "";
+    /** What each of them shows. @type {Map<SVGGElement, string>} */
+    this.written = new Map();
+    /** Places of the contours' numbers. @type {number[][]} */
+    this.numbers = [];
     this.z = new Float64Array(0);
-    /** What is drawn below the marks: its grid, and the contours' levels, ln px². @type {{rows: number, columns: number, levels: number[]}} */
+    /**
+     * What is drawn below the marks: its grid, and the contours' levels, ln px².
+     *
+     * @type {{rows: number, columns: number, levels: number[]}}
+     */
     this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
@@ -94,7 +106,12 @@ export class EnergyMap {
     return this.posture(x, y);
   }
 
-  /** Shade E, and draw its contours. @param {Landscape | null} landscape null for the axes alone @param {{lower: number[], upper: number[], joints: string[]}} range */
+  /**
+   * Shade E, and draw its contours.
+   *
+   * @param {Ground | null} landscape null for the axes alone
+   * @param {{lower: number[], upper: number[], joints: string[]}} range
+   */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -107,7 +124,9 @@ export class EnergyMap {
     set(this.over, {viewBox: `0 0 ${width} ${height}`});
     if (!landscape) {
       canvas.width = w; // clears it
-      return this.#axes("");
+      this.numbers = [];
+      this.#write(this.levels, "");
+      return this.#axes();
     }
     const rows = landscape.axes[0].length, columns = landscape.axes[1].length, {E} = landscape;
     if (this.z.length !== landscape.count) this.z = new Float64Array(landscape.count);
@@ -165,13 +184,22 @@ export class EnergyMap {
     }
     brush.stroke();
     brush.restore();
-    this.#axes(labels);
+    this.numbers = taken;
+    this.#write(this.levels, labels);
+    this.#axes();
   }
 
-  /** @param {string} labels of contours */
-  #axes(labels) {
+  /** @param {SVGGElement} group @param {string} html */
+  #write(group, html) {
+    if (html === this.written.get(group)) return;
+    group.innerHTML = html;
+    this.written.set(group, html);
+  }
+
+  #axes() {
     const {width, height, range: {lower, upper, joints}} = this, left = PAD.left, bottom = height - PAD.bottom;
-    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE).map(degrees => {
+    const room = [bottom - PAD.top, width - left - PAD.right];
+    const ticks = (/** @type {number} */ k) => nice(lower[k] / DEGREE, upper[k] / DEGREE, room[k] / TICK_PX).map(degrees => {
       const [a, b] = this.place(k ? [lower[0], degrees * DEGREE] : [degrees * DEGREE, lower[1]]), text = `${String(degrees).replace("-", "−")}°`;
       const [kind, x] = a > width - 20 ? ["vi-end", width] : ["vi-mid", a]; // the last number stays within the drawing
       return k ? `<path class="vi-axis" d="M${px(a)} ${bottom}v4"/><text class="vi-2nd ${kind}" x="${px(x)}" y="${bottom + 17}">${text}</text>`
@@ -179,8 +207,8 @@ export class EnergyMap {
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
 <text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${joints[1]}</text>
-<text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>${labels}`;
-    if (html !== this.still) this.standing.innerHTML = this.still = html;
+<text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>`;
+    this.#write(this.standing, html);
   }
 
   /** @param {number} rows @param {number} columns @param {number} least @param {number} most @param {string} hills */
@@ -204,12 +232,14 @@ export class EnergyMap {
    * @param {number[]} what.learner
    * @param {number[] | null} what.minimum
    * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
+   * @param {number[][]} [what.later] postures still to come, of a recorded run
+   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before
    */
-  marks({demonstrator, learner, minimum, path}) {
+  marks({demonstrator, learner, minimum, path, later = [], demonstrators = []}) {
     const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
     const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];
-    /** @type {number[][]} left, top, right, bottom of each name */
-    const taken = [];
+    /** Left, top, right, bottom of each name and number. */
+    const taken = this.numbers.map(([a, b]) => [a - NUMBER_PX[0], b - NUMBER_PX[1], a + NUMBER_PX[0], b + NUMBER_PX[1]]);
     /** A name beside its dot, in the first of four places that is free. */
     const name = (/** @type {number[]} */ [a, b], /** @type {string} */ kind, /** @type {string} */ text) => {
       const wide = NAME_PX * text.length, boxes = [[1, -1], [-1, 1], [1, 1], [-1, -1]].map(([right, down]) => {
@@ -226,22 +256,27 @@ export class EnergyMap {
     };
     const past = path.filter(({isPast}) => isPast), since = path.slice(past.length);
     const way = `M${[...since.map(({theta}) => theta), learner].map(at).join("L")}`;
+    const line = (/** @type {string} */ kind, /** @type {number[][]} */ postures) =>
+      postures.length > 1 ? `<path class="${kind}" d="M${postures.map(at).join("L")}"/>` : "";
+    const still = (later.length ? line("vi-line-own vi-later", [learner, ...later]) : "")
+      + (demonstrator ? line("vi-line-demo", [...demonstrators, demonstrator]) : "");
     const before = past.length ? `<path class="vi-line-own vi-later" d="M${[...past.map(({theta}) => theta), since[0]?.theta ?? learner].map(at).join("L")}"/>` : "";
     const visited = since.map(({theta, probe}) => {
       const [a, b] = this.place(theta);
       return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
     }).join("");
     const cross = minimum && this.place(minimum);
-    const html = `${before}<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>${visited}
-${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
+    const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;
+    this.#write(this.way, `${still}${before}${drawn}${visited}`);
+    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
-    if (html !== this.last) this.moving.innerHTML = this.last = html;
+    this.#write(this.moving, html);
   }
 }
 
-/** Round numbers of degrees between two, some five. @param {number} low @param {number} high */
-function nice(low, high) {
-  const step = [5, 10, 15, 30, 45, 90].find(each => (high - low) / each <= 5) ?? 90, found = [];
+/** Round numbers of degrees between two, some five. @param {number} low @param {number} high @param {number} most how many there is room for */
+function nice(low, high, most) {
+  const step = [5, 10, 15, 30, 45, 90, 180].find(each => (high - low) / each <= Math.min(5, most)) ?? 180, found = [];
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }

@@ -63,7 +63,12 @@ export class Outside {
     this.window = {x: (left + right) / 2 - this.width / scale / 2, y: (top + bottom) / 2 - this.height / scale / 2, scale};
   }
 
-  /** Where a point of the world is drawn, in the drawing's units. @param {ArrayLike<number>} point @returns {[number, number]} */
+  /**
+   * Where a point of the world is drawn, in the drawing's units.
+   *
+   * @param {ArrayLike<number>} point
+   * @returns {[number, number]}
+   */
   place(point) {
     const {x, y, scale} = this.window;
     return [(along(this.axes[0], point) - x) * scale, (-along(this.axes[1], point) - y) * scale];
@@ -75,7 +80,14 @@ export class Outside {
     return [(event.clientX - box.left) / box.width * this.width, (event.clientY - box.top) / box.height * this.height];
   }
 
-  /** The point of a line that is drawn nearest to a place. @param {[number, number]} place @param {Vector} from @param {Vector} to @returns {number} 0 at `from`, 1 at `to` */
+  /**
+   * The point of a line that is drawn nearest to a place.
+   *
+   * @param {[number, number]} place
+   * @param {Vector} from
+   * @param {Vector} to
+   * @returns {number} 0 at `from`, 1 at `to`
+   */
   share([x, y], from, to) {
     const [a, b] = this.place(from), [c, d] = this.place(to), u = c - a, v = d - b;
     return ((x - a) * u + (y - b) * v) / (u * u + v * v);

@@ -1,159 +1,305 @@
-// @ts-nocheck
-/** The player of a replay: which moment is shown, how it goes on, and what keys and hands do. */
-import {Arm, transform} from "../engine/kinematics.js";
-import {byId as $, fault, unpacked} from "./page.js";
-import {openSpace} from "./space.js";
+/**
+ * A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its moments.
+ */
+import {World} from "../engine/engine.js";
+import {Angles} from "./curve.js";
+import {listen} from "./keys.js";
+import {byId as $, copy} from "./page.js";
+import {Recorded} from "./recorded.js";
+import {Sliders} from "./sliders.js";
+import {energyText, fixed, say} from "./svg.js";
+import {residualText, SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
-const PANELS = ["claims", "conflict", "angles", "path"], GLIDES = 0.75;  // share of a motion's time
-const HIT = 14;  // units of a drawing, about a point
+/** @typedef {import("./recorded.js").Run} Run @typedef {import("./view.js").View} View */
 
-const begin = (run, meshes) => {
-  const last = run.motions.length - 1, moments = run.space.moments, shownHTML = {}, still = matchMedia(
-    "(prefers-reduced-motion:reduce)");
-  let now = 0, playing = false, since = 0, view = null, chosen = run.panels.points.indexOf(run.chosen);
-  try { view = openSpace($("space"), $("labels"), run.space, meshes); } catch (error) { console.warn(error); }
-  view?.setStage(run.space.stage);
-  if (!view) $("labels").textContent = "This browser draws no WebGL: all but the 3-D view is here.";
-
-  const {chain, bases, points: body} = run.space;
-  const framesOf = (who, angles) => new Arm(chain, [], bases[who]).frames(angles);
-  const pointsOn = frames => body.local.map((p, i) => transform(frames[body.link[i]], p));
-  const put = (id, html) => {
-    if (shownHTML[id] !== html) $(id).innerHTML = shownHTML[id] = html;
-  };
-  const joined = ({pieces, indices}, k) => indices[k].map(i => pieces[i]).join("");
-  const pose = share => {
-    if (!view) return;
-    const from = moments[now], to = moments[Math.min(now + 1, last)], eased = share * share * (3 - 2 * share);
-    const learner = from.learner.map((angle, k) => angle + eased * (to.learner[k] - angle));
-    const frames = {learner: framesOf("learner", learner), demonstrator: framesOf("demonstrator", from.demonstrator)};
-    const points = Object.fromEntries(Object.entries(frames).map(([who, placed]) => [who, pointsOn(placed)]));
-    view.show({frames, points, plates: from.plates, recovered: from.recovered, rays: $("rays").checked});
-  };
-  const show = k => {
-    now = Math.max(0, Math.min(last, k));
-    put("images", joined(run.panels.images[now], chosen));
-    for (const id of PANELS) put(id, run.panels[id][now]);
-    put("ground", run.panels.grounds[run.panels.ground[now]]);
-    const words = `${run.motions[now]} of ${run.motions[last]}`;
-    $("time").value = now;
-    $("time").setAttribute("aria-valuetext", `after ${words} motions`);
-    $("where").value = words;
-    pose(0);
-  };
-  const tick = at => {
-    if (!playing) return;
-    const period = 1000 / Number($("speed").value);
-    if (!since) since = at;
-    while (at - since >= period && now < last) {
-      since += period;
-      now += 1;
-      if (at - since < period || now === last) show(now);
-    }
-    if (now === last) { play(false); return; }
-    if (!still.matches) pose(Math.min(1, (at - since) / (GLIDES * period)));
-    requestAnimationFrame(tick);
-  };
-  const play = on => {
-    if (on === playing) return;
-    playing = on;
-    since = 0;
-    document.body.classList.toggle("playing", on);
-    $("play").setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) { pose(0); return; }
-    if (now === last) show(0);
-    requestAnimationFrame(tick);
-  };
-  // A point is chosen in the images: at its place in any of them, or by its number
-  const choose = point => {
-    const k = run.panels.points.indexOf(point);
-    if (k < 0) return;
-    chosen = k;
-    put("images", joined(run.panels.images[now], chosen));
-  };
-  const nearest = event => {
-    const drawn = event.target.closest("#images svg"), view = drawn && /vi-at-([lrLR])/.exec(drawn.getAttribute("class"));
-    if (!view) return -1;
-    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(drawn.getScreenCTM().inverse());
-    const away = run.panels.places[now]["lrLR".indexOf(view[1])].map(
-      ([x, y]) => x === undefined ? Infinity : Math.hypot(x - at.x, y - at.y));
-    const least = Math.min(...away);
-    return least <= HIT ? away.indexOf(least) : -1;
-  };
-  const jump = k => { play(false); show(k); };
-  const scheme = () => {
-    const root = document.documentElement.dataset;
-    root.scheme = root.scheme === "dark" ? "light" : "dark";
-    if (view) view.recolour();
-  };
-  const faster = by => {
-    const speed = $("speed");
-    speed.selectedIndex = Math.max(0, Math.min(speed.length - 1, speed.selectedIndex + by));
-  };
-  const rays = () => { $("rays").checked = !$("rays").checked; pose(0); };
-  const fit = () => view && view.fit();
-
-  $("time").max = last;
-  $("time").addEventListener("input", () => jump(Number($("time").value)));
-  $("play").addEventListener("click", () => play(!playing));
-  $("back").addEventListener("click", () => jump(now - 1));
-  $("on").addEventListener("click", () => jump(now + 1));
-  $("scheme").addEventListener("click", scheme);
-  $("fit").addEventListener("click", fit);
-  $("rays").addEventListener("change", () => pose(0));
-  $("speed").value = last > 200 ? "25" : last > 60 ? "10" : last > 24 ? "4" : "2";
-  $("images").addEventListener("click", event => choose(nearest(event)));
-  if (run.panels.points.length > 1) {
-    $("images").title = "Click a point, or press its number: how it is recovered";
-    $("images").addEventListener("pointermove", event => {
-      $("images").style.cursor = nearest(event) < 0 ? "" : "pointer";
-    });
-  }
-  const KEYS = {
-    " ": () => play(!playing), ArrowLeft: () => jump(now - 1), ArrowRight: () => jump(now + 1),
-    Home: () => jump(0), End: () => jump(last), "+": () => faster(1), "-": () => faster(-1),
-    PageUp: () => jump(now - 10), PageDown: () => jump(now + 10), d: scheme, v: fit, r: rays,
-    n: () => choose(((run.panels.points[chosen] ?? -1) + 1) % run.panels.places[0][0].length),
-  };
-  for (let digit = 0; digit < 10; digit++) KEYS[digit] = () => choose(digit);
-  document.addEventListener("keydown", event => {
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    if (event.ctrlKey || event.metaKey || event.altKey || !(key in KEYS)) return;
-    if (event.target.matches("select,pre") || document.querySelector(":popover-open")) return;
-    if (key === " " && event.target.matches("button:not(#play)")) return;
-    event.preventDefault();
-    KEYS[key]();
-  });
-  // The curves are sliders, too
-  const [left, right, end] = run.axis;
-  for (const id of ["conflict", "angles"]) {
-    const scrub = event => {
-      const box = $(id).querySelector("svg").getBoundingClientRect();
-      const motion = ((event.clientX - box.left) / box.width - left) / (right - left) * end;
-      let nearest = 0;
-      run.motions.forEach((m, k) => {
-        if (Math.abs(m - motion) < Math.abs(run.motions[nearest] - motion)) nearest = k;
-      });
-      if (nearest !== now) jump(nearest);
-    };
-    $(id).addEventListener("pointerdown", event => { $(id).setPointerCapture(event.pointerId); scrub(event); });
-    $(id).addEventListener("pointermove", event => event.buttons && scrub(event));
-  }
-  for (const button of document.querySelectorAll(".copy")) button.addEventListener("click", async () => {
-    const text = button.nextElementSibling;
-    try {
-      await navigator.clipboard.writeText(text.textContent);
-      button.textContent = "Copied";
-      setTimeout(() => { button.textContent = "Copy"; }, 1500);
-    } catch {
-      getSelection().selectAllChildren(text);
-    }
-  });
-  const asked = run.motions.indexOf(Number(location.hash.slice(1) || "0"));  // replay.html#12
-  show(Math.max(asked, 0));
-  globalThis.replay = {framesOf, moments};
+const GLIDE = 0.75; // share of a motion's time in which the arm moves
+/** Motions a second, of runs of more motions than these. */
+const SPEEDS = /** @type {const} */ ([[200, "25"], [60, "10"], [24, "4"], [-1, "2"]]);
+const LEAP = 10; // motions by Page Up and Page Down
+/** Marks of what the learner says; of others that it is stuck. @type {Record<string, string>} */
+const STATES = {
+  moving: "moving", arrived: "settled", least: "settled", settled: "settled", ready: "ready", paused: "ready",
 };
 
-if (typeof DecompressionStream === "undefined") fault("This replay needs a browser of 2023 or later.");
-else Promise.all([unpacked("run").json(), unpacked("meshes").arrayBuffer()]).then(
-  ([run, meshes]) => begin(run, meshes)).catch(error => { fault(`This replay is damaged: ${error.message}`); throw error; });
+export class Replay {
+  /**
+   * @param {Run} run
+   * @param {import("./view.js").Scene} scene
+   * @param {View} view
+   * @param {((state: Partial<import("./address.js").State>, says: string) => void) | null} takeOver opens the lab
+   */
+  constructor(run, scene, view, takeOver) {
+    this.scene = scene;
+    this.view = view;
+    this.takeOver = takeOver;
+    this.recorded = new Recorded(run, scene);
+    this.world = new World(scene);
+    this.angles = new Angles($("angles"));
+    this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    this.isOpen = false;
+    this.isPlaying = false;
+    this.isDue = false;
+    this.shown = this.now = this.since = 0;
+    this.last = run.moments.length - 1;
+    this.chosen = run.chosen ?? 0;
+    const motions = run.moments[this.last].motion;
+    $("time").max = this.last;
+    $("speed").value = SPEEDS.find(([most]) => motions > most)?.[1] ?? "2";
+    this.sliders = new Sliders($("own"), "learner", () => {}, () => {});
+    $("takeover").hidden = !takeOver;
+    this.#controls();
+    this.#keys();
+    this.#scrub(this.view.curve, $("curve"));
+    this.#scrub(this.angles, $("angles"));
+    new ResizeObserver(() => { this.angles.measure(); this.redraw(); }).observe($("angles"));
+  }
+
+  get moment() {
+    return this.recorded.moments[this.now];
+  }
+
+  /** Show it, from a motion on. @param {number} motion */
+  open(motion) {
+    const {names, lower, upper} = this.scene;
+    this.isOpen = true;
+    document.body.classList.add("replay");
+    this.view.setScene(this.scene);
+    this.sliders.build(names, lower, upper);
+    this.sliders.lock();
+    this.shown = -1;
+    this.show(this.#nearest(motion));
+  }
+
+  close() {
+    this.play(false);
+    this.isOpen = false;
+    document.body.classList.remove("replay", "unmapped", "stepwise");
+    $("map").hidden = false;
+  }
+
+  /** @param {number} k index of a moment */
+  show(k) {
+    this.now = Math.max(0, Math.min(this.last, k));
+    const {motion} = this.moment, words = `${motion} of ${this.recorded.moments[this.last].motion}`;
+    $("time").value = this.now;
+    $("time").style.setProperty("--at", `${100 * this.now / Math.max(1, this.last)}%`);
+    $("time").setAttribute("aria-valuetext", `after ${words} motions`);
+    $("where").value = words;
+    this.redraw();
+  }
+
+  /** @param {number} k */
+  jump(k) {
+    this.play(false);
+    this.show(k);
+  }
+
+  /** @param {boolean} on */
+  play(on) {
+    if (on === this.isPlaying) return;
+    this.isPlaying = on;
+    this.since = 0;
+    document.body.classList.toggle("playing", on);
+    $("run").setAttribute("aria-label", on ? "Pause" : "Play");
+    if (!on) return void this.redraw();
+    if (this.now === this.last) this.show(0);
+    requestAnimationFrame(at => this.#tick(at));
+  }
+
+  redraw() {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame(() => {
+      this.isDue = false;
+      this.draw();
+    });
+  }
+
+  /** A size or the colours have changed. */
+  resized() {
+    this.shown = -1;
+    this.redraw();
+  }
+
+  draw() {
+    if (!this.isOpen) return;
+    const {view, moment, now, chosen, recorded, scene} = this, {run, moments} = recorded, goal = $("goal").checked;
+    view.draw(this.world, {
+      moment, recovered: moment.recovered, bones: moment.bones, lines: recorded.lines(now, chosen),
+      construction: recorded.construction(now, chosen), chosen, goal, ease: 1, rays: $("rays").checked,
+    });
+    this.#map();
+    const map = run.maps[run.moments[now].map];
+    view.curve.draw(moments, now, goal ? map.E_true ?? null : null);
+    this.angles.draw(moments, now, scene.joints);
+    this.sliders.show(moment.theta, moment.thetaDemo);
+    document.body.classList.toggle("goalless", !goal);
+    document.body.classList.toggle("stepwise", !run.methods[run.moments[now].method].crosses);
+    this.#say();
+  }
+
+  /** The arm on its way to the next moment. @param {number} share of the way */
+  #glide(share) {
+    const {moment, recorded, chosen, now} = this, {theta} = recorded.moments[Math.min(now + 1, this.last)];
+    const eased = share * share * (3 - 2 * share), between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
+    this.view.drawSpace(this.world, {
+      moment: {...moment, theta: between}, recovered: moment.recovered, lines: recorded.lines(now, chosen),
+      chosen, goal: $("goal").checked, ease: 1, rays: $("rays").checked,
+    });
+  }
+
+  #map() {
+    const {view, moment, now, recorded: {run, maps, moments}} = this, k = run.moments[now].map, ground = maps[k];
+    const {bars, says} = run.maps[k], {lower, upper, names} = this.scene, goal = $("goal").checked;
+    $("map").hidden = !ground;
+    $("bars").hidden = Boolean(ground);
+    document.body.classList.toggle("unmapped", !ground);
+    if (this.shown !== k) {
+      if (ground) view.map.ground(ground, {lower, upper, joints: names});
+      else if (bars) $("bars").innerHTML = bars;
+      else say($("bars"), says ?? "");
+      this.shown = k;
+    }
+    if (!ground) return;
+    const path = moments.slice(0, now).map(({theta, motion}, at) =>
+      ({theta, probe: moments[at + 1].probe, isPast: run.moments[at].map !== k && motion < moment.motion}));
+    view.map.marks({
+      demonstrator: goal ? moment.thetaDemo : null, learner: moment.theta, path,
+      minimum: goal ? ground.minimum?.theta ?? null : null, later: moments.slice(now + 1).map(({theta}) => theta),
+      demonstrators: moments.slice(0, now).map(({thetaDemo}) => thetaDemo)
+        .filter((theta, at, all) => !at || theta.some((v, j) => v !== all[at - 1][j])),
+    });
+  }
+
+  /** What the learner says, what is true, and the numbers of the moment. */
+  #say() {
+    const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.moments[now];
+    const method = run.methods[one.method];
+    $("state").className = `state ${STATES[one.state] ?? "stuck"}`;
+    say($("outcome"), one.title);
+    say($("sentence"), ` · ${one.sentence}${one.doubt ? ` ${one.doubt}` : ""}`);
+    $("word").hidden = !one.word;
+    $("word").setAttribute("popovertarget", `vi-word-${one.word}`);
+    $("word").setAttribute("aria-label", `What is ${one.title}?`);
+    const hidden = `Hidden from the learner: ${one.truth[0].toLowerCase()}${one.truth.slice(1)}`;
+    say($("truth"), $("goal").checked ? hidden : "The goal is hidden, from you as from the learner.");
+    say($("E"), energyText(moment.E));
+    const isKnown = Number.isFinite(moment.E), {usable, views: {own}, recovered} = moment;
+    say($("typical"), isKnown ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
+    say($("by-servo"), method.servoTitle);
+    say($("by-transfer"), method.transferTitle + (method.rectified ? ", of rectified images" : ""));
+    const lengths = usable.flatMap(i => [0, 2].map(k => ({
+      i, px: Math.hypot(recovered[4 * i + k] - own[4 * i + k], recovered[4 * i + k + 1] - own[4 * i + k + 1]),
+    }))).filter(({px}) => Number.isFinite(px));
+    const most = lengths.reduce((a, b) => b.px > a.px ? b : a, {i: 0, px: -1});
+    say($("largest"), lengths.length ? `${fixed(most.px)} px, of point ${most.i}` : "–");
+    const {condition} = one;
+    say($("condition-name"), condition?.name ?? "Condition");
+    say($("condition"), condition ? condition.value + condition.words : "–");
+    $("condition").className = condition?.level ?? "";
+    say($("seen"), `${usable.length} of ${own.length / 4}`);
+    say($("how"), run.chosen === null && !usable.length ? "" : recorded.how(now, chosen));
+  }
+
+  /** @param {number} at ms */
+  #tick(at) {
+    if (!this.isPlaying) return;
+    const period = 1000 / Number($("speed").value);
+    if (!this.since) this.since = at;
+    let isNew = false;
+    while (at - this.since >= period && this.now < this.last) {
+      this.since += period;
+      this.now++;
+      isNew = true;
+    }
+    if (isNew) this.show(this.now);
+    if (this.now === this.last) return void this.play(false);
+    if (!this.still.matches && !isNew) this.#glide(Math.min(1, (at - this.since) / (GLIDE * period)));
+    requestAnimationFrame(later => this.#tick(later));
+  }
+
+  /** The index of the moment nearest to a motion. @param {number} motion */
+  #nearest(motion) {
+    const {moments} = this.recorded;
+    return moments.reduce((best, one, k) =>
+      Math.abs(one.motion - motion) < Math.abs(moments[best].motion - motion) ? k : best, 0);
+  }
+
+  /** @param {number} point */
+  choose(point) {
+    if (point < 0 || point >= this.moment.views.own.length / 4) return;
+    this.chosen = point;
+    this.redraw();
+  }
+
+  /** Go on in the lab from here. */
+  #takeOver() {
+    const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.moments[this.now].method];
+    const from = `The replay goes on here after motion ${moment.motion}.`;
+    const [servo, transfer] = [SERVO_WORDS[lab.servo].title, TRANSFER_WORDS[lab.transfer].title.toLowerCase()];
+    const now = `: now it is “${servo}” and the ${transfer} transfer`;
+    const instead = lacks.length ? ` The lab does not have ${listed(lacks)}${now}.` : "";
+    this.takeOver?.({...lab, demonstrator: moment.thetaDemo, start: moment.theta, steps: 0}, from + instead);
+  }
+
+  /** A curve is a slider, too. @param {{motionAt: (pointer: PointerEvent) => number}} plot @param {HTMLElement} box */
+  #scrub(plot, box) {
+    const follow = (/** @type {PointerEvent} */ event) => {
+      const nearest = this.#nearest(plot.motionAt(event));
+      if (nearest !== this.now) this.jump(nearest);
+    };
+    box.addEventListener("pointerdown", event => {
+      if (!this.isOpen) return;
+      box.setPointerCapture(event.pointerId);
+      follow(event);
+    });
+    box.addEventListener("pointermove", event => { if (this.isOpen && event.buttons) follow(event); });
+  }
+
+  #controls() {
+    /** @type {Record<string, () => void>} */
+    const buttons = {
+      run: () => this.play(!this.isPlaying),
+      back: () => this.jump(this.now - 1), forward: () => this.jump(this.now + 1),
+      scheme: () => this.#recolour(), fit: () => this.view.space?.fit(), takeover: () => this.#takeOver(),
+    };
+    for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
+    $("time").addEventListener("input", () => this.jump(Number($("time").value)));
+    for (const id of ["goal", "rays"]) $(id).addEventListener("change", () => this.redraw());
+    $("images").addEventListener("click", (/** @type {PointerEvent} */ event) => {
+      const hit = this.isOpen ? this.view.images.hit(event, this.moment) : null;
+      if (hit) this.choose(hit.point);
+    });
+    for (const button of document.querySelectorAll("button.copy")) button.addEventListener("click", () =>
+      void copy(/** @type {HTMLElement} */ (button), button.nextElementSibling?.textContent ?? "", "To copy:"));
+  }
+
+  #keys() {
+    const toggle = (/** @type {string} */ id) => { $(id).checked = !$(id).checked; this.redraw(); };
+    const faster = (/** @type {number} */ by) => {
+      const {length, selectedIndex} = $("speed");
+      $("speed").selectedIndex = Math.max(0, Math.min(length - 1, selectedIndex + by));
+    };
+    /** @type {Record<string, () => void>} */
+    const keys = {
+      " ": () => this.play(!this.isPlaying),
+      ArrowLeft: () => this.jump(this.now - 1), ArrowRight: () => this.jump(this.now + 1),
+      Home: () => this.jump(0), End: () => this.jump(this.last), "+": () => faster(1), "-": () => faster(-1),
+      PageUp: () => this.jump(this.now - LEAP), PageDown: () => this.jump(this.now + LEAP),
+      d: () => this.#recolour(), v: () => this.view.space?.fit(), r: () => toggle("rays"), g: () => toggle("goal"),
+      n: () => this.choose((this.chosen + 1) % (this.moment.views.own.length / 4)),
+    };
+    if (this.takeOver) keys.t = () => this.#takeOver();
+    for (let digit = 0; digit < 10; digit++) keys[digit] = () => this.choose(digit);
+    listen(keys, () => this.isOpen);
+  }
+
+  #recolour() {
+    this.view.recolour();
+    this.resized();
+  }
+}
+
+/** @param {string[]} words */
+const listed = words =>
+  words.length < 2 ? words.join() : `${words.slice(0, -1).join(", ")} and ${words[words.length - 1]}`;

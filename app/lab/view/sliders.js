@@ -54,6 +54,11 @@ export class Sliders {
     });
   }
 
+  /** They only show angles from now on. */
+  lock() {
+    for (const {input} of this.rows) input.disabled = true;
+  }
+
   /** @param {number[]} theta @param {number[]} goal */
   show(theta, goal) {
     const {lower, upper} = this, share = (/** @type {number[]} */ angles, /** @type {number} */ k) => (angles[k] - lower[k]) / (upper[k] - lower[k]);

@@ -27,6 +27,7 @@
  */
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
+const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
 const SHADOW_PX = 1600, FLOATS_PER_CORNER = 13;
 const ATTRIBUTES = ["place", "normal", "one", "other", "corner", "tint"];
 const ROLES = ["learner", "demonstrator", "recovered", "residual", "paper", "secondary", "chosen"];
@@ -137,7 +138,11 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   /** @typedef {ReturnType<typeof program>} Program */
   const solid = program(SOLID_VS, SOLID_FS), flat = program(SOLID_VS, FLAT_FS), floor = program(SOLID_VS, FLOOR_FS), line = program(LINE_VS, LINE_FS);
 
-  /** @param {Float32Array<ArrayBuffer>} places @param {Float32Array<ArrayBuffer>} normals @param {Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>} faces */
+  /**
+   * @param {Float32Array<ArrayBuffer>} places
+   * @param {Float32Array<ArrayBuffer>} normals
+   * @param {Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>} faces
+   */
   const shape = (places, normals, faces) => {
     const made = gl.createVertexArray(), buffers = [places, normals].map((data, k) => {
       const buffer = gl.createBuffer();
@@ -193,7 +198,10 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   const sun = unit([-2, -3, 5]), sunRight = unit(cross([0, 0, 1], sun)), sunUp = cross(sun, sunRight);
 
   // What stands still
-  /** @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[], ground: Shape, middle: Vector, wide: number, lit: Float32Array, labels: {label: HTMLElement, at: Vector}[]}} */
+  /**
+   * @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[],
+   *   ground: Shape, middle: Vector, wide: number, lit: Float32Array, labels: Name[]}}
+   */
   let set;
   /** @param {Stage} stage */
   const setStage = stage => {
@@ -212,7 +220,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
       const label = labelsIn.appendChild(document.createElement("span"));
       label.textContent = text;
       label.style.color = `var(--${role === "demonstrator" ? "demonstrator-edge" : role})`;
-      return {label, at};
+      return {label, at, view: VIEWS.indexOf(text), place: -1};
     });
     set = {
       size: stage.size, stage, middle, wide, labels, ground: ownShape(square),
@@ -276,7 +284,12 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     const [right, up, back] = axes();
     return product(perspective(fov, aspect(), .02 * set.size, 60 * set.size), viewed(right, up, back, sum(target, back, distance)));
   };
-  /** Where a point of the world is drawn: px from the canvas's corner, and depth. @param {ArrayLike<number>} p @returns {Vector} */
+  /**
+   * Where a point of the world is drawn: px from the canvas's corner, and depth.
+   *
+   * @param {ArrayLike<number>} p
+   * @returns {Vector}
+   */
   const project = (p, seen = seenBy()) => {
     const [x, y, , w] = [0, 1, 2, 3].map(i => seen[i] * p[0] + seen[4 + i] * p[1] + seen[8 + i] * p[2] + seen[12 + i]);
     return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight, w];
@@ -284,12 +297,24 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
 
   /** @type {number[]} */
   const spans = [];
-  /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @param {number[]} colour @param {number} width @param {number} [alpha] */
+  /**
+   * @param {ArrayLike<number>} a
+   * @param {ArrayLike<number>} b
+   * @param {number[]} colour
+   * @param {number} width
+   * @param {number} [alpha]
+   */
   const addLine = (a, b, colour, width, alpha = 1) => {
     for (const [end, side] of [[0, -1], [0, 1], [1, 1], [0, -1], [1, 1], [1, -1]])
       spans.push(a[0], a[1], a[2], b[0], b[1], b[2], end, end ? -side : side, width, colour[0] / 255, colour[1] / 255, colour[2] / 255, alpha);
   };
-  /** @param {Program} how @param {Shape} what @param {Float32Array} model @param {number[]} [colour] @param {number} [alpha] */
+  /**
+   * @param {Program} how
+   * @param {Shape} what
+   * @param {Float32Array} model
+   * @param {number[]} [colour]
+   * @param {number} [alpha]
+   */
   const draw = (how, what, model, colour, alpha = 1) => {
     gl.uniformMatrix4fv(how.at("model"), false, model);
     if (colour) gl.uniform4f(how.at("colour"), ...linear(colour), alpha);
@@ -387,8 +412,10 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     gl.depthMask(true);
     gl.bindVertexArray(null);
 
-    for (const {label, at} of set.labels) {
-      const [x, y, w] = project(at, seen);
+    const frusta = set.stage.frusta.map(({edges}) => edges.map(ends => ends.map(p => project(p, seen))));
+    for (const one of set.labels) {
+      const {label, at, view} = one, w = project(at, seen)[2];
+      const [x, y] = view < 0 ? project(at, seen) : beside(frusta, view, one);
       label.hidden = w <= 0;
       label.style.transform = `translate(${x}px,${y}px) translate(-50%,-50%)`;
     }
@@ -459,6 +486,39 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   recolour();
   resize();
   return {setStage, fit, recolour, turn, zoom, project, show: (/** @type {Shown} */ what) => { shown = what; later(); }};
+}
+
+/**
+ * A name in the scene. view: 0 … 3 for the name of an image, -1 for others; place: of the eight around its plate.
+ *
+ * @typedef {{label: HTMLElement, at: Vector, view: number, place: number}} Name
+ */
+
+/**
+ * Where the name of an image is drawn: outside its plate, away from all lines. It stays there while it has room.
+ *
+ * @param {Vector[][][]} frusta their edges on the canvas: four of the plate, four to the eye
+ * @param {number} view
+ * @param {Name} name
+ */
+function beside(frusta, view, name) {
+  const corners = frusta[view].slice(0, 4).map(([from]) => from), mean = (/** @type {Vector[]} */ ...points) =>
+    [0, 1].map(k => points.reduce((all, p) => all + p[k], 0) / points.length);
+  const middle = mean(...corners), around = corners.flatMap((p, k) => [mean(p), mean(p, corners[(k + 1) % 4])]);
+  const places = around.map(p => {
+    const [x, y] = p.map((v, k) => v - middle[k]), out = 1 + NAME_PX / Math.max(Math.hypot(x, y), 1);
+    return [middle[0] + out * x, middle[1] + out * y];
+  });
+  const room = places.map(place => Math.min(...frusta.flat().map(([from, to]) => apart(place, from, to))));
+  if (!(room[name.place] >= ROOM_PX)) name.place = room.indexOf(Math.max(...room));
+  return places[name.place];
+}
+
+/** Distance of a point from a segment, px. @param {number[]} p @param {number[]} a @param {number[]} b */
+function apart([x, y], a, b) {
+  const [u, v] = [b[0] - a[0], b[1] - a[1]], share = ((x - a[0]) * u + (y - a[1]) * v) / (u * u + v * v || 1);
+  const t = Math.min(1, Math.max(0, share));
+  return Math.hypot(x - a[0] - t * u, y - a[1] - t * v);
 }
 
 /** @param {number[]} colour 0 … 255 each @returns {Vector} */

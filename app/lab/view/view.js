@@ -66,8 +66,8 @@ export class View {
    */
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
-    say($("missed"), missed(shown));
-    this.#drawSpace(world, shown);
+    say($("residual"), residualOf(shown));
+    this.drawSpace(world, shown);
     return moves;
   }
 
@@ -79,7 +79,7 @@ export class View {
   }
 
   /** @param {World} world @param {Shown} shown */
-  #drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
+  drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
     const {space, scene} = this;
     if (!space || !scene) return;
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
@@ -122,10 +122,10 @@ function opened(robot, meshes) {
 }
 
 /** How far the chosen point's arrows reach. @param {Shown} shown */
-function missed({moment: {views}, recovered, chosen}) {
+function residualOf({moment: {views}, recovered, chosen}) {
   const off = (/** @type {number} */ k) => recovered[4 * chosen + k] - views.own[4 * chosen + k];
   const far = [Math.hypot(off(0), off(1)), Math.hypot(off(2), off(3))];
-  return Number.isFinite(far[0] + far[1]) ? `point ${chosen}: off by ${fixed(far[0])} and ${fixed(far[1])} px`
+  return Number.isFinite(far[0] + far[1]) ? `point ${chosen}: e is ${fixed(far[0])} and ${fixed(far[1])} px long`
     : `point ${chosen} is not seen in all four pictures`;
 }
 

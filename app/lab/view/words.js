@@ -3,7 +3,7 @@ import {fixed} from "./svg.js";
 
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical misses that count as agreement
+const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical residuals that count as agreement
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const SERVO_WORDS = {
@@ -27,17 +27,17 @@ export const TRANSFER_WORDS = {
  * @returns {{state: string, text: string}}
  */
 export function outcome(now, playing, points, isNoisy) {
-  const miss = missText(now.E), steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
+  const apart = residualText(now.E), steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
   if (now.status === "too-few-points") return {state: "stuck", text: "Too few points are visible in all four pictures: it needs five."};
   if (points < 5) return {state: "stuck", text: "With four points, E is 0 in every pose: the pictures cannot disagree."};
   const agrees = Math.sqrt(now.E) < (isNoisy ? AGREE_NOISY_PX : AGREE_PX);
   if (now.status === "settled") return agrees
-    ? {state: "settled", text: `Converged after ${steps}: the pictures agree to ${miss}.${playing ? " Move the demonstrator, and it follows." : ""}`}
-    : {state: "stuck", text: `Stopped after ${steps} without success: no small turn lowers E, but the miss is ${miss}.`};
-  if (now.status === "no-progress") return {state: "stuck", text: `No lower E found lately: the miss is still ${miss} after ${steps}.`};
+    ? {state: "settled", text: `Converged after ${steps}: the pictures agree to ${apart}.${playing ? " Move the demonstrator, and it follows." : ""}`}
+    : {state: "stuck", text: `Stopped after ${steps} without success: no small turn lowers E, but the pictures still disagree by ${apart}.`};
+  if (now.status === "no-progress") return {state: "stuck", text: `No lower E found lately: after ${steps} the pictures still disagree by ${apart}.`};
   if (playing) return {state: "moving", text: now.probe ? "A test move: it turns one joint to see how its pictures change." : "Copying: it goes where it expects a smaller E."};
-  if (now.motion) return {state: "moving", text: `After ${steps}, a typical miss is ${miss}.`};
-  return {state: "ready", text: agrees ? `Ready. The pictures already agree to ${miss}.` : `Ready. The pictures disagree by ${miss}. Press Play, or pose the orange robot.`};
+  if (now.motion) return {state: "moving", text: `After ${steps}, the pictures disagree by ${apart}.`};
+  return {state: "ready", text: agrees ? `Ready. The pictures already agree to ${apart}.` : `Ready. The pictures disagree by ${apart}. Press Play, or pose the demonstrator.`};
 }
 
 /**
@@ -59,4 +59,4 @@ export function truth(theta, thetaDemo, joints, E) {
 }
 
 /** The root of E: how long a typical arrow is. @param {number} E px² */
-export const missText = E => Number.isNaN(E) ? "–" : `${fixed(Math.sqrt(E), E >= 100 ? 0 : 1)} px`;
+export const residualText = E => Number.isNaN(E) ? "–" : `${fixed(Math.sqrt(E), E >= 100 ? 0 : 1)} px`;

@@ -29,6 +29,15 @@ def require_scene(scene: Scene) -> None:
         raise ValueError("the lab has pinhole cameras: this scene's lenses distort their images")
 
 
+def can_compute(scene: Scene) -> bool:
+    """Return whether the engine can compute runs in a scene."""
+    try:
+        require_scene(scene)
+    except ValueError:
+        return False
+    return True
+
+
 def engine_scene(scene: Scene) -> dict[str, Any]:
     """Return a scene as app/lab/engine/world.js documents it.
 

@@ -1,31 +1,37 @@
 """A session as one HTML file that needs no server, also for a notebook's cell.
 
-It plays recorded drawings of the page beside a small WebGL view of its own, a tenth of the size of viser's client and
-independent of viser's versions. The browser's modules become one script that needs no loader.
+It is the lab with a recorded run: the same page and modules show the run's moments, and take over where the lab can
+compute the run's scene. The browser's modules become one script that needs no loader.
 """
 
 import base64
 import re
 import zlib
+from collections.abc import Mapping, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
 from string import Template
+from types import MappingProxyType
 from typing import Any
 
 import msgspec
 
+from ... import __version__
 from ...assets import ROOT
 from ...loop.session import Session
-from ..curves import paired_axis
-from ..glossary import cards
+from ...loop.snapshot import Snapshot
+from ..glossary import ask, cards
 from ..svg import count_motions
 from ..theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 from .citation import Citation, cite
-from .panels import draw_panels, kept_motions, largest_residual
-from .space import describe_space
+from .engine_scene import can_compute, describe_hulls, describe_world
+from .panels import largest_residual
+from .recording import describe_method, kept_motions, record
+from .space import Shapes, describe_robot, describe_stage
 
 SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
+COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 REEXPORT = re.compile(r'^export (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re.M)
@@ -49,7 +55,7 @@ def bundle(entry: str) -> str:
 
     def add(path: Path) -> str:
         if path not in parts:
-            text = re.sub(r"^ *(/\*\*.*?\*/|// .*?$)\n?", "", path.read_text("utf-8"), flags=re.M | re.S)
+            text = COMMENT.sub("", path.read_text("utf-8"))
             names = EXPORT.findall(text)
             imported = lambda match: add((path.parent / match[2] / match[3]).resolve())
             text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
@@ -73,6 +79,12 @@ def packed(data: bytes) -> str:
 
 CELL_HEIGHT = 700  # px, in a notebook
 HERE = Path(__file__).parent
+SCENE = "replay"  # the name of its scene, and of what the lab begins with
+TAKEN_OVER = "The run of this replay, gone on with in the lab."
+PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
+NO_PARTS: Mapping[str, str] = MappingProxyType({})
+PARTS = tuple(f"replay_{place}" for place in PLACES)
+ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"
 
 
 class Replay:
@@ -140,30 +152,98 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     elif not 0 <= chosen < len(world.body):
         raise ValueError(f"no point {chosen}; there are {len(world.body)}, from 0")
     kept = kept_motions(session.history)
-    space, meshes = describe_space(session, kept)
-    left, right, end = paired_axis(len(session.history) - 1)
-    panels = draw_panels(session, kept, chosen)
-    run = {"motions": kept, "space": space, "axis": [left, right, end], "chosen": chosen}
-    run["panels"] = msgspec.to_builtins(panels)
-    return Replay(_page(title, cite(session), run, meshes))
+    shapes, citation = Shapes(), cite(session)
+    robot = describe_robot(world.scene.robot, shapes)
+    data = {
+        "robot": robot,
+        "hulls": describe_hulls(world.scene.robot),
+        "scenes": {SCENE: _scene(session, kept, shapes)},
+        "presets": [_preset(first, title or citation.title)] if can_compute(world.scene) else [],
+        "run": record(session, kept, chosen),
+        "words": cards(),
+    }
+    return Replay(_page(title, citation, data, shapes.packed))
 
 
-def _page(title: str, citation: Citation, run: dict[str, Any], meshes: bytes) -> str:
-    last = run["motions"][-1]
-    return _template().substitute(
-        title=escape(title or citation.title),
-        conditions=escape(citation.conditions),
-        motions=last,
-        made=count_motions(last),
-        software=escape(citation.software),
-        repeated=_repeated(citation),
-        line=escape(citation.repeated_by or citation.software),
-        styles=_styles(),
-        words=cards(),
-        run=packed(msgspec.json.encode(run)),
-        meshes=packed(meshes),
-        script=_scripts(),
+def _scene(session: Session, kept: Sequence[int], shapes: Shapes) -> dict[str, Any]:
+    """The session's scene for the lab, with the body points that it has now, begun where the session began."""
+    world, history = session.world, session.history
+    first, last = history[0], history[kept[-1]]
+    ends = [posture for each in (first, last) for posture in (each.theta, each.theta_demo)]
+    scene = describe_world(world, {str(len(world.body)): world.body})
+    scene |= {"demonstrator": first.theta_demo.tolist(), "start": first.theta.tolist()}
+    return scene | {"stage": describe_stage(world, shapes, ends)}
+
+
+def _preset(first: Snapshot, title: str) -> dict[str, Any]:
+    """What the lab begins with where it takes over."""
+    return {"name": SCENE, "title": title, "says": TAKEN_OVER, "scene": SCENE, **describe_method(first)["lab"]}
+
+
+def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -> str:
+    last = data["run"]["moments"][-1]["motion"]
+    parts = {
+        name: Template(text).substitute(
+            title=escape(title or citation.title),
+            conditions=escape(citation.conditions),
+            motions=last,
+            made=count_motions(last),
+            software=escape(citation.software),
+            repeated=_repeated(citation),
+            line=escape(citation.repeated_by or citation.software),
+            **{f"ask_{key}": ask(key) for key in ASKED},
+        )
+        for name, text in _parts().items()
+    }
+    return lab_html(
+        f"{title or citation.title} · a viewimit replay",
+        data,
+        meshes,
+        "\n".join((WORDS_CSS, HERE.joinpath("replay.css").read_text("utf-8"))),
+        parts | {f"ask_{key}": ask(key) for key in ASKED},
     )
+
+
+def lab_html(
+    title: str,
+    data: dict[str, Any],
+    meshes: bytes,
+    more_styles: str = "",
+    parts: Mapping[str, str] = MappingProxyType({}),
+) -> str:
+    """Write the lab's page as one file.
+
+    Parameters
+    ----------
+    title
+        Of the window.
+    data
+        What app/lab/view/main.js unpacks.
+    meshes
+        Bytes of the meshes that the data describe.
+    more_styles
+        CSS besides the lab's own.
+    parts
+        HTML of a replay, by the places of lab.html that are empty in the lab.
+    """
+    return Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
+        dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
+        title=escape(title),
+        version=escape(__version__),
+        styles="\n".join((styles("view/lab.css"), more_styles)),
+        data=packed(msgspec.json.encode(data)),
+        meshes=packed(meshes),
+        script=packed(_script().encode()),
+        **parts,
+    )
+
+
+@cache
+def styles(*names: str) -> str:
+    """Return the style sheet of a page: colours of both schemes, letters, drawings, and these files of app/lab/."""
+    own = "\n".join(SCRIPTS.joinpath(name).read_text("utf-8") for name in names)
+    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
+    return "\n".join((schemes, font_faces(), DRAWING_CSS, own))
 
 
 def _repeated(citation: Citation) -> str:
@@ -179,17 +259,12 @@ def _repeated(citation: Citation) -> str:
 
 
 @cache
-def _template() -> Template:
-    return Template(HERE.joinpath("replay.html").read_text("utf-8"))
+def _parts() -> dict[str, str]:
+    """HTML of a replay, by its place in lab.html."""
+    text = HERE.joinpath("replay.html").read_text("utf-8")
+    return dict(re.findall(r"<!-- (\w+) -->\n(.*?)(?=<!-- |\Z)", text, re.S))
 
 
 @cache
-def _styles() -> str:
-    own = HERE.joinpath("replay.css").read_text("utf-8")
-    schemes = f":root{{{variables(False)}}}:root[data-scheme=dark]{{{variables(True)}}}"
-    return "\n".join((schemes, font_faces(), DRAWING_CSS, WORDS_CSS, own))
-
-
-@cache
-def _scripts() -> str:
-    return bundle("view/replay.js")
+def _script() -> str:
+    return bundle("view/main.js")

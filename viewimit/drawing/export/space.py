@@ -1,7 +1,4 @@
-"""The 3-D scene of a session as JSON and packed meshes for the renderer in app/lab/view/space.js.
-
-Meshes are stored once; each moment holds only postures and points.
-"""
+"""What stands in a 3-D scene, as JSON and packed meshes for the renderer in app/lab/view/space.js."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,17 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...loop.session import Session
-from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry as geometry
-from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
 from ...simulation.scene_geometry import Mesh
 from ...simulation.world import World
-from ..images.planes import image_points
 
 STEPS = 65_535  # of a coordinate over the extent of its mesh
-TENTHS_OF_MM, MICRORAD = 4, 6  # decimals of m and of rad
+TENTHS_OF_MM = 4  # decimals of m
 DIRECTIONS = 400  # for finding the outermost points
 
 
@@ -55,23 +48,6 @@ class Shapes:
         self._parts.append(padded)
         self._length += len(padded)
         return start
-
-
-def describe_space(session: Session, motions: Sequence[int]) -> tuple[dict[str, Any], bytes]:
-    """Describe the scene, and its postures and points at these motions. → JSON data, packed meshes."""
-    world, shapes, history = session.world, Shapes(), session.history
-    snapshots = [history[k] for k in motions]
-    ends = [posture for each in (snapshots[0], snapshots[-1]) for posture in (each.theta, each.theta_demo)]
-    space = describe_robot(world.scene.robot, shapes)
-    space["chain"] = [
-        {"T": rows_of(joint.T_parent_joint), "axis": _unit(joint.axis), "joint": k, "multiplier": 1.0, "offset": 0.0}
-        for k, joint in enumerate(world.robot.joints)
-    ]
-    space["bases"] = {arm: rows_of(T) for arm, T in geometry.bases_of(world).items()}
-    space["points"] = {"link": world.body.link.tolist(), "local": _plain(world.body.local)}
-    space["stage"] = describe_stage(world, shapes, ends)
-    space["moments"] = [_at(world, moment) for moment in snapshots]
-    return space, shapes.packed
 
 
 def describe_robot(robot: str, shapes: Shapes, most_faces: int | None = None) -> dict[str, Any]:
@@ -152,31 +128,5 @@ def _landmarks(world: World, postures: Sequence[NDArray[np.float64]]) -> NDArray
     return np.concatenate([geometry.landmarks(world), *arms])
 
 
-def _at(world: World, moment: Snapshot) -> dict[str, Any]:
-    """Describe one moment. Points that are not visible or not recovered are None."""
-    views, size = moment.views, world.scene.size
-    pairs = zip(geometry.cameras_of(world), image_points(views))
-    plates = [geometry.on_plate(camera, image, size) for camera, image in pairs]
-    recovered = triangulate(*world.own_cameras, moment.recovered)
-    return {
-        "learner": _angles(world, moment.theta),
-        "demonstrator": _angles(world, moment.theta_demo),
-        "plates": [_where(plate, seen) for plate, seen in zip(plates, views.visible.T)],
-        "recovered": _where(recovered, moment.usable & np.isfinite(recovered).all(-1)),
-    }
-
-
-def _where(points: NDArray[np.float64], seen: NDArray[np.bool_]) -> list:
-    return [point if one else None for point, one in zip(_plain(points), seen.tolist())]
-
-
-def _angles(world: World, theta: NDArray[np.float64]) -> list[float]:
-    return np.array(world.joint_angles(theta), float).round(MICRORAD).tolist()
-
-
 def _plain(values: NDArray[np.float64]) -> list:
     return np.nan_to_num(np.asarray(values, float)).round(TENTHS_OF_MM).tolist()
-
-
-def _unit(axis: NDArray[np.float64]) -> list[float]:
-    return (axis / np.linalg.norm(axis)).tolist()

@@ -84,7 +84,7 @@ function marks(map, stage, layers) {
   if (demo) above += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
   if (cross) above += names.beside(cross, "smallest E", "");
   if (ways.some(({probes, best}) => probes.slice(0, best + 1).some(Boolean))) above += noted(map.plot, names);
-  for (const level of map.standing.querySelectorAll(".vi-level")) {
+  for (const level of map.levels.querySelectorAll(".vi-level")) {
     const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
     level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
   }

@@ -27,6 +27,8 @@ import {disc, Names, plain, Plane, widthOf} from "./plane.js";
 const TICK = 12, NAME = 13; // letters, drawing units
 const MOST_DOTS = 80; // of a curve, of which each point is drawn
 const ROOM = 20; // over the axes, for the name of y
+const LOW = 104, LINE = 15; // a drawing that is lower has a list of names beside its curves; a line of that list
+const APART = 16; // of ticks of y at least
 
 export class Chart {
   /** @param {HTMLElement} box */
@@ -45,9 +47,13 @@ export class Chart {
    * @param {string} [extra] drawn behind the curves, by `place`
    */
   draw(axes, curves, label, extra = "") {
-    const {width, height} = this.plane, names = new Names(width, height), ticks = axes.yTicks ?? round(axes.y, axes.log);
+    const {width, height} = this.plane, names = new Names(width, height), isLow = height < LOW;
+    const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);
+    const list = isLow ? curves.filter(({name}) => name) : [];
+    const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, TICK, 600))) + 22 : 0;
     const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), TICK, 400)));
-    const box = [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
+    const box = isLow ? [6, 8, width - 8 - listed, height - 8]
+      : [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
     const up = (/** @type {number} */ v) => axes.log ? Math.log(Math.max(v, 1e-12)) : v, [low, high] = axes.y.map(up);
     const x = (/** @type {number} */ v) => box[0] + (v - axes.x[0]) / (axes.x[1] - axes.x[0]) * (box[2] - box[0]);
     const y = (/** @type {number} */ v) => box[3] - Math.min(1.02, Math.max(-.02, (up(v) - low) / (high - low))) * (box[3] - box[1]);
@@ -55,20 +61,24 @@ export class Chart {
     const text = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ words, /** @type {string} */ kind) => {
       html += `<text class="${kind}" style="font-size:${TICK}px" x="${px(a)}" y="${px(b)}">${plain(words)}</text>`;
     };
+    let under = Infinity;
     for (const value of ticks) {
+      if (under - y(value) < APART) continue;
+      under = y(value);
       html += `<path class="vi-rule" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
       text(box[0] - 6, y(value) + 4, tickText(value), "vi-2nd vi-end");
     }
     let free = -Infinity;
-    for (const [value, words] of axes.xTicks) {
+    for (const [value, words] of isLow ? [] : axes.xTicks) {
       const wide = widthOf(words, TICK, 400), at = Math.min(width - wide / 2 - 2, Math.max(wide / 2 + 2, x(value)));
       if (at - wide / 2 < free) continue;
       free = at + wide / 2 + 8;
       html += `<path class="vi-axis" d="M${px(x(value))} ${px(box[3])}v4"/>`;
       text(at, box[3] + 16, words, "vi-2nd vi-mid");
     }
-    if (axes.yName) text(4, 15, axes.yName, "draw-ink vi-b");
-    if (axes.xName) text(width - 6, height - 6, axes.xName, "vi-2nd vi-end");
+    if (isLow) html += `<path class="vi-rule" d="M${px(box[0])} ${px(box[3])}H${px(box[2])}"/>`;
+    if (axes.yName && !isLow) text(4, 15, axes.yName, "draw-ink vi-b");
+    if (axes.xName && !isLow) text(width - 6, height - 6, axes.xName, "vi-2nd vi-end");
     const drawn = curves.map(curve => ({...curve, at: curve.points.slice(0, curve.shown ?? curve.points.length)
       .filter(p => Number.isFinite(p[1])).map(p => [x(p[0]), y(p[1])])})).filter(({at}) => at.length);
     for (const {at} of drawn) at.forEach((p, k) => { if (k) names.keepLine(at[k - 1], p, 3); else names.keep(p, 4); });
@@ -77,7 +87,7 @@ export class Chart {
     for (const [value, words, role] of axes.levels ?? []) {
       html += `<path class="draw-level draw-of-${role}" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
       names.keepLine([box[0], y(value)], [box[2], y(value)], 2);
-      names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`, {size: TICK, away: 5, first: [0, -1]});
+      if (!isLow) names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`, {size: TICK, away: 5, first: [0, -1]});
     }
     for (const {at, role, hollow = [], line = true, points} of drawn) {
       const d = `M${at.map(p => p.map(px).join(" ")).join("L")}`;
@@ -87,7 +97,12 @@ export class Chart {
         html += `<path class="draw-dots draw-of-${role}${isHollow ? " draw-hollow" : ""}" d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
       }
     }
-    for (const {at, role, name, named} of drawn) if (name)
+    list.forEach(({name = "", role}, k) => {
+      const b = height / 2 + LINE * (k - (list.length - 1) / 2);
+      html += `<path class="draw-curve draw-of-${role}" d="M${px(width - listed)} ${px(b)}h14"/>`;
+      text(width - listed + 18, b + 4, name, `draw-name-${role} vi-b`);
+    });
+    for (const {at, role, name, named} of drawn) if (name && !isLow)
       names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `draw-name-${role}`, {size: NAME, away: 8, first: [0, -1]});
     this.plane.show(html + names.html, label);
   }

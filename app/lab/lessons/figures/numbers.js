@@ -12,6 +12,7 @@ import {plain} from "./plane.js";
 
 const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
+const FEW = 30; // steps, of which test moves are hollow
 const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
   "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
   "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"],
@@ -51,7 +52,7 @@ const written = (draw, kind, about = {}) => ({
 export const counts = written(stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
   const rows = [["E", measure(stage, "E").text, "draw-name-E"],
-    ["Crossing to the ghost’s point", of("crossing to ghost"), ""], ["Crossing to the learner’s own point", of("crossing to own point"), ""]];
+    ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) => `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
 }, "draw-counts", {aspect: 2.6});
@@ -67,7 +68,7 @@ export const formula = written(stage => {
   const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0)), largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
   const total = Math.max(...squares.map(all => all.reduce((sum, {area}) => sum + Math.sqrt(area), 0))) || 1;
   const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="draw-squares"><b class="vi-name">${name}</b>
-<div style="max-width:calc(23cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
+<div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
     return `<span style="width:${fixed(share, 2)}%" class="${isLongest && stage.isRevealed ? "longest" : ""}"><i></i><small>${share > 4 ? i : ""}</small></span>`;
   }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
@@ -83,7 +84,7 @@ export const progress = {
   layers: [],
   aspect: 1,
   create: box => {
-    const made = holder(box, "draw-progress"), words = made.appendChild(document.createElement("div"));
+    const made = holder(holder(box, "draw-progress"), "draw-inside"), words = holder(made, "draw-words");
     const below = made.appendChild(document.createElement("div"));
     below.className = "draw-progress-curve";
     const chart = new Chart(below);
@@ -107,31 +108,46 @@ export const progress = {
   },
 };
 
-/** @param {Race} race @param {number} shown @param {number | null} goal */
-function raceRow({E, postures, status, claim}, shown, goal, /** @type {number[]} */ demonstrator) {
-  const isOn = shown < E.length - 1, at = goal === null ? -1 : E.slice(0, shown + 1).findIndex(value => value < goal);
-  const off = Math.max(...postures[E.length - 1].map((v, k) => Math.abs(v - demonstrator[k]))) / DEGREE;
-  const why = {converged: "says that it has arrived", settled: "rests at the least E", unobservable: "says that a joint cannot be seen",
-    "no-progress": "found nothing lower", "too-few-points": "too few points are seen"}[status] ?? "goal reached";
-  return [isOn && at < 0 ? "…" : at < 0 ? "never" : String(at), String(shown), isOn ? "…" : energyText(E[shown]), isOn ? "…" : `${fixed(off)}°`,
-    isOn ? "on its way" : claim ? "says that it has arrived" : why];
+const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reach the goal
+  settled: "rests", unobservable: "cannot see a joint", "no-progress": "finds nothing lower", "too-few-points": "sees too few points",
+});
+
+/**
+ * A race's cells: steps to the goal, E and how far off there, and why it ended.
+ *
+ * @param {Stage} stage
+ * @param {Race} race
+ */
+function raceRow(stage, race) {
+  if (!stage.isRevealed) return ["?", "", "", ""];
+  const {E, postures, status} = race, last = stage.last(race), {goal} = stage;
+  const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
+  if (shown < last) return ["…", energyText(E[shown]), "", ""];
+  const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+  const isThere = goal !== null && E[last] < goal;
+  return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`, isThere ? "" : ENDS[status] ?? `after ${last} steps`];
 }
 
 /** Who came how far from the same start, the visitor first. */
 export const standings = written(stage => {
-  const {goal, moment} = stage, heads = ["", `steps to E < ${goal ?? "…"}`, "steps", "E", "off", ""];
-  const rows = (stage.step.race ?? []).map(servo => [servo, stage.race(servo)]).filter(([, race]) => race).map(([servo, race]) => {
-    const one = /** @type {Race} */ (race), [role, title] = TITLES[String(servo)] ?? ["plain", String(servo)];
-    return [role, title, ...stage.isRevealed ? raceRow(one, stage.played(one.E.length), goal, moment.thetaDemo) : ["?", "", "", "", ""]];
+  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal} px²`, "E", "off", ""];
+  const rows = (stage.step.race ?? []).flatMap(servo => {
+    const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
+    return race ? [[role, title, ...raceRow(stage, race)]] : [];
   });
-  if (stage.motions.length > 1) {
-    const E = stage.motions.map(motion => motion.E), at = goal === null ? -1 : E.findIndex(value => value < goal);
-    rows.unshift(["you", "you", at < 0 ? "never" : String(at), String(E.length - 1), energyText(E[E.length - 1]), measure(stage, "your error").text, ""]);
+  if (motions.length > 1) {
+    const {E} = motions[motions.length - 1], isThere = goal !== null && E < goal;
+    const off = measure(stage, "your error").text;
+    rows.unshift(["you", "you", isThere ? String(motions.length - 1) : "never", energyText(E), off, ""]);
   }
-  const body = rows.map(([role, title, ...cells]) => `<tr class="draw-row-${role}"><th scope="row"><svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/></svg>${plain(title)}</th>${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
-  return [`<table><thead><tr>${heads.map(head => `<th scope="col">${plain(head)}</th>`).join("")}</tr></thead><tbody>${body}</tbody></table>`,
-    "Steps of each servo to the goal, from the same start"];
-}, "draw-standings", {aspect: 3.4});
+  const sample = (/** @type {string} */ role) =>
+    `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/></svg>`;
+  const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${plain(title)}</th>`
+    + `${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
+  const head = heads.map(words => `<th scope="col">${plain(words)}</th>`).join("");
+  return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
+    `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
+}, "draw-standings", {aspect: 2.2});
 
 /** How far off each prediction was. @type {FigureKind} */
 export const predictions = {
@@ -165,21 +181,24 @@ export const energies = {
     return {
       resize: () => chart.resize(),
       draw: (stage, layers) => {
-        const races = (stage.step.race ?? []).map(servo => [servo, stage.race(servo)]), {goal} = stage;
-        const known = /** @type {[string, Race][]} */ (races.filter(([, race]) => race)), all = known.flatMap(([, {E}]) => E).filter(Number.isFinite);
-        const last = Math.max(MIN_STEPS, ...known.map(([, {E}]) => E.length - 1)), least = Math.max(MIN_E, Math.min(...all, goal ?? Infinity));
-        const curves = known.map(([servo, {E, probes}]) => {
-          const [role, title] = TITLES[servo] ?? ["plain", servo];
-          const isThere = stage.played(last + 1) >= E.length - 1;
-          return {points: E.map((value, k) => [k, Math.max(value, MIN_E)]), role, hollow: E.length < 30 ? probes.map((_, k) => Boolean(probes[k + 1])) : [],
-            shown: layers.has("curves") ? stage.played(last + 1) + 1 : 1, name: layers.has("curves") ? `${title}${isThere ? `: ${E.length - 1}` : ""}` : ""};
+        const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
+          const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
+          return race ? [{role, title, last: stage.last(race), probes: race.probes, E: race.E.slice(0, stage.last(race) + 1)}] : [];
         });
+        const all = races.flatMap(({E}) => E).filter(Number.isFinite), end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
+        const shown = stage.played(end + 1);
+        const curves = races.map(({role, title, last, probes, E}) => ({
+          role, points: E.map((value, k) => [k, Math.max(value, MIN_E)]), shown: hasCurves ? shown + 1 : 1,
+          hollow: last < FEW ? E.map((_, k) => Boolean(probes[k + 1])) : [],
+          name: hasCurves ? `${title}${shown >= last ? `: ${last}` : ""}` : "",
+        }));
+        const least = Math.max(MIN_E, Math.min(...all, goal ?? Infinity));
+        const words = hasCurves ? races.map(({title, last}) => `${title}: ${last} steps`).join("; ") : "E at the start";
         chart.draw({
-          x: [0, last], y: [least / 1.5, Math.max(...all) * 1.5], log: true, xTicks: stepTicks(last), xName: "steps", yName: "E, px²",
-          levels: goal === null ? [] : [[goal, `goal ${goal}`, "goal"]],
-        }, curves, layers.has("curves") ? known.map(([servo, {E}]) => `${(TITLES[servo] ?? ["", servo])[1]}: ${E.length - 1} steps`).join("; ") : "E of two servos at their start");
+          x: [0, end], y: [least / 1.5, Math.max(...all) * 1.5], log: true, xTicks: stepTicks(end), xName: "steps",
+          yName: "E, px²", levels: goal === null ? [] : [[goal, `goal ${goal}`, "goal"]],
+        }, curves, words);
       },
     };
   },
 };
-

@@ -14,7 +14,7 @@ import {
 import {disc, Names} from "./plane.js";
 
 const FLOOR_M = 0.5; // from line to line
-const NAME_PX = 13, SMALL_PX = 300; // a drawing that is smaller has shorter names
+const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170; // drawings that are smaller have shorter names, or fewer
 const BEHIND = {azimuth: Math.PI + .45, elevation: .4}; // where the spectator of both arms stands, rad: behind the eyes
 const HOLDS_AT_MOST = 3; // times their usual distance up to which the cameras stay in sight
 
@@ -92,14 +92,15 @@ class Room {
       html += `<path class="${kind}" d="M${at(from).map(px).join(" ")}L${at(to).map(px).join(" ")}"/>`;
       names.keepLine(at(from), at(to), 3);
     }
-    names.put("demonstrator", at([bases[0][0], bases[0][1], 0]), "vi-of-demo", {away: 8, first: [0, 1]});
-    names.put("learner", at([bases[1][0], bases[1][1], 0]), "vi-of-own", {away: 8, first: [0, 1]});
+    const size = Math.min(view.width, view.height) < SMALL_SIDE ? 11 : NAME_PX;
+    names.put("demonstrator", at([bases[0][0], bases[0][1], 0]), "vi-of-demo", {size, away: 8, first: [0, 1]});
+    names.put("learner", at([bases[1][0], bases[1][1], 0]), "vi-of-own", {size, away: 8, first: [0, 1]});
     if (layers.has("eyes")) {
       cameras.forEach(camera => {
         names.keep(at(camera.centre), 8);
         names.keep(at(onAxis(camera, .12)), .09 * view.window.scale);
       });
-      names.put("two eyes", at(head), "draw-ink", {away: 12, first: [0, -1]});
+      if (size === NAME_PX) names.put("two eyes", at(head), "draw-ink", {away: 12, first: [0, -1]});
     }
     html += names.html;
     if (html !== this.last) this.over.innerHTML = this.last = html;
@@ -108,7 +109,7 @@ class Room {
   /** @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
-    const names = new Names(view.width, view.height), isSmall = view.width < SMALL_PX, {reveal} = stage;
+    const names = new Names(view.width, view.height), isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE, {reveal} = stage;
     const segment = (/** @type {ArrayLike<number>} */ p, /** @type {ArrayLike<number>} */ q) => {
       names.keepLine(at(p), at(q));
       return `M${at(p).map(px).join(" ")}L${at(q).map(px).join(" ")}`;

@@ -62,7 +62,7 @@ export class MapPanel {
     const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
     if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
     map.moving.innerHTML = over;
-    for (const level of map.standing.querySelectorAll(".vi-level")) {
+    for (const level of map.levels.querySelectorAll(".vi-level")) {
       const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
       level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
     }

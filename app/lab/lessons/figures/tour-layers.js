@@ -61,34 +61,37 @@ function ways(frame, stage) {
   });
 }
 
+const SHARES = [[.8, .88, .72, .62, .12, .2], [.2, .12, .28, .88, .8, .7]]; // of a line's way, where its name may stand
+const CLEAR = 60; // drawing units: a name that is this far from all points is free
+
 /**
- * Where along a line its name stands, farthest from all points.
+ * Where the name of a line stands: far from all points, and from the other line's name.
  *
  * @param {Frame} frame
  * @param {Stage} stage
- * @param {{a: number, b: number, c: number} | null} line
- * @param {number[]} shares
+ * @param {number} eye
+ * @returns {{share: number, at: number[]} | null} null without a line
  */
-function freeShare(frame, stage, line, shares) {
-  const ends = line && chord(frame, line);
-  if (!ends) return shares[0];
-  const points = residuals(frame, stage).flat(), room = (/** @type {number} */ share) => {
-    const [x, y] = [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]));
-    return Math.min(60, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
-  };
-  return shares.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
+function nameOfLine(frame, stage, eye) {
+  const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line && chord(frame, line);
+  if (!ends) return null;
+  const other = eye && frame.layers.has("line from l") ? nameOfLine(frame, stage, 0) : null;
+  const points = [...residuals(frame, stage).flat(), ...other ? [other.at] : []];
+  const places = SHARES[eye].map(share => ({share, at: [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]))}));
+  const room = (/** @type {{at: number[]}} */ {at: [x, y]}) => Math.min(CLEAR, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
+  return places.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
 }
 
-/** @param {number} eye @param {string} kind @param {number[]} shares @returns {Layer} */
-const lineFrom = (eye, kind, shares) => (frame, stage) => {
-  const line = frame.isDemo ? null : stage.line(eye, frame.side), name = frame.width > 230 ? `line from ${"lr"[eye]}` : "lr"[eye];
-  return lineThrough(frame, line, kind, name, freeShare(frame, stage, line, shares));
+/** @param {number} eye @param {string} kind @returns {Layer} */
+const lineFrom = (eye, kind) => (frame, stage) => {
+  const name = nameOfLine(frame, stage, eye), words = frame.width > 230 ? `line from ${"lr"[eye]}` : "lr"[eye];
+  return name ? lineThrough(frame, stage.line(eye, frame.side), kind, words, name.share) : "";
 };
 
 /** @type {Record<string, Layer>} */
 export const TOUR_LAYERS = {
-  "line from l": lineFrom(0, "vi-line vi-line-large", [.8, .88, .72, .62, .12, .2]),
-  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right", [.2, .12, .28, .88, .8, .7]),
+  "line from l": lineFrom(0, "vi-line vi-line-large"),
+  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
   "ghost": (frame, stage) => {
     const {moment, truthHidden, world} = stage;
     if (frame.isDemo || truthHidden) return "";

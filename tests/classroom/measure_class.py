@@ -1,4 +1,4 @@
-"""What a class's server holds: `python tests/classroom_lab/measure_class.py --students 300`.
+"""What a class's server holds: `python tests/classroom/measure_class.py --students 300`.
 
 A server on one core; lecturer and students are Python clients on the other cores. All students answer within two
 seconds, then all follow the lecturer's screen ten times a second and answer once more. A thousand connections that say

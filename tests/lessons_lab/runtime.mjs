@@ -1,0 +1,87 @@
+/** node runtime.mjs LESSONS: a page's data on standard input, what the runtime makes of it on standard output. */
+import path from "node:path";
+import {pathToFileURL} from "node:url";
+
+const from = name => import(pathToFileURL(path.join(process.argv[2], name)).href);
+const {dealtOrder, Stage} = await from("stage.js");
+const {isAnswered, isRight, reply, rightChoice} = await from("answers.js");
+const {fill, measure} = await from("measures.js");
+const {distance} = await from("measured.js");
+const {gain, orderOf, outcome, rightOf} = await from("questions.js");
+const {solution} = await from("solution.js");
+
+let text = "";
+for await (const part of process.stdin) text += part;
+const page = JSON.parse(text), {steps} = page.lessons[0];
+const of = (id, how) => new Stage(page, steps.find(step => step.id === id), how);
+const said = stage => ({answered: isAnswered(stage), right: isRight(stage), reply: fill(reply(stage), stage)});
+const DEGREE = Math.PI / 180, found = {};
+
+const choice = of("choice");
+found.unanswered = said(choice);
+found.rightChoice = rightChoice(choice);
+found.choices = [0, 1, 2].map(k => (choice.answer = {choice: k}, said(choice)));
+choice.answer = {choice: 1, shown: true};
+found.shown = said(choice);
+
+const place = of("place"), truth = measure(place, "the place").value;
+found.truth = truth;
+found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "px apart")}));
+place.step.ask.elsewhere = [{truth: "the place", near: 5, because: "There."}];
+place.mark = [truth[0] + 4, truth[1]];
+found.elsewhere = said(place).reply;
+found.toLine = distance([5, 3], [[0, 0], [10, 0], [10, 10]]);
+
+const number = of("number"), E = measure(number, "E").value;
+found.numbers = [E * 1.4, E / 1.6, E * 1.6].map(value => (number.answer = {number: value}, said(number)));
+
+const servo = of("servo", {seed: 4});
+found.dealt = {index: servo.step.deals.findIndex(({state}) => state.start === servo.state.start), goal: servo.goal, count: servo.step.deals.length};
+servo.slide("own 1", 33);
+found.slid = servo.moment.theta[0] / DEGREE;
+servo.move([40 * DEGREE, -100 * DEGREE]);
+servo.move([50 * DEGREE, -110 * DEGREE]);
+found.motions = servo.motions.map(({theta, E: energy}) => [...theta.map(v => v / DEGREE), energy]);
+const solved = of("servo", {seed: 4}), before = [...solved.moment.theta], solving = solution(solved);
+found.left = before.every((v, k) => Math.abs(v - solved.moment.theta[k]) < 1e-9);
+for (const [name, value] of solving) solved.slide(name, value);
+found.solvedE = solved.moment.E;
+const bowl = of("bowl", {carried: servo});
+found.carried = {seed: bowl.seed, motions: bowl.motions.length, demonstrator: bowl.state.demonstrator.every((v, k) => v === servo.state.demonstrator[k]), goal: bowl.goal, at: bowl.moment.theta.map(v => v / DEGREE)};
+bowl.unit = "rad";
+bowl.mark = bowl.landscape().minimum.theta.map((v, k) => v + (k ? 0 : 10 * DEGREE));
+found.onMap = {...said(bowl), apart: measure(bowl, "degrees apart").text};
+
+const pose = of("pose");
+pose.answer = {pose: [60, -115]};
+found.pose = {...said(pose), apart: measure(pose, "degrees apart").value};
+pose.slide("guess 1", 70);
+found.guessed = pose.guessed.map(v => v / DEGREE);
+
+const knobs = of("knobs", {seed: 5});
+knobs.sliders.set("knob 1", 10);
+found.knobs = {turns: knobs.knobbed.map((v, k) => (v - knobs.moment.theta[k]) / DEGREE), seeds: Array.from({length: 40}, (_, seed) => of("knobs", {seed: seed + 1}).knobs)};
+const apart = of("choice");
+apart.slide("pose apart", 0);
+found.alike = apart.moment.theta.map((v, k) => (v - apart.moment.thetaDemo[k]) / DEGREE);
+apart.slide("demo 2", -90);
+found.demo = apart.moment.thetaDemo[1] / DEGREE;
+
+const select = of("select");
+select.answer = {selected: [0, -1]};
+found.select = [isAnswered(select)];
+select.answer = {selected: [0, 1]};
+found.select.push(isAnswered(select));
+select.answer = {selected: [0, 1], reason: 1};
+found.select.push(isAnswered(select), said(select).reply);
+
+const bet = of("bet");
+found.bets = [80, 20, 55].map(value => (bet.answer = {bet: value}, {...said(bet), penalty: measure(bet, "penalty").text}));
+found.runs = bet.runs;
+
+found.orders = Array.from({length: 200}, (_, person) => orderOf({answers: [1, 2, 3, 4]}, 3, person, "before"));
+found.orderAgain = [orderOf({answers: [1, 2, 3, 4]}, 3, 12, "before"), dealtOrder(4, 12 * 64 + 6)];
+const questions = page.lessons[0].questions, all = count => Object.fromEntries(questions.map(({id}, k) => [id, {answer: 0, right: k < count, sure: true, seconds: 1}]));
+found.gains = [gain(4, 7, 8), gain(8, 8, 8), gain(4, 2, 8), rightOf(questions, all(5))];
+found.outcomes = [outcome(questions, all(4), all(7)), outcome(questions, all(8), all(8)), outcome(questions, all(4), {})];
+process.stdout.write(JSON.stringify(found));

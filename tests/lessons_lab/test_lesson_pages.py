@@ -1,0 +1,204 @@
+"""A page of lessons: one file, with everything that the browser does not compute, computed once and kept."""
+
+import asyncio
+import base64
+import json
+import re
+import zlib
+
+import numpy as np
+import pytest
+from viewimit.app.lab.lessons import page, source, step_data
+from viewimit.app.lab.lessons.checks import figure_kinds, measure_table, measure_units
+from viewimit.app.lab.lessons.facts import FACTS
+from viewimit.app.lab.lessons.format import measures_of
+
+from viewimit.commands.cli import main
+
+LESSONS = source.shipped()
+LIBRARY_MEASURES = measure_table()["library"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory):
+    """The data of all lessons, computed once for these tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(step_data.CACHE_FOLDER, str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def data(cache):
+    return {name: page.page_data({name: lesson}, LESSONS) for name, lesson in LESSONS.items()}
+
+
+def steps_of(data):
+    return [(name, step) for name, one in data.items() for step in one["lessons"][0]["steps"]]
+
+
+def data_in(text: str) -> dict:
+    packed = re.search(r'id="data">([^<]*)<', text)[1]
+    return json.loads(zlib.decompress(base64.b64decode(packed)))
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_a_page_is_one_small_file_that_asks_nobody(name):
+    text = page.lesson_page({name: LESSONS[name]})
+    assert len(text.encode()) <= page.MAX_BYTES
+    markup = re.sub(r"<script>.*?</script>", "", text, flags=re.S)
+    assert not re.search(r"(?:src|href)=\"(?!data:|#)", markup)
+    assert "default-src 'none'" in text
+    found = data_in(text)
+    assert [one["name"] for one in found["lessons"]] == [name]
+    assert [one["name"] for one in found["catalogue"]] == [name]
+
+
+def test_a_step_has_its_state_in_a_scene_of_the_page(data):
+    for name, step in steps_of(data):
+        for state in (step["state"], *(deal["state"] for deal in step.get("deals", []))):
+            scene = data[name]["scenes"][state["scene"]]
+            assert str(state["points"]) in scene["layouts"]
+            for posture in (state["demonstrator"], state["start"]):
+                assert np.all(np.array(scene["lower"]) - 1e-9 <= posture)
+                assert np.all(posture <= np.array(scene["upper"]) + 1e-9)
+
+
+def test_what_only_the_library_computes_is_in_the_page(data):
+    for name, step in steps_of(data):
+        lesson = LESSONS[name]
+        own = next(one for one in lesson.step if one.id == step["id"])
+        wanted = {measure for measure in measures_of(own) if measure in LIBRARY_MEASURES}
+        for facts in (step["facts"], *(deal["facts"] for deal in step.get("deals", []))):
+            assert wanted <= facts.keys(), step["id"]
+            assert all(fact["text"] for fact in facts.values())
+
+
+def test_measures_and_their_places_of_computation_are_one_table():
+    units = measure_units()
+    assert not set(LIBRARY_MEASURES) - set(FACTS)
+    assert {name: unit for name, unit in LIBRARY_MEASURES.items() if FACTS[name].unit != unit} == {}
+    named = {measure for lesson in LESSONS.values() for step in lesson.step for measure in measures_of(step)}
+    items = {
+        name
+        for item in source.questions().item
+        for answer in item.answers
+        for name in re.findall(r"{([^{}]*)}", answer.because)
+    }
+    assert named | items <= set(units)
+
+
+def test_a_computed_right_answer_is_one_of_the_answers(data):
+    for name, step in steps_of(data):
+        ask = step["ask"]
+        if ask["kind"] == "choice" and ask["right"] in step["facts"]:
+            assert step["facts"][ask["right"]]["value"] in range(1, len(ask["answers"]) + 1), (name, step["id"])
+
+
+def test_eyes_move_with_their_sliders(data):
+    found = {(name, slider): values for name, step in steps_of(data) for slider, values in step["variants"].items()}
+    assert set(found) == {("ray", "camera distance"), ("limits", "distance"), ("limits", "baseline")}
+    for values in found.values():
+        numbers = [one["value"] for one in values]
+        assert numbers == sorted(numbers) and all(len(one["cameras"]) == 4 for one in values)
+    apart = [np.array(one["cameras"][0]["centre"]) - one["cameras"][1]["centre"] for one in found["limits", "baseline"]]
+    assert np.linalg.norm(apart, axis=1) == pytest.approx([one["value"] / 100 for one in found["limits", "baseline"]])
+    focal = {one["value"]: one["cameras"][0]["focal"][0] for one in found["ray", "camera distance"]}
+    assert focal[10.0] == pytest.approx(10 * focal[1.0]) and {1.0, 10.0} <= focal.keys()
+    assert {1.0, 10.0, 30.0} <= {one["value"] for one in found["limits", "distance"]}
+
+
+def test_dealt_poses_are_off_the_centre_and_apart(data):
+    """The regions in which the goal can be reached and the map has one minimum."""
+    regions = [((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60))]
+    dealt = [(step, deal) for _, step in steps_of(data) for deal in step.get("deals", []) if not step["dealt"]]
+    assert len(dealt) >= 4 * step_data.DEALS
+    for step, deal in dealt:
+        shoulder, elbow = np.degrees(deal["state"]["demonstrator"])
+        assert any(a - 1e-6 <= shoulder <= b + 1e-6 and c - 1e-6 <= elbow <= d + 1e-6 for (a, b), (c, d) in regions), (
+            step["id"]
+        )
+        apart = np.degrees(np.abs(np.subtract(deal["state"]["start"], deal["state"]["demonstrator"])))
+        assert apart.min() >= 20 - 1e-6
+
+
+def test_a_step_that_carries_on_has_the_deals_of_the_one_before(data):
+    steps = {step["id"]: step for step in data["tour"]["lessons"][0]["steps"]}
+    for name in ("claim", "bowl", "feel"):
+        states = [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps[name]["deals"]]
+        assert states == [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps["servo"]["deals"]]
+
+
+def test_the_eight_questions_come_with_the_tour(data):
+    asked = data["tour"]["lessons"][0]["questions"]
+    assert len(asked) == 8 and all(data[name]["lessons"][0]["questions"] is None for name in LESSONS if name != "tour")
+    assert "{" not in json.dumps([answer["because"] for item in asked for answer in item["answers"]])
+
+
+def test_data_are_computed_once_for_equal_contents(monkeypatch):
+    calls = []
+    compute = lambda: calls.append(1) or {"E": np.float64("nan"), "values": np.arange(2)}  # noqa: E731
+    for _ in range(2):
+        assert step_data.cached("test", {"a": 1}, compute) == {"E": None, "values": [0, 1]}
+    assert len(calls) == 1
+    step_data.cached("test", {"a": 2}, compute)
+    monkeypatch.setattr(step_data, "source_digest", lambda: "another version")
+    step_data.cached("test", {"a": 2}, compute)
+    assert len(calls) == 3
+    monkeypatch.setenv(step_data.CACHE_FOLDER, "")
+    step_data.cached("test", {"a": 1}, compute)
+    assert len(calls) == 4
+
+
+def test_a_change_of_words_computes_nothing_anew(monkeypatch):
+    import msgspec
+
+    lesson = LESSONS["ray"]
+    step_data.step_data(lesson, lesson.step[0])
+    monkeypatch.setattr(step_data, "compute_step", lambda *_: pytest.fail("computed again"))
+    step_data.step_data(lesson, msgspec.structs.replace(lesson.step[0], text="Other words."))
+
+
+def test_a_server_computes_lessons_beside_its_event_loop():
+    pages = page.LabPages()
+    assert pages.page("nothing") is None and "viewimit lab" in pages.page("")
+
+    async def serve() -> tuple[list[str | None], int]:
+        ticks, done = 0, asyncio.Event()
+
+        async def tick() -> None:
+            nonlocal ticks
+            while not done.is_set():
+                ticks += 1
+                await asyncio.sleep(0.01)
+
+        ticking = asyncio.create_task(tick())
+        found = await asyncio.gather(*(asyncio.to_thread(pages.page, "ray") for _ in range(2)))
+        done.set()
+        await ticking
+        return list(found), ticks
+
+    (first, second), ticks = asyncio.run(serve())
+    assert first is second and ticks > 5
+    catalogue = data_in(first)["catalogue"]
+    assert [one["name"] for one in catalogue] == list(LESSONS)
+    assert [one["name"] for one in catalogue if one["here"]] == ["ray"]
+
+
+def test_a_lecturers_lesson_is_served_before_the_shipped_ones():
+    own = {"mine-1": LESSONS["ray"]}
+    pages = page.LabPages(own=own)
+    assert list(pages.lessons)[0] == "mine-1"
+    catalogue = page.page_data(own, pages.lessons)["catalogue"]
+    assert [one["name"] for one in catalogue] == ["mine-1", *LESSONS]
+
+
+def test_a_command_writes_several_lessons_into_one_file(tmp_path, capsys):
+    out = tmp_path / "lessons.html"
+    assert main(["lab", "--lesson", "ray", "--lesson", "motion", "--out", str(out)]) == 0
+    assert [one["name"] for one in data_in(out.read_text("utf-8"))["lessons"]] == ["ray", "motion"]
+    assert f"written to {out}" in capsys.readouterr().err
+
+
+def test_figures_of_the_table_are_all_used():
+    used = {figure.figure for lesson in LESSONS.values() for step in lesson.step for figure in (*step.main, *step.side)}
+    assert used == set(figure_kinds())

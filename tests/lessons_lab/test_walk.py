@@ -1,0 +1,380 @@
+"""A lesson is walked through in Chromium: with the mouse, with keys alone, and with a finger on a phone."""
+
+import pytest
+import walking
+from waiting import wait_until
+
+pytestmark = pytest.mark.browser
+
+SCREENS = (1280, 720), (820, 1180), (1440, 900), (1920, 1080), (2560, 1440), (390, 844)
+STEPS = "choice", "place", "number", "servo", "bowl", "pose", "knobs", "select", "bet"
+STATE = "() => lesson.state()"
+COVERED = """() => [...document.querySelectorAll('#foot button')].filter(button => {
+    const {left, top, width, height} = button.getBoundingClientRect();
+    return left < 0 || top < 0 || left + width > innerWidth + .5 || top + height > innerHeight + .5
+        || !button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+}).map(button => button.textContent)"""
+NO_STORAGE = "Object.defineProperty(window, 'localStorage', {get() { throw new Error('none'); }});"
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        return walking.written(tmp_path_factory.mktemp("lessons") / "walk.html", patch)
+
+
+@pytest.fixture
+def opened(browser, path):
+    """Opens the lesson in windows of their own, which must ask nobody and have no fault."""
+    contexts, faults, requests = [], [], []
+
+    def open_(step="", seed=4, size=(1280, 720), before=None, **options):
+        context = browser.new_context(
+            viewport={"width": size[0], "height": size[1]}, **{"reduced_motion": "reduce", **options}
+        )
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
+        page.on("request", lambda request: requests.append(request.url))
+        if before:
+            page.add_init_script(before)
+        page.goto(path.as_uri() + (f"#lesson=walk&step={step}&seed={seed}" if step else ""))
+        wait_until(lambda: page.evaluate("typeof lesson === 'object'"))
+        settled(page)
+        return page
+
+    yield open_
+    for context in contexts:
+        context.close()
+    assert faults == []
+    assert [url for url in requests if not url.startswith(("file:", "data:", "about:"))] == []
+
+
+def settled(page):
+    """Two frames later, all that was asked for is drawn."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def press(page, *keys):
+    for key in keys:
+        page.keyboard.press(key)
+        settled(page)
+
+
+def click(page, selector):
+    page.click(selector)
+    settled(page)
+
+
+def at(page):
+    return page.evaluate(STATE)
+
+
+def body(page):
+    return page.inner_text("#body")
+
+
+def mark(page, x=0.5, y=0.5, tap=False):
+    """Click in the figure that is asked about, at shares of its width and height."""
+    box = page.locator(".asked .drawing").bounding_box()
+    point = box["x"] + x * box["width"], box["y"] + y * box["height"]
+    page.touchscreen.tap(*point) if tap else page.mouse.click(*point)
+    settled(page)
+
+
+def test_it_begins_with_what_it_is_and_how_long_it_takes(opened):
+    page = opened()
+    assert "A walk" in body(page) and "6 minutes" in body(page) and "8 questions" in body(page)
+    click(page, "text=Without the questions")
+    assert at(page)["step"] == "choice"
+    assert page.inner_text("#left").endswith("min left")
+
+
+def test_it_is_walked_with_the_mouse(opened):
+    page = opened("choice")
+    assert page.locator("#figures .sliders").is_hidden() and page.locator(".drawing .vi-e").count() == 0
+    click(page, ".option >> nth=0")
+    click(page, ".primary")
+    assert at(page)["revealed"] and "No: it is the second." in body(page) and "one thing" in body(page)
+    assert page.locator(".option.right").count() == 1 and page.locator(".option.wrong").count() == 1
+    assert page.locator(".drawing .vi-e").count() == 2 and page.locator("#figures .sliders").is_visible()
+    click(page, ".primary")
+    mark(page, 0.3, 0.7)
+    click(page, ".primary")
+    assert "Your mark and the crossing" in body(page) and "px apart" in body(page)
+    assert page.locator(".marks .pill").count() == 1
+    click(page, ".primary")
+    page.locator(".ask input").fill("5")
+    settled(page)
+    click(page, ".primary")
+    assert "It is more: 846 px²" in body(page)
+    click(page, ".primary")
+    for slider, value in ((0, 70), (1, -65)):
+        page.locator(".sliders input").nth(slider).fill(str(value))
+        page.locator(".sliders input").nth(slider).dispatch_event("change")
+        settled(page)
+    state = at(page)
+    assert state["step"] == "servo" and state["revealed"] and len(state["motions"]) == 3
+    assert "You needed 2 steps." in body(page)
+    click(page, ".primary")
+    mark(page)
+    click(page, ".primary")
+    assert at(page)["step"] == "bowl" and "Your mark and the smallest E" in body(page)
+    click(page, ".primary")
+    page.locator(".sliders input").nth(0).fill("61")
+    page.locator(".sliders input").nth(1).fill("-117")
+    settled(page)
+    click(page, ".primary")
+    assert "Close." in body(page) and page.locator("#figures .sliders").is_hidden()
+    click(page, ".primary")
+    for turn in range(2):
+        page.locator(".sliders input").nth(turn).fill("8")
+        mark(page, 0.4, 0.4)
+        click(page, ".primary")
+    state = at(page)
+    assert state["revealed"] and len(state["rounds"]) == 2
+    click(page, ".primary")
+    for words in ("crossing lines", "Broyden", "It is exact"):
+        click(page, f".option:has-text('{words}')")
+    click(page, ".primary")
+    assert "So it is." in body(page)
+    click(page, ".primary")
+    for bet, penalty in (("80", "0.04"), ("20", "0.64")):
+        page.locator(".ask input").fill(bet)
+        settled(page)
+        click(page, ".primary")
+        assert penalty in body(page)
+        click(page, ".primary")
+    assert at(page)["step"] == "after-1"
+    click(page, "text=Skip the questions")
+    assert "Now you can say" in page.inner_text("#figures") and "E is a bowl." in page.inner_text("#figures")
+
+
+def test_it_is_walked_with_keys_alone(opened):
+    page = opened("choice")
+    press(page, "2")
+    assert page.locator(".option.chosen").count() == 1
+    press(page, "Enter")
+    assert at(page)["revealed"] and "Right: it is the second." in body(page)
+    press(page, "ArrowRight")
+    assert at(page)["step"] == "place"
+    press(page, "ArrowUp", "ArrowUp", "Shift+ArrowLeft")
+    assert at(page)["mark"]
+    press(page, "Enter", "ArrowLeft")
+    assert at(page)["step"] == "choice" and at(page)["revealed"]
+    press(page, "ArrowRight", "ArrowRight")
+    assert at(page)["step"] == "number"
+    page.locator(".ask input").focus()
+    press(page, "ArrowRight", "Enter")
+    assert at(page)["revealed"]
+    press(page, "Enter")
+    page.locator(".sliders input").nth(0).focus()
+    press(page, "PageUp")
+    assert at(page)["step"] == "servo" and len(at(page)["motions"]) == 2
+    click(page, "#progress button >> nth=7")
+    press(page, "1", "4", "6", "Enter")
+    assert at(page)["revealed"] and "So it is." in body(page)
+    press(page, "Enter", "8", "Enter")
+    assert at(page)["step"] == "bet" and "80 %" in body(page)
+    press(page, "Escape")
+    assert at(page)["step"] == "home"
+
+
+@pytest.mark.parametrize("step", ("choice", "place", "servo"))
+def test_it_is_walked_with_a_finger(opened, step):
+    page = opened(step, size=(390, 844), has_touch=True, is_mobile=True)
+    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight + 1") and page.evaluate(COVERED) == []
+    picture, card = (page.locator(one).bounding_box() for one in (".drawing >> nth=0", ".card h2"))
+    assert picture["y"] < card["y"] and picture["height"] > 120
+    if step == "choice":
+        page.tap(".option >> nth=1")
+    elif step == "place":
+        assert "Tap in L" in body(page) and "Click" not in body(page)
+        mark(page, 0.6, 0.4, tap=True)
+    else:
+        page.locator(".sliders input").nth(0).fill("70")
+        page.locator(".sliders input").nth(0).dispatch_event("change")
+    settled(page)
+    page.tap(".primary")
+    settled(page)
+    assert at(page)["revealed"]
+
+
+@pytest.mark.parametrize("size", SCREENS)
+def test_nothing_scrolls_and_all_buttons_are_in_sight(opened, size):
+    page = opened("choice", size=size)
+    for step in STEPS:
+        page.evaluate("step => lesson.goTo('walk', step, 4)", step)
+        settled(page)
+        for shown in (False, True):
+            if shown:
+                page.evaluate("lesson.reveal()")
+                settled(page)
+            assert page.evaluate(COVERED) == [], (step, shown)
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth && scrollY === 0"), (step, shown)
+            small = "[...document.querySelectorAll('.main .drawing')].filter(e => e.clientHeight < 90).length"
+            assert page.evaluate(small) == 0, (step, shown)
+
+
+def test_letters_grow_on_a_projector(opened):
+    size = "parseFloat(getComputedStyle(document.querySelector('#body .text')).fontSize)"
+    sizes = [opened("choice", size=size_).evaluate(size) for size_ in ((1280, 720), (1920, 1080), (2560, 1440))]
+    assert sizes[0] >= 15 and sizes[1] > 1.15 * sizes[0] and sizes[2] > 1.15 * sizes[1]
+
+
+def test_show_me_asks_for_a_guess_first_and_then_shows(opened):
+    page = opened("choice")
+    click(page, ".primary")
+    assert not at(page)["revealed"] and "A guess is enough" in page.inner_text("#note")
+    click(page, ".primary")
+    assert at(page)["revealed"] and "commit to a guess" in body(page)
+
+
+def test_show_me_reaches_a_goal_for_who_is_stuck(opened):
+    page = opened("servo")
+    click(page, ".primary")
+    wait_until(lambda: at(page)["revealed"])
+    assert page.evaluate("lesson.stage().moment.E") < 30 and "never" not in body(page)
+
+
+def test_a_counted_task_begins_anew_at_will(opened):
+    page = opened("servo")
+    page.locator(".sliders input").nth(0).fill("10")
+    page.locator(".sliders input").nth(0).dispatch_event("change")
+    settled(page)
+    assert "1 step" in body(page)
+    click(page, "text=Start again")
+    assert "0 steps" in body(page) and len(at(page)["motions"]) == 1 and at(page)["seed"] == 4
+
+
+def test_what_is_dealt_stands_in_the_address(opened):
+    page = opened("servo", seed=2)
+    first = page.evaluate("lesson.stage().state.start")
+    assert "seed=2" in page.evaluate("location.hash")
+    page.evaluate("lesson.reveal()")
+    settled(page)
+    click(page, "text=Again, from a new start")
+    assert "seed=3" in page.evaluate("location.hash") and page.evaluate("lesson.stage().state.start") != first
+    assert opened("servo", seed=2).evaluate("lesson.stage().state.start") == first
+
+
+def test_the_reveal_is_played_unless_motion_is_to_be_reduced(opened):
+    page = opened("place", reduced_motion="no-preference")
+    mark(page)
+    page.click(".primary")
+    wait_until(lambda: 0 < at(page)["reveal"] < 1)
+    wait_until(lambda: at(page)["reveal"] == 1)
+    still = opened("place")
+    mark(still)
+    still.click(".primary")
+    assert at(still)["reveal"] == 1
+
+
+def test_answers_are_kept_and_come_back(opened):
+    page = opened("choice")
+    press(page, "1", "Enter")
+    page.reload()
+    wait_until(lambda: page.evaluate("typeof lesson === 'object'"))
+    settled(page)
+    assert at(page)["revealed"] and "No: it is the second." in body(page)
+    assert page.locator("#progress .done").count() == 1
+
+
+def test_without_storage_it_works_and_says_so(opened):
+    page = opened("choice", before=NO_STORAGE)
+    assert "keeps nothing" in page.inner_text("#note")
+    press(page, "2", "Enter")
+    assert at(page)["revealed"]
+
+
+def test_the_questions_are_asked_before_and_after_and_reviewed(opened):
+    page = opened("before-1")
+    for phase, right in (("before", 4), ("after", 7)):
+        page.evaluate("phase => lesson.goTo('walk', `${phase}-1`)", phase)
+        for k in range(8):
+            settled(page)
+            question = page.evaluate("k => lesson.data.lessons[0].questions[k]", k)
+            answer = next(one for one in question["answers"] if one["right"] == (k < right))
+            click(page, f".option:has-text({answer['text']!r})" if "'" not in answer["text"] else ".option >> nth=0")
+            assert page.locator(".primary").is_disabled()
+            press(page, "s" if k % 2 else "g", "Enter")
+    assert at(page)["step"] == "end"
+    assert "4 → 7 of 8" in body(page) and "Gain 0.75" in body(page)
+    rows = page.locator(".review li:not(.heads)")
+    assert rows.count() == 8 and page.locator(".review .open").count() == 1
+
+
+def test_the_questions_can_be_skipped(opened):
+    page = opened("before-1")
+    click(page, "text=Skip the questions")
+    assert at(page)["step"] == "choice"
+
+
+def test_a_term_explains_itself(opened):
+    page = opened("choice")
+    click(page, ".term")
+    assert page.locator(".definition").is_visible()
+    click(page, ".term")
+    assert page.locator(".definition").count() == 0
+
+
+def test_a_screen_reader_hears_what_becomes_known(opened):
+    page = opened("choice")
+    assert page.locator("h2").evaluate("e => e === document.activeElement")
+    press(page, "1", "Enter")
+    wait_until(lambda: "No: it is the second." in page.inner_text("#announced"))
+    assert "This is one thing to say." in page.inner_text("#announced")
+    unnamed = """() => [...document.querySelectorAll('button, input, a, svg[role=img]')].filter(e => e.checkVisibility()
+        && !e.getAttribute('aria-label') && !e.textContent.trim() && !e.title).length"""
+    for step in STEPS:
+        page.evaluate("step => lesson.goTo('walk', step, 4)", step)
+        settled(page)
+        assert page.evaluate(unnamed) == 0, step
+
+
+def test_a_class_freezes_leads_and_shows_what_others_answered(opened):
+    page = opened("choice")
+    page.evaluate("window.told = []; lesson.onAnswer = (...all) => told.push(all); 0")
+    press(page, "1")
+    assert page.evaluate("told") == [["choice", {"choice": 0}, False]]
+    page.evaluate("lesson.freeze(true)")
+    settled(page)
+    press(page, "2", "Enter")
+    assert at(page)["answer"] == {"choice": 0} and not at(page)["revealed"]
+    page.evaluate("lesson.freeze(false); lesson.hold(true)")
+    settled(page)
+    press(page, "2", "Enter")
+    assert at(page)["answer"] == {"choice": 1} and not at(page)["revealed"]
+    page.evaluate("lesson.showOthers({counts: [3, 6, 1]}); lesson.reveal()")
+    settled(page)
+    assert at(page)["revealed"] and "6 · 60 %" in body(page)
+
+
+def test_a_page_follows_another_and_goes_back_to_its_own(opened):
+    leader, page = opened("place"), opened("choice")
+    press(page, "1", "Enter")
+    mark(leader, 0.4, 0.6)
+    page.evaluate("lesson.aside()")
+    page.evaluate("state => lesson.lead(state)", at(leader))
+    settled(page)
+    assert (at(page)["step"], at(page)["mark"]) == ("place", at(leader)["mark"])
+    leader.click(".primary")
+    settled(leader)
+    page.evaluate("state => lesson.lead(state)", at(leader))
+    settled(page)
+    assert at(page)["revealed"]
+    page.evaluate("lesson.lead(null); lesson.back()")
+    settled(page)
+    assert at(page)["step"] == "choice" and at(page)["revealed"] and at(page)["answer"] == {"choice": 0}
+    page.evaluate("lesson.goTo('walk', 'place')")
+    settled(page)
+    assert not at(page)["revealed"] and at(page)["mark"] is None
+
+
+def test_dark_has_its_own_colours(opened):
+    page = opened("choice", color_scheme="dark")
+    dark = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.keyboard.press("d")
+    settled(page)
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != dark

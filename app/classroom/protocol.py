@@ -120,11 +120,13 @@ class TakeOver(Struct, tag="take", **FIELDS):
 
 
 class Ask(Struct, tag="ask", **FIELDS):
-    """A step's question to all; if it was asked before, once more. phase: of the eight questions."""
+    """A step's question to all; if it was asked before, once more. phase: of the eight questions; seed: of what is
+    dealt at the step, so that all have the same."""
 
     lesson: Word
     step: Word
     phase: Phase = "own"
+    seed: Count = 1
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
@@ -153,6 +155,7 @@ class Gather(Struct, tag="gather", **FIELDS):
 
     lesson: Word
     step: Word
+    seed: Count = 1
 
 
 class Freeze(Struct, tag="freeze", **FIELDS):
@@ -265,6 +268,7 @@ class Asked(Struct, frozen=True):
     times: int = 1
     revealed: bool = False
     results: Results | None = None
+    seed: int = 1
 
 
 class Results(Struct, frozen=True):
@@ -283,6 +287,7 @@ class Place(Struct, frozen=True):
     number: int
     lesson: str
     step: str
+    seed: int = 1
 
 
 class Orders(Struct, frozen=True, tag="orders", tag_field="kind"):

@@ -306,7 +306,7 @@ class Room:
         asked = Round(number, ask.lesson, ask.step, ask.phase, times)
         self.rounds.append(asked)
         self.store.add_round(asked)
-        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times), lead=False)
+        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
         self._counted = False
 
     def _reveal(self) -> None:
@@ -456,9 +456,9 @@ class Room:
                 self._order(asked=None)
             case p.Lead(on):
                 self._order(lead=on)
-            case p.Gather(lesson, step):
+            case p.Gather(lesson, step, seed):
                 number = 1 + (self.orders.gather.number if self.orders.gather else 0)
-                self._order(gather=p.Place(number, lesson, step), lead=False, asked=None)
+                self._order(gather=p.Place(number, lesson, step, seed), lead=False, asked=None)
             case p.Freeze(on):
                 self._order(frozen=on)
             case p.Hide(on):

@@ -6,6 +6,7 @@ import os
 import pty
 import re
 import socket
+import sqlite3
 import subprocess
 import sys
 import time
@@ -300,6 +301,21 @@ def test_one_address_casts_no_more_votes_than_the_lecturer_allows():
         lecturer.send("allow", votes=3)
         students[2].wait("resend")
         assert students[2].vote(round, 0)["kind"] == "ack"
+
+
+def test_an_answer_that_cannot_be_saved_is_not_acknowledged_until_it_is():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        round = lecturer.ask()
+        other = sqlite3.connect(server.data, isolation_level=None)
+        other.execute("begin exclusive")
+        seq = student.answer("tour", "eyes", {"choice": 0}, round)
+        lecturer.wait("count", lambda m: "locked" in (m["problem"] or ""))
+        assert not [m for m in student.heard if m.get("seq") == seq]
+        other.execute("rollback")
+        assert student.reply(seq)["kind"] == "ack"
+        lecturer.wait("count", lambda m: m["problem"] is None)
+        assert server.log.count("answers are not saved") == 1
 
 
 def test_proxies_are_believed_only_if_they_are_trusted():

@@ -76,10 +76,10 @@ export class Lecturer {
 
   /** What the step on display is called in an order; null for a screen that asks nothing. */
   here() {
-    const {lesson, step} = this.room.lesson.state(), one = this.room.lesson.lessons().find((/** @type {any} */ found) => found.name === lesson);
+    const {lesson, step, seed} = this.room.lesson.state(), one = this.room.lesson.lessons().find((/** @type {any} */ found) => found.name === lesson);
     const [phase, k] = step.split("-"), item = one?.questions?.[Number(k) - 1];
     if ((phase === "before" || phase === "after") && item) return {lesson: "questions", step: item.id, phase};
-    return one?.steps.some((/** @type {any} */ found) => found.id === step) ? {lesson, step, phase: "own"} : null;
+    return one?.steps.some((/** @type {any} */ found) => found.id === step) ? {lesson, step, phase: "own", seed} : null;
   }
 
   // The bar
@@ -134,17 +134,17 @@ export class Lecturer {
 
   #askAgain() {
     const {asked} = this.room.orders;
-    if (asked) this.order("ask", {lesson: asked.lesson, step: asked.step, phase: asked.phase});
+    if (asked) this.order("ask", {lesson: asked.lesson, step: asked.step, phase: asked.phase, seed: asked.seed});
   }
 
   #goToQuestion() {
     const {asked} = this.room.orders;
-    if (asked) this.room.goTo(asked.lesson, asked.step, asked.phase);
+    if (asked) this.room.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
   }
 
   #gather() {
-    const {lesson, step} = this.room.lesson.state();
-    this.order("gather", {lesson, step});
+    const {lesson, step, seed} = this.room.lesson.state();
+    this.order("gather", {lesson, step, seed});
   }
 
   get isPresenting() {

@@ -8,8 +8,8 @@
  * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null,
  *   moved_since_first: Moved | null}} Results
  * @typedef {{round: number, lesson: string, step: string, phase: "own" | "before" | "after", times: number,
- *   revealed: boolean, results: Results | null}} Asked
- * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string} | null,
+ *   revealed: boolean, results: Results | null, seed: number}} Asked
+ * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed: number} | null,
  *   frozen: boolean, hidden: boolean, reset: number}} Orders
  */
 import {browser, Link, tab} from "./class-link.js";
@@ -17,6 +17,7 @@ import {resultsOf} from "./class-results.js";
 import {Lecturer} from "./class-lecturer.js";
 import {make} from "./dom.js";
 import {} from "./lesson.js";
+import {byId as $} from "../view/page.js";
 
 const QUESTIONS = "questions"; // the form of the eight
 const ANSWER_MS = 250, AT_MS = 1000, LEAD_MS = 100; // between two messages
@@ -57,6 +58,7 @@ class Classroom {
     this.box = lesson.box.appendChild(make("section", {class: "class-box", "aria-label": "The class"}));
     this.dock = document.body.appendChild(make("section", {class: "class-dock", "aria-label": "Answers of the class", hidden: true}));
     new ResizeObserver(() => document.body.style.setProperty("--dock", `${this.dock.offsetHeight}px`)).observe(this.dock);
+    this.inside = make("section", {"aria-label": "Answers of the class"}); // of a card on a phone, in place of the dock
     this.isNarrow = matchMedia("(max-width:900px),(max-width:1000px) and (orientation:portrait)");
     this.isNarrow.addEventListener("change", () => this.draw());
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
@@ -210,7 +212,7 @@ class Classroom {
     const {gather, reset} = orders;
     if (gather && Number(tab.get("gathered") ?? 0) !== gather.number) {
       tab.set("gathered", String(gather.number));
-      this.goTo(gather.lesson, gather.step, "before");
+      this.goTo(gather.lesson, gather.step, "before", gather.seed);
     }
     const done = tab.get("reset");
     if (done !== null && Number(done) !== reset) lesson.askAnew();
@@ -237,13 +239,14 @@ class Classroom {
         this.#putAside();
       }
       lesson.hold(true);
-      this.goTo(asked.lesson, asked.step, asked.phase);
+      this.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
       lesson.askAnew();
       this.began = performance.now();
     }
     if (asked.revealed && (asked.round !== before?.round || !before.revealed)) {
       lesson.hold(false);
       lesson.reveal();
+      if (isLecturer) delete lesson.stage()?.answer.shown; // nobody has to tell the lecturer to guess
     }
     if (asked.revealed) this.showResults(asked.results);
   }
@@ -260,7 +263,7 @@ class Classroom {
   #stay() {
     const {asked} = this.orders;
     if (!asked || this.isLecturer || this.#isAt(asked)) return;
-    this.goTo(asked.lesson, asked.step, asked.phase);
+    this.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
   }
 
   /** @param {{lesson: string, step: string, phase: string}} where */
@@ -269,16 +272,22 @@ class Classroom {
     return lesson === QUESTIONS ? now.step === this.#screenOf(now.lesson, step, phase) : now.lesson === lesson && now.step === step;
   }
 
+  /** Whether a step begins with something that is dealt. @param {string} name @param {string} id @returns {boolean} */
+  #isDealt(name, id) {
+    const step = this.#lessonOf(name)?.steps.find((/** @type {any} */ one) => one.id === id);
+    return Boolean(step && (step.deal || step.ask.kind === "predict" || step.carry && this.#isDealt(name, step.carry)));
+  }
+
   /** How a screen of the eight questions is named. @param {string} lesson @param {string} item @param {string} phase */
   #screenOf(lesson, item, phase) {
     const k = this.#lessonOf(lesson)?.questions?.findIndex((/** @type {any} */ one) => one.id === item) ?? -1;
     return k < 0 ? null : `${phase === "after" ? "after" : "before"}-${k + 1}`;
   }
 
-  /** @param {string} name @param {string} step @param {string} phase */
-  goTo(name, step, phase) {
+  /** @param {string} name @param {string} step @param {string} phase @param {number} seed of what is dealt: the same for all */
+  goTo(name, step, phase, seed) {
     const all = this.lesson.lessons(), now = this.lesson.state().lesson;
-    if (name !== QUESTIONS) return this.lesson.goTo(name, step);
+    if (name !== QUESTIONS) return this.lesson.goTo(name, step, this.#isDealt(name, step) ? seed : undefined);
     const found = [this.#lessonOf(now), ...all].find(one => one?.questions?.length);
     return found && this.lesson.goTo(found.name, this.#screenOf(found.name, step, phase));
   }
@@ -310,8 +319,10 @@ class Classroom {
     if (this.problem) lines.push(make("p", {class: "class-note warns"}, this.problem));
     if (!this.isLecturer) lines.push(...this.#studentsLines(asked, waiting, isHeld));
     const results = asked ? this.#questionLines(asked) : [];
-    fill(this.box, this.isNarrow.matches ? [...lines, ...results] : lines);
+    fill(this.box, lines);
+    fill(this.inside, this.isNarrow.matches ? results : []);
     fill(this.dock, this.isNarrow.matches ? [] : results);
+    if (!this.inside.hidden && !this.inside.isConnected) $("body").append(this.inside); // a new screen has removed it
     document.body.classList.toggle("class-docked", !this.dock.hidden);
     document.body.classList.toggle("class-asks", Boolean(asked && (!asked.revealed || !this.isLecturer)));
     this.lecturer.draw();

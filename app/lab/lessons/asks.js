@@ -14,7 +14,7 @@
  * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, make, plain, touched, track} from "./dom.js";
+import {inline, isTouched, make, plain, touched, track} from "./dom.js";
 import {energy, measure} from "./measures.js";
 import {short} from "./measured.js";
 
@@ -72,7 +72,8 @@ function place(stage) {
     element: hint,
     update() {
       hint.hidden = stage.isRevealed;
-      hint.textContent = stage.mark ? touched("Click again to move your mark, or use the arrow keys.") : touched("Click in the framed picture. With the keyboard: arrow keys.");
+      hint.textContent = stage.mark ? isTouched() ? "Tap again to move your mark." : "Click again to move your mark, or use the arrow keys."
+        : isTouched() ? "Tap in the framed picture." : "Click in the framed picture, or use the arrow keys.";
     },
   };
 }
@@ -142,6 +143,10 @@ function select(stage, host) {
     selected[field] = value;
     stage.answer = {...stage.answer, selected};
     host.answered();
+    requestAnimationFrame(() => {
+      const open = selected.indexOf(-1), next = open < 0 ? reasonsBox : sets[open];
+      if (!stage.isRevealed) next.scrollIntoView({block: "nearest"});
+    });
   };
   const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
     ...values.map(({text, says}, value) => {

@@ -195,6 +195,7 @@ function begin(data) {
     $("figures").replaceChildren();
     stage = place.kind === "step" ? stageOf(place.id) : null;
     document.body.dataset.screen = place.kind;
+    document.body.dataset.ask = stage?.step.ask.kind ?? "";
     if (stage) {
       stage.others = others && "marks" in others ? others.marks : [];
       screen = new StepScreen($("body"), $("figures"), stage, course);

@@ -34,7 +34,7 @@ export class Marks {
       if (!isOpen() || event.button !== 0) return;
       held = event.pointerId;
       box.setPointerCapture(held);
-      box.focus({preventScroll: true});
+      box.focus(/** @type {any} */ ({preventScroll: true, focusVisible: false}));
       this.#at(event);
       event.preventDefault();
     });
@@ -72,7 +72,7 @@ export class Marks {
     let html = stage.others.map(at).filter(found => found !== null)
       .map(([x, y]) => `<path class="mark-other" d="M${px(x - 4)} ${px(y - 4)}l8 8m0-8l-8 8"/>`).join("");
     const truth = ask.kind === "place" && stage.isRevealed && own && stage.mark && ask.truth ? measure(stage, ask.truth).value : null;
-    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)), measure(stage, "px apart").text])
+    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)), measure(stage, stage.step.told?.measure ?? "px apart").text])
       : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to), `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
     if (between && between[0] && between[1]) {
       const [[a, b], [c, d], text] = /** @type {[[number, number], [number, number], string]} */ (/** @type {unknown} */ (between)), wide = PILL_PX * text.length + 14;

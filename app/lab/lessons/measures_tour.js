@@ -4,6 +4,7 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
  */
+import {projectPoint, transform} from "../engine/engine.js";
 import {placed, told} from "./measured.js";
 import {energyCarried} from "./places.js";
 import {energyText} from "../view/svg.js";
@@ -65,9 +66,11 @@ function longestShare(stage) {
   return Math.max(...squares) / squares.reduce((sum, v) => sum + v, 0);
 }
 
-/** How tall the learner's arm is in L, px: the points of its body and the origins of its links. @param {Stage} stage */
-function armHeight(stage) {
-  const {own} = stage.moment.views, ys = stage.moment.usable.map(i => own[4 * i + 1]);
+/** How tall the learner's arm is in L, px. @param {Stage} stage */
+function armHeight({world, moment, page}) {
+  const frames = world.arms.learner.linkFrames(moment.theta), camera = world.pairs.learner[0];
+  const ys = Object.entries(page.hulls).flatMap(([link, vertices]) =>
+    vertices.map(vertex => projectPoint(camera, transform(frames[Number(link)], vertex))[1]));
   return Math.max(...ys) - Math.min(...ys);
 }
 

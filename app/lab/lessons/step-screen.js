@@ -71,9 +71,9 @@ export class StepScreen {
     figures.dataset.main = String(step.main?.length ?? 0);
     figures.dataset.side = String(step.side?.length ?? 0);
     const places = boxes.map(one => {
-      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), caption = kind?.title ?? "";
+      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), [title, ...rest] = (kind?.title ?? "").split(", "), caption = inline(title) + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
       one.within.append(make("figure", {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`, style: `--aspect:${kind?.aspect ?? 1}`},
-        make("figcaption", {html: inline(caption)}), box));
+        make("figcaption", {html: caption}), box));
       if (!kind) box.textContent = `There is no figure “${one.use.figure}” here.`;
       return {use: one.use, kind, box, isAsked: one === isAsked};
     });

@@ -49,10 +49,10 @@ export class Chart {
   draw(axes, curves, label, extra = "") {
     const {width, height} = this.plane, names = new Names(width, height), isLow = height < LOW;
     const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);
-    const list = isLow ? curves.filter(({name}) => name) : [];
+    const list = isLow ? curves.filter(({name, role}) => name && role !== "bar") : [];
     const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, TICK, 600))) + 22 : 0;
     const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), TICK, 400)));
-    const box = isLow ? [6, 8, width - 8 - listed, height - 8]
+    const box = isLow ? [6, 12, width - 8 - listed, height - 8]
       : [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
     const up = (/** @type {number} */ v) => axes.log ? Math.log(Math.max(v, 1e-12)) : v, [low, high] = axes.y.map(up);
     const x = (/** @type {number} */ v) => box[0] + (v - axes.x[0]) / (axes.x[1] - axes.x[0]) * (box[2] - box[0]);
@@ -102,7 +102,7 @@ export class Chart {
       html += `<path class="draw-curve draw-of-${role}" d="M${px(width - listed)} ${px(b)}h14"/>`;
       text(width - listed + 18, b + 4, name, `draw-name-${role} vi-b`);
     });
-    for (const {at, role, name, named} of drawn) if (name && !isLow)
+    for (const {at, role, name, named} of drawn) if (name && (!isLow || role === "bar"))
       names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `draw-name-${role}`, {size: NAME, away: 8, first: [0, -1]});
     this.plane.show(html + names.html, label);
   }

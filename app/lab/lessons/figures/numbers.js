@@ -159,13 +159,16 @@ export const predictions = {
     return {
       resize: () => chart.resize(),
       draw: ({rounds}) => {
-        const off = rounds.map(({mark, to}) => Math.hypot(mark[0] - to[0], mark[1] - to[1])), count = Math.max(6, off.length);
-        const moved = rounds.map(({from, to}) => Math.hypot(to[0] - from[0], to[1] - from[1])), most = Math.max(20, ...off) * 1.15, last = moved[moved.length - 1] ?? 0;
+        const apart = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+        const off = rounds.map(({mark, to}) => apart(mark, to)), count = Math.max(6, off.length), last = rounds[off.length - 1];
+        const share = last ? apart(last.mark, last.to) / apart(last.from, last.to) : Infinity;
         chart.draw({
-          x: [.4, count + .6], y: [0, most], yName: last > 1 ? `the last: ${Math.round(100 * off[off.length - 1] / last)} % of the way` : "", xName: "turn",
+          x: [.4, count + .6], y: [0, 1.15 * Math.max(20, ...off)], xName: "turn",
           xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),
-        }, off.map((value, k) => ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: `${Math.round(value)}`})),
-        rounds.length ? `Your predictions were off by ${off.map(value => Math.round(value)).join(", ")} px.` : "No prediction yet.");
+          yName: share < 1 ? `the last: ${Math.round(100 * share)} % of the way` : "",
+        }, off.map((value, k) =>
+          ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: String(Math.round(value))})),
+        off.length ? `Your predictions were off by ${off.map(Math.round).join(", ")} px.` : "No prediction yet.");
       },
     };
   },

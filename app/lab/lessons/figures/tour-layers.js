@@ -8,11 +8,11 @@
  */
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
-import {arrow, clipped, diamond, disc, Names} from "./plane.js";
+import {arrow, diamond, disc, Names} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
 const NEAR_PX = 2, LITTLE = 3; // px of a way that is none; drawing units of an arrow that is not drawn
-const HANDLE = 13, NUMBER = 13; // drawing units
+const HANDLE = 13, NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
 
 /** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
 const learnerIn = (frame, {world}, theta) => {
@@ -168,13 +168,25 @@ export const TOUR_LAYERS = {
     const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
     return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
   },
+  "crossing": (frame, stage) => {
+    const {chosen, moment, mark} = stage, found = stage.recovered();
+    if (frame.isDemo || !moment.usable.includes(chosen)) return "";
+    const at = frame.of(found, chosen), names = namesOver(frame, stage), [x, y] = at;
+    names.keep(at, 10);
+    if (mark && stage.step.ask.figure === frame.name) {
+      const own = frame.at(mark);
+      names.keep(own, 20);
+      names.keepLine(own, at, 16);
+      names.keepBox([own[0] - MARK_WIDE, own[1] - 12, own[0] + MARK_WIDE, own[1] + 12]);
+    }
+    const words = frame.width > 230 ? "where the lines cross" : "crossing";
+    if (x > 0 && y > 0 && x < frame.width && y < frame.height) names.put(words, at, "vi-of-found", {away: 13});
+    return `<path class="vi-found" d="${diamond(x, y, 6)}"/>${rings([at], 11, "vi-ring")}${names.html}`;
+  },
   "predicted": (frame, {rounds}) => {
     if (frame.isDemo || !rounds.length) return "";
-    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at), last = rounds[rounds.length - 1];
-    const off = clipped(frame.at(last.mark), frame.at(last.to), [0, 0, frame.width, frame.height]);
-    const [x, y] = frame.at(last.mark), cross = `M${px(x - 6)} ${px(y - 6)}l12 12m0-12l-12 12`;
-    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>
-<path class="draw-apart" d="${off.length ? `M${off.map(p => p.map(px).join(" ")).join("L")}` : ""}"/><path class="draw-said" d="${cross}"/>`;
+    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
+    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>`;
   },
 };
 

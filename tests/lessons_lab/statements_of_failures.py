@@ -345,7 +345,7 @@ def run_of(number: int) -> dict:
 
 
 def bet_of_half() -> float:
-    return float(np.mean([sign.brier([0.5], [outcome]) for outcome in (True, False)]))
+    return float(np.mean([oracles.brier([0.5], [outcome]) for outcome in (True, False)]))
 
 
 def right_pose_by_other_poses(number: int) -> bool:

@@ -90,7 +90,7 @@ class Answer(Struct, tag="answer", **FIELDS):
 
 
 class Copy(Struct, tag="copy", **FIELDS):
-    """The screen that a lecturer's page has wanted. state: as the lesson's page writes it."""
+    """A student's screen, which a lecturer's page has requested. state: as the lesson's page writes it."""
 
     number: Count
     state: Raw
@@ -106,7 +106,7 @@ class Login(Struct, tag="login", **FIELDS):
 
 
 class Logout(Struct, tag="logout", **FIELDS):
-    """This browser is no lecturer's any more."""
+    """The lecturer logs out in this browser."""
 
 
 class NewCode(Struct, tag="code", **FIELDS):
@@ -120,8 +120,8 @@ class TakeOver(Struct, tag="take", **FIELDS):
 
 
 class Ask(Struct, tag="ask", **FIELDS):
-    """A step's question to all; if it was asked before, once more. phase: of the eight questions; seed: of what is
-    dealt at the step, so that all have the same."""
+    """A step's question to all; if it was asked before, once more. phase: of the eight questions; seed: of the
+    step's random start, so that all have the same."""
 
     lesson: Word
     step: Word
@@ -171,10 +171,10 @@ class Hide(Struct, tag="hide", **FIELDS):
 
 
 class Reset(Struct, tag="reset", **FIELDS):
-    """All begin their step again."""
+    """All start their step again."""
 
 
-class Want(Struct, tag="want", **FIELDS):
+class Request(Struct, tag="request", **FIELDS):
     """A copy of the screen of the person of that number."""
 
     person: Count
@@ -206,8 +206,8 @@ class NewClass(Struct, tag="new", **FIELDS):
 
 FromStudent = Hello | Self | At | Answer | Copy | Login
 FromLecturer = (
-    Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Want | Export
-    | Gain | Invite | Allow | NewClass
+    Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Request
+    | Export | Gain | Invite | Allow | NewClass
 )  # fmt: skip
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__
@@ -291,7 +291,7 @@ class Place(Struct, frozen=True):
 
 
 class Orders(Struct, frozen=True, tag="orders", tag_field="kind"):
-    """All that the lecturer wants of the class."""
+    """All orders of the lecturer that hold now."""
 
     asked: Asked | None = None
     lead: bool = False

@@ -204,7 +204,7 @@ def test_students_follow_the_lecturer_and_have_their_own_back(browser, server, l
     student.page.wait_for_function("wanted => JSON.stringify(lesson.state().sliders) === wanted", arg=wanted)
     late = Tab(browser, server, step="home")
     late.sees("Now you can say")
-    lecturer.press("Let go")
+    lecturer.press("Release")
     student.at("line")
     assert student.page.locator(".option.chosen").count() == 1 and not student.problems
     for tab in (student, late):
@@ -286,6 +286,14 @@ def test_a_copy_of_a_students_screen_opens_and_the_lecturer_leaves_with_one_clic
     lecturer.page.click(".class-tile:has-text('Mira')")
     lecturer.at("line")
     lecturer.page.wait_for_selector(".option.chosen >> nth=0")
+    lecturer.page.click("text=Back to mine")
+    lecturer.at("eyes")
+    student.page.evaluate("lesson.state = () => ({lesson: 'tour', step: 'crossing', answer: {text: '<img src=x>'}})")
+    lecturer.page.click(".class-count")
+    lecturer.page.click(".class-tile:has-text('Mira')")
+    lecturer.sees("a copy of a student")
+    lecturer.page.click("text=Back to mine")
+    assert lecturer.page.evaluate("lesson.state().step") == "eyes", "markup is not shown"
     lecturer.page.keyboard.press("p")
     lecturer.wait("document.documentElement.classList.contains('presenting')")
     other = logged_in(browser, server)

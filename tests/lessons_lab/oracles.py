@@ -281,6 +281,14 @@ def carried_to(situation: Situation, back_m: float, sideways_m: float, turned_de
     )
 
 
+# Bets
+
+
+def brier(bets: Sequence[float], holds: Sequence[bool]) -> float:
+    """Mean squared difference between bets and outcomes (Brier, Monthly Weather Review 1950)."""
+    return float(np.mean((np.array(bets) - np.array(holds, float)) ** 2))
+
+
 # Teaching by showing
 
 

@@ -231,7 +231,7 @@ class _StepOnPaper:
 
     def _solution(self, column: "_Column") -> None:
         for words in self._replies():
-            column.text(self._fill(words))
+            column.text(_whole(self._fill(words)))
             column.gap(0.8)
         if self._step.told is not None and self._step.told.measure in self._facts:
             column.text(f"{self._fill(self._step.told.label)}: **{self._facts[self._step.told.measure]}**")
@@ -256,7 +256,12 @@ class _StepOnPaper:
         elif isinstance(ask, Select):
             yield from (f"**{reason.text}:** {reason.because}" for reason in ask.reasons)
         elif isinstance(ask, Number):
-            yield f"The answer is **{{{ask.truth}}}**. {ask.close}"
+            known = (
+                f"The answer is **{{{ask.truth}}}**."
+                if ask.truth in self._facts
+                else "The answer depends on the start."
+            )
+            yield f"{known} {ask.close}"
             yield f"If it was too large: {ask.far}"
             if ask.less:
                 yield f"If it was too small: {ask.less}"

@@ -80,8 +80,10 @@ export const TOUR_MEASURES = {
   "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
   "arm height": stage => told(armHeight(stage), " px", 0),
-  "crossing to own point": stage => told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
-  "crossing to ghost": stage => told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+  "crossing to own point": stage =>
+    told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
+  "crossing to ghost": stage =>
+    told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
   "arrow of 3": stage => told(arrowOf(stage, 3), " px", 0),
   "arrow of 9": stage => told(arrowOf(stage, 9), " px", 0),
   "way of 9": stage => told(wayOf(stage, 9), " px", 0),

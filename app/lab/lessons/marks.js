@@ -5,7 +5,7 @@
  * @typedef {import("./stage.js").Mark} Mark
  * @typedef {import("./stage.js").Figure} Figure
  */
-import {add, px} from "../view/svg.js";
+import {add, drawingUnit, px} from "../view/svg.js";
 import {measure} from "./measures.js";
 import {nearest} from "./measured.js";
 
@@ -66,8 +66,11 @@ export class Marks {
   }
 
   draw() {
-    const stage = this.stage(), {ask} = stage.step, {clientWidth, clientHeight} = this.box;
-    const at = (/** @type {Mark} */ mark) => this.figure.place?.(stage, mark) ?? null;
+    const stage = this.stage(), {ask} = stage.step, unit = drawingUnit(), clientWidth = this.box.clientWidth / unit, clientHeight = this.box.clientHeight / unit;
+    const at = (/** @type {Mark} */ mark) => {
+      const found = this.figure.place?.(stage, mark);
+      return found ? /** @type {[number, number]} */ ([found[0] / unit, found[1] / unit]) : null;
+    };
     const own = stage.mark && at(stage.mark), round = stage.rounds[stage.rounds.length - 1];
     let html = stage.others.map(at).filter(found => found !== null)
       .map(([x, y]) => `<path class="mark-other" d="M${px(x - 4)} ${px(y - 4)}l8 8m0-8l-8 8"/>`).join("");

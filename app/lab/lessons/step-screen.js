@@ -18,7 +18,7 @@
  * @property {(seed: number) => void} restart the step anew
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {lab: string, viewimit: string | null} | null} links
+ * @property {(stage: Stage) => {lab: string, viewimit: string | null, words: string} | null} links
  *
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
  * @typedef {Object} Screen
@@ -331,8 +331,8 @@ export class StepScreen {
   /** @param {Set<string>} drawn layers */
   #drawLegend(drawn) {
     const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) => drawn.has(layer)).map(([, html]) => html))];
-    const {lab = null, viewimit = null} = this.course.links(this.stage) ?? {};
-    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">Open in viewimit</a>` : ""}</li>` : "");
+    const {lab = null, viewimit = null, words = ""} = this.course.links(this.stage) ?? {};
+    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
     if (this.legend.dataset.html !== html) {
       this.legend.dataset.html = html;
       this.legend.innerHTML = html;

@@ -15,7 +15,6 @@ from .control.command_loop import CommandLoop
 from .control.commands.command import Command
 from .control.commands.experiments import LoadMotion
 from .control.commands.session import Resume
-from .control.commands.touch import TOUCHES
 from .control.memory import begin_like, go_on, memory_of, require_fit
 from .control.page_model import PageModel
 from .control.queue import CommandQueue
@@ -54,7 +53,7 @@ class Page:
         resumed: SavedSession | None = None,
         reach: Reach = NOWHERE,
     ):
-        self._client, self._shedding, self._keep, self.address = client, services.shedding, keep, reach.address
+        self._client, self._shedding, self._keep = client, services.shedding, keep
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(services.clock), Redraw()
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._sent_at: dict[str, float] = {}  # files by name
@@ -69,18 +68,11 @@ class Page:
             self.close(0.0)  # what it has taken of the camera images
             raise
         self.model.eye = self._scene.eye
-        self._docking = Docking(client, waits=reach.address is not None)
+        self._docking = Docking(client, waits=reach.origin is not None)
 
     def put(self, command: Command) -> None:
         """As if the visitor had done it; from any thread."""
         self.queue.put(command)
-
-    def touch(self, control: str, value: str) -> bool:
-        """A link of its drawings was followed; from any thread. Whether there is that control."""
-        if control not in TOUCHES:
-            return False
-        self.queue.put_value(TOUCHES[control], value, ("touch", control))
-        return True
 
     def panel(self, kind: type):
         """The page's panel of this class."""

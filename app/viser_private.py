@@ -181,8 +181,8 @@ def push_property(handle, name: str, value: str | float) -> None:
     _queue_update(handle, name, value)
 
 
-def push_number(widget, value: float) -> None:
-    """Show a number in place of what the widget's value is; its callbacks, which hear of nothing but what a person
+def push_input(widget, value: float | str) -> None:
+    """Show a value in place of what the widget's is; its callbacks, which hear of nothing but what a person
     does, are not called."""
     widget._impl.value = value
     _queue_update(widget, "value", value)

@@ -18,14 +18,11 @@ from viewimit.assets import ROOT
 def main() -> int:
     lesson = shipped()["design"]
     (step,) = lesson.step
-    found = {}
-    for dealt in deals(situation_of(lesson, step), step.id, SCENE_DEALS, DEAL_SEED):
-        found[dealt.digest] = compute_rounds(dealt, ROUNDS)
-        print(
-            dealt.digest, {name: sum(off <= 1 for off, _ in runs) for name, runs in found[dealt.digest]["runs"].items()}
-        )
-    text = json.dumps(found, separators=(",", ":")).replace('"', '"')
-    ROOT.joinpath("lessons", "rounds.json").write_text(text + "\n", "utf-8")
+    found = {
+        dealt.digest: compute_rounds(dealt, ROUNDS)
+        for dealt in deals(situation_of(lesson, step), step.id, SCENE_DEALS, DEAL_SEED)
+    }
+    ROOT.joinpath("lessons", "rounds.json").write_text(json.dumps(found, separators=(",", ":")) + "\n", "utf-8")
     return 0
 
 

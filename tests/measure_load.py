@@ -10,11 +10,9 @@ import argparse
 import itertools
 import json
 import multiprocessing
-import re
 import statistics
 import sys
 import time
-import urllib.request
 from collections.abc import Iterator
 
 import browser as chromium
@@ -41,14 +39,9 @@ class Counting(Client):
         self.counts = dict.fromkeys(TARGETS, 0)
         self.posed_at: list[float] = []  # s, when frames with poses arrived
         self._counting = False
-        cookie = browser_of(url)
-        super().__init__(url, cookie=cookie)
+        super().__init__(url, cookie=browser_of(url))
         self.ready(120)
-        link = next(
-            found[1] for html in list(self.html.values()) if (found := re.search(r'data-link="([^"]+)link/"', html))
-        )
-        asked = urllib.request.Request(f"{url}{link}unseen/{closed}", headers={"Cookie": cookie})
-        urllib.request.urlopen(asked).close()
+        self.act("unseen", closed)
         self._counting = True
 
     def _unpack(self, frame: bytes) -> list[dict]:

@@ -63,6 +63,7 @@ class Client:
         self.values: dict[str, object] = {}
         self.html: dict[str, str] = {}
         self.nodes: set[str] = set()
+        self.acted = 0
         self.received: list[tuple[float, str]] = []
         self._unpacker = zstandard.ZstdDecompressor()
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -77,6 +78,12 @@ class Client:
     def put(self, label: str, value) -> None:
         """A widget's new value, as a browser sends it."""
         self.send({"type": "GuiUpdateMessage", "uuid": self.widgets[label], "updates": {"value": value}})
+
+    def act(self, control: str, value: object = 0) -> None:
+        """As the page's script sends a click in a drawing."""
+        self.acted += 1
+        acts = [[self.acted, control, str(value)]]
+        self.put("vi-actions", msgspec.json.encode({"load": str(id(self)), "acts": acts}).decode())
 
     def press(self, command: str) -> None:
         self.send({"type": "CommandTriggerMessage", "uuid": self.commands[command]})

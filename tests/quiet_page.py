@@ -4,6 +4,7 @@ import contextlib
 import time
 from types import SimpleNamespace
 
+import msgspec
 from viewimit.app.control.redraw import draw_all
 from viewimit.app.control.scheduler import TICK
 from viewimit.app.control.services import Services
@@ -12,6 +13,7 @@ from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
 from viewimit.app.page import Page
+from viewimit.app.panels.actions import ActionsPanel
 from viewimit.app.panels.panel import Reach
 from viewimit.app.quiet_client import QuietClient, QuietHandle
 from waiting import wait_until
@@ -74,17 +76,18 @@ class QuietPage:
         settings=None,
         keep=lambda memory: None,
         resumed=None,
-        address=None,
         landscapes=None,
         shared=None,
+        scripts=None,
     ):
-        self.client, self.now = QuietClient(id(self)), 100.0
+        self.client, self.now, self.acted = QuietClient(id(self)), 100.0, 0
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
         clock = lambda: self.now
-        services = Services(*workers, shedding, lambda robot, arm: None, clock=clock)
-        reach = Reach(address, shared=shared)
+        how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
+        services = Services(*workers, shedding, lambda robot, arm: None, **how)
+        reach = Reach(shared=shared)
         self.page = Page(self.client, services, settings or Settings.paper(), keep, resumed, reach)
 
     def widget(self, label):
@@ -101,6 +104,12 @@ class QuietPage:
         assert value in vars(widget).get("options", (value,)), f"{value} is none of {widget.options}"
         widget.value = value
         self._tell(widget)
+
+    def act(self, control, value):
+        """What a link of its drawings asks for, as the page's script sends it."""
+        self.acted += 1
+        message = {"load": "", "acts": [[self.acted, control, value]]}
+        self.page.panel(ActionsPanel).actions.take(msgspec.json.encode(message).decode())
 
     def click(self, label):
         self._tell(self.widget(label))

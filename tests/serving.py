@@ -146,7 +146,7 @@ class Here:
         self.access = AccessControl(limits, (), counts)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, ServerOptions(), self._scheduler, Autosave(SqliteStore(folder)), self.access.touches)
+        self.app = App(self.viser, ServerOptions(), self._scheduler, Autosave(SqliteStore(folder)), {})
         self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 

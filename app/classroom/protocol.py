@@ -90,7 +90,7 @@ class Answer(Struct, tag="answer", **FIELDS):
 
 
 class Copy(Struct, tag="copy", **FIELDS):
-    """The screen that a lecturer's page has wanted. state: as the lesson's page writes it."""
+    """A student's screen, which a lecturer's page has requested. state: as the lesson's page writes it."""
 
     number: Count
     state: Raw
@@ -106,7 +106,7 @@ class Login(Struct, tag="login", **FIELDS):
 
 
 class Logout(Struct, tag="logout", **FIELDS):
-    """This browser is no lecturer's any more."""
+    """The lecturer logs out in this browser."""
 
 
 class NewCode(Struct, tag="code", **FIELDS):
@@ -120,11 +120,13 @@ class TakeOver(Struct, tag="take", **FIELDS):
 
 
 class Ask(Struct, tag="ask", **FIELDS):
-    """A step's question to all; if it was asked before, once more. phase: of the eight questions."""
+    """A step's question to all; if it was asked before, once more. phase: of the eight questions; seed: of the
+    step's random start, so that all have the same."""
 
     lesson: Word
     step: Word
     phase: Phase = "own"
+    seed: Count = 1
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
@@ -153,6 +155,7 @@ class Gather(Struct, tag="gather", **FIELDS):
 
     lesson: Word
     step: Word
+    seed: Count = 1
 
 
 class Freeze(Struct, tag="freeze", **FIELDS):
@@ -168,10 +171,10 @@ class Hide(Struct, tag="hide", **FIELDS):
 
 
 class Reset(Struct, tag="reset", **FIELDS):
-    """All begin their step again."""
+    """All start their step again."""
 
 
-class Want(Struct, tag="want", **FIELDS):
+class Request(Struct, tag="request", **FIELDS):
     """A copy of the screen of the person of that number."""
 
     person: Count
@@ -203,8 +206,8 @@ class NewClass(Struct, tag="new", **FIELDS):
 
 FromStudent = Hello | Self | At | Answer | Copy | Login
 FromLecturer = (
-    Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Want | Export
-    | Gain | Invite | Allow | NewClass
+    Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Request
+    | Export | Gain | Invite | Allow | NewClass
 )  # fmt: skip
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__
@@ -265,6 +268,7 @@ class Asked(Struct, frozen=True):
     times: int = 1
     revealed: bool = False
     results: Results | None = None
+    seed: int = 1
 
 
 class Results(Struct, frozen=True):
@@ -283,10 +287,11 @@ class Place(Struct, frozen=True):
     number: int
     lesson: str
     step: str
+    seed: int = 1
 
 
 class Orders(Struct, frozen=True, tag="orders", tag_field="kind"):
-    """All that the lecturer wants of the class."""
+    """All orders of the lecturer that hold now."""
 
     asked: Asked | None = None
     lead: bool = False

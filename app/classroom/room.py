@@ -1,4 +1,4 @@
-"""A class: who is here, what the lecturer wants, and what is answered. It moves messages and computes nothing else.
+"""A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else.
 
 All methods run in the server's one thread. A `Browser` is one connection; what is sent to it waits in its outbox until
 the server's task for that connection takes it.
@@ -24,14 +24,14 @@ from .votes import Round, Vote, results
 MAX_WAITING = 500  # messages in an outbox, after which its connection is closed: the browser comes back
 MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included
 CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # wrong codes of one network address
-LET_GO_S = 15.0  # without a lecturer, after which students are let go
+RELEASE_S = 15.0  # without a lecturer, after which students are released
 MAX_SESSIONS = 20  # browsers that are logged in as the lecturer's
 PERSON_NUMBERS = range(100_000, 1_000_000)
 log = logging.getLogger(__name__)
 
 
 class Allowance:
-    """So many at once, and so many more a second (a token bucket)."""
+    """A number of messages at once, and a rate at which more are allowed (a token bucket)."""
 
     def __init__(self, rate: float, burst: int):
         self._rate, self._burst, self._left, self._at = rate, burst, float(burst), 0.0
@@ -48,7 +48,7 @@ class Allowance:
 
 @dataclass(eq=False)
 class Person:
-    """Who uses one browser, in one or more tabs. key: a hash of its token, under which its answers are kept."""
+    """The user of one browser, in one or more tabs. key: a hash of its token, under which its answers are kept."""
 
     token: str
     key: str
@@ -95,7 +95,7 @@ class Browser:
         self.wake()
 
     def show(self, screen: str) -> None:
-        """Send the lecturer's screen, in place of an earlier one that still waits."""
+        """Send the lecturer's screen, instead of an earlier one that still waits."""
         self.screen = screen
         self.wake()
 
@@ -139,13 +139,13 @@ class Room:
         self._numbers = store.persons()
         self.rounds = store.rounds()
         self.orders = msgspec.json.decode(kept.get("orders", '{"kind":"orders"}'), type=p.Orders)
-        self.persons: dict[str, Person] = {}  # who is present, by key
+        self.persons: dict[str, Person] = {}  # present ones, by key
         self.browsers: set[Browser] = set()
         self.leader: Browser | None = None
         self._wrong_codes: dict[str, Allowance] = {}
         self._absent_since: float | None = clock()
-        self._wanted: tuple[int, Browser, Person] | None = None
-        self._want_number = 0
+        self._requested: tuple[int, Browser, Person] | None = None
+        self._requests = 0
         self._screen: str | None = None  # the lecturer's, while all follow it
         self._changed: set[Person] = set()
         self._gone: set[int] = set()
@@ -202,7 +202,7 @@ class Room:
         self._changed.add(browser.person)
 
     def _tell_of(self, person: Person) -> None:
-        """Tell lecturers what is new of somebody who is in the class, as the lecturer is not."""
+        """Tell lecturers what is new of a person in the class, to which the lecturer does not belong."""
         if self.persons.get(person.key) is person:
             self._changed.add(person)
 
@@ -277,7 +277,7 @@ class Room:
 
     def _tell_everything(self, browser: Browser) -> None:
         """Send what a lecturer's page shows, from the beginning."""
-        browser.send(p.encode("people", all=True, people=[_told(one) for one in self.persons.values()], gone=[]))
+        browser.send(p.encode("people", all=True, people=[_described(one) for one in self.persons.values()], gone=[]))
         browser.send(self._count_text())
 
     # Orders
@@ -306,7 +306,7 @@ class Room:
         asked = Round(number, ask.lesson, ask.step, ask.phase, times)
         self.rounds.append(asked)
         self.store.add_round(asked)
-        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times), lead=False)
+        self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
         self._counted = False
 
     def _reveal(self) -> None:
@@ -318,7 +318,7 @@ class Room:
 
     def _show(self, browser: Browser, state: p.State) -> None:
         if browser is not self.leader or not (state.once or self.orders.lead):
-            return  # a screen on its way while the lecturer let go, or another page took over
+            return  # a screen on its way while the lecturer released the class, or another page took over
         kind = "send" if state.once else "screen"
         text = f'{{"kind":"{kind}","state":{bytes(state.state).decode()}}}'
         if not state.once:
@@ -327,22 +327,22 @@ class Room:
             if not one.is_lecturer:
                 one.send(text) if state.once else one.show(text)
 
-    def _want(self, browser: Browser, number: int) -> None:
+    def _request(self, browser: Browser, number: int) -> None:
         person = next((one for one in self.persons.values() if one.number == number), None)
         if person is None:
             browser.send(p.encode("done", what="This student is gone."))
             return
-        self._want_number += 1
-        self._wanted = self._want_number, browser, person
-        next(iter(person.tabs)).send(p.encode("want", number=self._want_number))
+        self._requests += 1
+        self._requested = self._requests, browser, person
+        next(iter(person.tabs)).send(p.encode("request", number=self._requests))
 
     def _copy(self, browser: Browser, copy: p.Copy) -> None:
-        if self._wanted is None:
+        if self._requested is None:
             return
-        number, lecturer, person = self._wanted
+        number, lecturer, person = self._requested
         if number == copy.number and browser.person is person and lecturer in self.browsers:
             lecturer.send(f'{{"kind":"copy","state":{bytes(copy.state).decode()}}}')
-            self._wanted = None
+            self._requested = None
 
     def _new_class(self) -> None:
         self.store.clear()
@@ -354,7 +354,7 @@ class Room:
     def _answer(self, browser: Browser, answer: p.Answer) -> None:
         person = browser.person
         if person is None or browser.is_lecturer:
-            raise p.Rejected("an answer of somebody who is no student")
+            raise p.Rejected("an answer of a browser that is no student")
         phase, asked = str(answer.phase), None
         if answer.round:
             asked = self.asked
@@ -423,7 +423,7 @@ class Room:
         if (browser.person is None) != isinstance(message, p.Hello):
             raise p.Rejected("a connection begins with one hello")
         if isinstance(message, p.ORDERS) and not browser.is_lecturer:
-            raise p.Rejected(f"an order of somebody who is not the lecturer: {type(message).__name__}")
+            raise p.Rejected(f"an order of a browser that is not the lecturer: {type(message).__name__}")
         person = browser.person
         match message:
             case p.Hello():
@@ -456,17 +456,17 @@ class Room:
                 self._order(asked=None)
             case p.Lead(on):
                 self._order(lead=on)
-            case p.Gather(lesson, step):
+            case p.Gather(lesson, step, seed):
                 number = 1 + (self.orders.gather.number if self.orders.gather else 0)
-                self._order(gather=p.Place(number, lesson, step), lead=False, asked=None)
+                self._order(gather=p.Place(number, lesson, step, seed), lead=False, asked=None)
             case p.Freeze(on):
                 self._order(frozen=on)
             case p.Hide(on):
                 self._order(hidden=on)
             case p.Reset():
                 self._order(reset=self.orders.reset + 1)
-            case p.Want(number):
-                self._want(browser, number)
+            case p.Request(number):
+                self._request(browser, number)
             case p.Invite(address):
                 address = address or self.address
                 browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
@@ -484,15 +484,15 @@ class Room:
     # What goes on by itself
 
     def tick(self) -> None:
-        """Tell lecturers what has changed, and let students go if no lecturer is left. Call it a few times a second."""
-        if self._absent_since is not None and self._clock() - self._absent_since > LET_GO_S:
+        """Tell lecturers what has changed, and release students if no lecturer is left. Call it often."""
+        if self._absent_since is not None and self._clock() - self._absent_since > RELEASE_S:
             self._absent_since = None
             if self.orders.asked or self.orders.lead or self.orders.frozen:
-                log.info("no lecturer is here: students are let go")
+                log.info("no lecturer is here: students are released")
                 self._order(asked=None, lead=False, frozen=False)
         lecturers = self._lecturers()
         if self._changed or self._gone:
-            people = [_told(one) for one in self._changed]
+            people = [_described(one) for one in self._changed]
             text = p.encode("people", people=people, gone=sorted(self._gone))
             self._changed, self._gone = set(), set()
             for one in lecturers:
@@ -515,7 +515,7 @@ class Room:
         return p.encode("count", results=found, round=asked and asked.number, asked=times, **here)
 
 
-def _told(person: Person) -> dict[str, object]:
+def _described(person: Person) -> dict[str, object]:
     """A person for a lecturer's page."""
     return {"number": person.number, "name": person.name, "at": person.at}
 

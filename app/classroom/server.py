@@ -28,7 +28,7 @@ from .room import Browser, Room
 SILENT_S = 10.0  # after which a connection that says nothing is closed
 TICK_S = 0.25
 PING_S = 15.0
-MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # what is longer is not even read
+MAX_FRAME_BYTES = 4 * MAX_MESSAGE_BYTES  # longer frames are not even read
 MAX_OPEN_FILES = 16_384  # connections are open files; systems allow 1,024 or fewer unless asked
 KEPT_FREE = 64  # open files for all else than connections
 CLOSED_BY_POLICY, CLOSED_AS_SLOW = 1008, 1013  # codes of RFC 6455
@@ -203,7 +203,7 @@ async def _receive_all(room: Room, websocket: WebSocket, browser: Browser) -> No
 
 
 async def _send_all(websocket: WebSocket, browser: Browser, something: asyncio.Event) -> None:
-    """Send what is in a browser's outbox, for ever."""
+    """Send the messages of a browser's outbox as they come, until cancelled."""
     with contextlib.suppress(WebSocketDisconnect, RuntimeError):
         while True:
             await something.wait()

@@ -70,6 +70,8 @@ class Store:
         self._done: list[Callable[[], None]] = []  # to be called once all changes are written
         self._thread = ThreadPoolExecutor(1)
         self._wake = asyncio.Event()
+        if path is not None and not path.exists():
+            path.touch(0o600)  # for its owner alone
         try:
             self._file = sqlite3.connect(str(path or ":memory:"), check_same_thread=False, isolation_level=None)
             self._file.execute("pragma journal_mode=wal")
@@ -148,7 +150,7 @@ class Store:
         self._wake.set()
 
     async def write(self) -> None:
-        """Write what is to be written, for ever."""
+        """Write all changes as they come, until cancelled."""
         loop = asyncio.get_running_loop()
         while True:
             await self._wake.wait()

@@ -3,9 +3,7 @@
 What looks with camera images takes long, and would hold up everybody's pages.
 """
 
-import threading
 from collections.abc import Callable
-from contextlib import nullcontext
 from functools import partial
 
 from ..jobs.camera_images import CameraLost
@@ -18,7 +16,6 @@ from .shedding import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
-LONG_AT_ONCE = threading.BoundedSemaphore(2)  # of all pages: many who follow a link leave the others time
 
 
 def _beside() -> float:
@@ -75,8 +72,7 @@ class CommandLoop:
         images or long, at once if not."""
         model, commands = self._model, self._queue.take()
         opens = any(command.opens_pictures(model) for command in commands)
-        long = any(command.takes_long for command in commands)
-        if not opens and not long and model.session.settings.sensor == "projected":
+        if not opens and model.session.settings.sensor == "projected":
             self._apply_within_budget(commands, now)
             self._move_on(now, self._shedding.step_budget)
             return
@@ -131,8 +127,7 @@ class CommandLoop:
     def _apply(self, command: Command, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
         try:
-            with LONG_AT_ONCE if command.takes_long else nullcontext():
-                command.apply(self._model, now)
+            command.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
             return

@@ -1,12 +1,10 @@
 """A page as it is kept, and how another one goes on from that."""
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from ..sessions.saved import SavedPage, SavedSession
 from .page_model import PageModel
-from .state import SWITCHES, View
+from .state import SWITCHES, switched
 
 
 def memory_of(model: PageModel) -> SavedSession:
@@ -49,12 +47,6 @@ def require_fit(model: PageModel) -> None:
     session, present = model.session, model.session.snapshot
     if present.theta.shape != session.embodiment.lower.shape or len(present.views.demo) != len(session.world.body):
         raise ValueError("its moments are not of this scene")
-
-
-def switched(view: View, show: Mapping[str, bool]) -> View:
-    """With the switches on or off that are kept by their names."""
-    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
-    return replace(view, **known)
 
 
 def _show_as(model: PageModel, head: SavedPage) -> None:

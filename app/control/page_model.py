@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
+from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
 from ..sessions.link import Linked
 from .commands.command import Arrival, MovingArrival
 from .comparison import Comparison
 from .experiments import Experiments
+from .following import Following
 from .history.shown_word import ShownWord
 from .history.undoable import UndoableSession
 from .joints import Freedom
@@ -25,11 +27,11 @@ from .landscapes import Basins, DuelLandscapes, OwnLandscape
 from .moments.seen import SeenMoments
 from .motions import Motions
 from .points.editing import PointEditing
-from .presets import Preset
+from .presets import AS_STARTED, Preset
 from .queue import CommandQueue
 from .saving import Saving
 from .services import Services
-from .state import SWITCHES, Message, PageState, View
+from .state import SWITCHES, Message, PageState, View, switched
 
 
 class PageModel:
@@ -53,6 +55,7 @@ class PageModel:
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
         self.word = ShownWord(self.undoable)
+        self.following = Following(page_id, services.scripts, queue, self._become)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.moments = SeenMoments(self.session, self.player)
         beside = services.landscapes
@@ -161,8 +164,32 @@ class PageModel:
             message=None if self.message is None else self.message.text,
             unsaved=self.unsaved,
             tour_offered=self.tour_offered,
+            follows_link=self.following.goes_on,
             word=self.word.key,
         )
+
+    def repeat(self, linked: Linked) -> None:
+        """Become what a link holds, motion for motion, now. Raises ValueError, with all as it is."""
+        self.following.let_go()
+        self.undoable.repeat(linked.script)
+        self._show_as(linked)
+
+    def _become(self, linked: Linked, session: Session) -> None:
+        """Become what a link holds, whose script led to this session."""
+        self.undoable.become(session)
+        self._show_as(linked)
+
+    def _show_as(self, linked: Linked) -> None:
+        """Take what of a link is no part of the session."""
+        sent = Preset("From a link", linked.script.settings, linked.speed, "As it was sent.")
+        self.presets.chosen = self.presets.offered.get(linked.preset, sent)
+        if linked.preset == AS_STARTED and self.modified:  # another server was started otherwise
+            self.presets.chosen = sent
+        self.player.speed = linked.speed
+        view = replace(switched(self.view, linked.show), chosen=linked.chosen)
+        if view != self.view:
+            self.view = view
+        self.undoable.begin_anew()
 
     def save_picture(self, now: float) -> None:
         """Save the panel that is chosen. Raises ValueError where there is none."""

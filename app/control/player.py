@@ -151,14 +151,6 @@ class Player:
         for runner in self.runners:
             runner.move(now, self._seen_for(SINGLE_STEP))
 
-    def follow(self, times: int, speed: float, now: float) -> None:
-        """So many passes of the loop, as another page made them at that speed; the last is seen on its way."""
-        seen = min(MOTION_SHARE / speed, LONGEST_MOTION) if speed else 0.0
-        for runner in self.runners:
-            for _ in range(times - 1):
-                runner.step()
-            runner.move(now, self._seen_for(seen))
-
     def undo(self, now: float) -> None:
         """One motion back, seen as one."""
         self.scrub(self.cursor - 1, now)

@@ -8,6 +8,7 @@ from ..jobs import basin_child
 from ..jobs.camera_images import CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
+from ..jobs.scripts import ScriptPlayer
 from .shedding import LoadShedding
 
 
@@ -21,5 +22,6 @@ class Services:
     shedding: LoadShedding
     share: Callable[[str, str], None]
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))
+    scripts: ScriptPlayer = field(default_factory=ScriptPlayer)
     files: LandscapeWorker = field(default_factory=LandscapeWorker)  # which pictures and replays are made in
     clock: Callable[[], float] = time.monotonic

@@ -1,8 +1,9 @@
 """What a page shows at one moment. Panels read it and change nothing."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -70,6 +71,12 @@ class View:
         return self.prefers_dark if chosen is None else chosen
 
 
+def switched(view: View, show: Mapping[str, bool]) -> View:
+    """Return a view with the switches on or off that are kept by their names."""
+    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
+    return replace(view, **known)
+
+
 @dataclass(frozen=True)
 class Message:
     """until: s of the scheduler's clock"""
@@ -92,8 +99,9 @@ class PageState:
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
     be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. tour_offered: to
-    somebody who has not been here before. word: of the glossary that is shown, in place of what can be given back.
-    Session, duel, experiments and motions are those of the page: to be read only.
+    somebody who has not been here before; follows_link: whether one's script is still played. word: of the glossary
+    that is shown, in place of what can be given back. Session, duel, experiments and motions are those of the page: to
+    be read only.
     """
 
     generation: int
@@ -129,6 +137,7 @@ class PageState:
     message: str | None
     unsaved: str | None
     tour_offered: bool
+    follows_link: bool
     word: str | None
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from viewimit.drawing import svg
 from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
 
-from .links import link, sink
+from .links import link
 
 
 def asks(keys: Iterable[str]) -> str:
@@ -20,19 +20,17 @@ def beside(key: str) -> str:
     return f'<div class="vi-at-label">{ask(key)}</div>'
 
 
-def linked_cards(address: str | None) -> str:
-    """Build all cards with links to their examples. address: prefix of the links, None for no links."""
-    if address is None:
-        return cards()
-    back = link(address, "restore/0", "Give it back: what was here before", "Give it back")
+def linked_cards() -> str:
+    """Build all cards with links to their examples."""
+    back = link("restore/0", "Give it back: what was here before", "Give it back")
     restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
-    return cards(lambda key: _show(address, key) + restore) + sink()
+    return cards(lambda key: _show(key) + restore)
 
 
-def listed(address: str | None = None) -> str:
-    """Build all entries for the help. address: prefix of the links to examples, None for no links."""
+def listed() -> str:
+    """Build all entries for the help, with links to their examples."""
     return "".join(
-        f'<div class="vi-entry">{_show(address, key)}{describe_entry(entry)}</div>' for key, entry in glossary().items()
+        f'<div class="vi-entry">{_show(key)}{describe_entry(entry)}</div>' for key, entry in glossary().items()
     )
 
 
@@ -50,10 +48,8 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
     return f"<style>{''.join(rules)}</style>"
 
 
-def _show(address: str | None, key: str) -> str:
+def _show(key: str) -> str:
     """Build the link to an entry's example."""
-    if address is None:
-        return ""
     entry = glossary()[key]
     words = "Show me a bad one" if entry.bad else "Show me"
-    return f'<span class="vi-show">{link(address, f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
+    return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

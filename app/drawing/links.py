@@ -1,22 +1,13 @@
-"""Links in drawings that work without a script: each asks the page for one action and loads its answer unseen."""
+"""Links in drawings: the page's script sends what each asks for by the page's own connection."""
 
 from viewimit.drawing import svg
 
-SINK = "vi-sink"
 
-
-def sink() -> str:
-    """Build the hidden frame that receives the answers; a page without it would open a tab for each link."""
-    return f'<iframe name="{SINK}" title="" hidden=""></iframe>'
-
-
-def link(address: str, what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
+def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
     """Build one link.
 
     Parameters
     ----------
-    address
-        Prefix of all links of a page.
     what
         The action, as control/value.
     name
@@ -31,9 +22,9 @@ def link(address: str, what: str, name: str, inside: str, stop: bool = True, pre
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
     if pressed is not None:
         more += f' role="button" aria-pressed="{str(pressed).lower()}"'
-    return f'<a href="{address}/{what}" target="{SINK}"{more}>{inside}</a>'
+    return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
 
 
-def button(address: str, what: str, name: str, inside: str) -> str:
+def button(what: str, name: str, inside: str) -> str:
     """Build a link that a screen reader announces as a button."""
-    return link(address, what, name, inside).replace("<a ", '<a role="button" ', 1)
+    return link(what, name, inside).replace("<a ", '<a role="button" ', 1)

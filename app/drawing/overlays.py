@@ -20,7 +20,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
-from .links import link, sink
+from .links import link
 
 MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
 HIT, HALO = 12, 11  # px, radii of a point's link and of its mark
@@ -35,19 +35,19 @@ AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 # Links on the points of the four images
 
 
-def point_links(address: str, count: int, whole: bool) -> str:
+def point_links(count: int, whole: bool) -> str:
     """Build links over the four images, whole or not. Tab stops at the points of L, as the other images repeat them.
 
     Each point has two links: a circle of radius HIT, and above all of these the part where it is the nearest point.
     """
     inside = {}
     for k, (view, size) in enumerate(SIZES[whole].items()):
-        around = "".join(_link(address, view, i, "vi-around") for i in range(count))
-        nearest = "".join(_link(address, view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(address, f"large/{FIRST_IMAGE + k}", f"image {view}, large or not", _corners(size[0]))
+        around = "".join(_link(view, i, "vi-around") for i in range(count))
+        nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
+        large = link(f"large/{FIRST_IMAGE + k}", f"image {view}, large or not", _corners(size[0]))
         inside[view] = around + nearest + large
-    construct = link(address, "construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
-    return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"') + sink()
+    construct = link("construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
+    return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')
 
 
 def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
@@ -85,11 +85,11 @@ def _corners(width: int) -> str:
     return f'<g class="vi-larger" transform="translate({width / 2:g} 10)">{square}<path d="{MORE}"/></g>'
 
 
-def _link(address: str, view: str, i: int, kind: str, stop: bool = False) -> str:
+def _link(view: str, i: int, kind: str, stop: bool = False) -> str:
     name = str(i)
     shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
     inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
-    return link(address, f"point/{i}", f"point {name}", inside, stop)
+    return link(f"point/{i}", f"point {name}", inside, stop)
 
 
 def point_places(
@@ -152,7 +152,7 @@ def _to_itself(count: int) -> NDArray[np.float64]:
 # Links on the landscape: a cell for each posture, which is exact at every size; a place in a picture needs a script
 
 
-def posture_links(address: str, scene: Scene) -> str:
+def posture_links(scene: Scene) -> str:
     """Build links over a landscape, a cell per posture; "" without two moving joints."""
     plane = PosturePlane(scene)
     if not plane.has_plane:
@@ -166,10 +166,10 @@ def posture_links(address: str, scene: Scene) -> str:
         for k, across in enumerate(acrosses):
             cell = f'<path d="M{x[k]:.1f} {y[i]:.1f}H{x[k + 1]:.1f}V{y[i + 1]:.1f}H{x[k]:.1f}z"/>'
             stop = up % STOP_DEG == 0 and across % STOP_DEG == 0
-            one = link(address, f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
+            one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="Postures for the learner">{"".join(others + stops)}</g>'
-    return plane.wrap(group, "vi-over vi-links vi-cells") + sink()
+    return plane.wrap(group, "vi-over vi-links vi-cells")
 
 
 def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
@@ -208,7 +208,7 @@ def describe_see_through(scene: Scene, moment: Snapshot) -> str:
 # Links on the curves: a cell around each motion
 
 
-def motion_links(address: str, last: int, width: int = 424) -> str:
+def motion_links(last: int, width: int = 424) -> str:
     """Build links over both plots: a cell around each motion that the axis has room for; Tab stops at numbered ones.
 
     The HTML stays the same until the axis changes, so that a click is not lost when the arm moves. last: motion.
@@ -220,7 +220,6 @@ def motion_links(address: str, last: int, width: int = 424) -> str:
     edges[0], edges[-1] = left - 4, right + 4
     cells = "".join(
         link(
-            address,
             f"moment/{motion}",
             f"after {motion} motions",
             f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',

@@ -3,6 +3,7 @@
 `PANELS` is the page in the order in which it is built; a panel is one class in one file, and one line here.
 """
 
+from .actions import ActionsPanel
 from .curves import CurvesPanel
 from .demonstrator import DemonstratorPanel
 from .display import DisplayPanel
@@ -53,5 +54,6 @@ PANELS: list[type[Panel]] = [
     DuelPanel,
     ExperimentsPanel,
     MotionsPanel,
+    ActionsPanel,
     LargerPanel,  # in the tabs that those before it have made
 ]

@@ -4,7 +4,6 @@ tab."""
 from viewimit.drawing.curves import axis_end, draw_curves
 
 from ..control.state import PageState
-from ..drawing.links import sink
 from ..drawing.overlays import hide_later_motions, motion_links
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html, put_visible
@@ -16,12 +15,10 @@ class CurvesPanel(Panel):
     inside = "Curves"
 
     def build(self, layout: Layout, state: PageState) -> None:
-        gui, self._address = layout.gui, layout.address
+        gui = layout.gui
         self._card, self._over_card = gui.add_html("", visible=False), gui.add_html("", visible=False)
         with layout.tab(self.inside):
             self._tab, self._over_tab = gui.add_html(""), gui.add_html("")
-            if self._address is not None:
-                gui.add_html(sink())
         self._linked: tuple[int, bool] | None = None  # what the links were made of
 
     def seen(self, state: PageState) -> bool:
@@ -40,18 +37,17 @@ class CurvesPanel(Panel):
         width, last = CARD_WIDTH if wide else TAB_WIDTH, len(session.history) - 1
         joints = session.scene.moving_joints
         drawn = draw_curves(session.history, session.cursor, E_true, joints, width, state.errors_deg)
-        if self._address is not None:
-            drawn += hide_later_motions(last)
-            self._show_links(self._address, axis_end(last), wide)
+        drawn += hide_later_motions(last)
+        self._show_links(axis_end(last), wide)
         put_html(self._card if wide else self._tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
         put_visible(self._card, wide)
         put_visible(self._over_card, wide)
 
-    def _show_links(self, address: str, end: int, wide: bool) -> None:
+    def _show_links(self, end: int, wide: bool) -> None:
         """Made anew only when they change. end: motions at the end of the axis."""
         if (end, wide) == self._linked:
             return
         self._linked = end, wide
-        links = motion_links(address, end, CARD_WIDTH if wide else TAB_WIDTH)
+        links = motion_links(end, CARD_WIDTH if wide else TAB_WIDTH)
         put_html(self._over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
         put_html(self._over_tab, "" if wide else f'<div class="vi-over">{links}</div>')

@@ -13,7 +13,7 @@ from ..control.names import NO_POINT
 from ..control.points.layouts import chosen_layout, layout_choices
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import put, told
+from .widgets import put
 
 SWITCHES = (
     ("Rays", "rays"),
@@ -30,9 +30,6 @@ class DisplayPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, queue = layout.gui, layout.queue
         gui = self._gui
-        if layout.address is not None:
-            gui.add_html(told(f"{layout.address}/dark", "(prefers-color-scheme:dark)"))
-            gui.add_html(told(f"{layout.address}/still", "(prefers-reduced-motion:reduce)"))
         with gui.add_folder("Display", expand_by_default=False):
             self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
             self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")

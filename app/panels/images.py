@@ -13,7 +13,6 @@ class ImagesPanel(Panel):
     inside = "Images"
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._address = layout.address
         with layout.upper_tab(self.inside):
             self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
             self._proposed = layout.gui.add_html("")
@@ -40,16 +39,15 @@ class ImagesPanel(Panel):
         put_html(self._proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
         standing = None if state.see_through is None else state.look_at(state.present)[0]
         drawn = draw_shown(state, state.stage, standing)
-        if self._address is not None:
-            views = state.looked.views
-            self._show_links(len(views.demo), view)
-            drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
+        views = state.looked.views
+        self._show_links(len(views.demo), view)
+        drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
         put_html(self._images, drawn)
 
     def _show_links(self, points: int | None, view: View) -> None:
         """Made anew only when they change. points: how many there are; None: none that can be chosen."""
         of = points, view.whole_frames
-        if self._address is None or of == self._linked:
+        if of == self._linked:
             return
         self._linked = of
-        put_html(self._links, "" if points is None else point_links(self._address, points, view.whole_frames))
+        put_html(self._links, "" if points is None else point_links(points, view.whole_frames))

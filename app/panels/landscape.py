@@ -33,7 +33,7 @@ class LandscapePanel(Panel):
     inside = "Landscape"
 
     def build(self, layout: Layout, state: PageState) -> None:
-        gui, self._address = layout.gui, layout.address
+        gui = layout.gui
         with layout.tab(self.inside):
             self._landscape, self._path = gui.add_html(""), gui.add_html("")
             self._see_through, self._links = gui.add_html(""), gui.add_html("")
@@ -70,9 +70,9 @@ class LandscapePanel(Panel):
             put_html(self._path, picture.draw_path(session.history, session.cursor, state.on_its_way))
         scene, moment = state.session.scene, state.see_through
         put_html(self._see_through, "" if moment is None else draw_see_through(scene, moment))
-        if self._address is not None and scene is not self._linked:
+        if scene is not self._linked:
             self._linked = scene
-            put_html(self._links, posture_links(self._address, scene))
+            put_html(self._links, posture_links(scene))
         put(self._look_only, state.view.look_only)
         alone = state.transfers is None
         put_html(self._transfers, state.transfers or "")

@@ -16,11 +16,9 @@ LEFT_WIDTHS = (280, 300, 300)
 
 
 class Reach(NamedTuple):
-    """How a browser reaches its page. address: what links begin with, None for none; origin: scheme://host:port by
-    which it knows the server, None if it does not say; shared: by which others do, None where they cannot reach it;
-    lessons: of the lab, by name."""
+    """How a browser reaches its page. origin: scheme://host:port by which it knows the server, None if it does not say;
+    shared: by which others do, None where they cannot reach it; lessons: of the lab, by name."""
 
-    address: str | None = None
     origin: str | None = None
     shared: str | None = None
     lessons: Mapping[str, Lesson] = {}
@@ -34,7 +32,7 @@ class Layout:
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
         self.client, self.gui, self.queue = client, client.gui, queue
-        self.address, self.origin, self.shared = reach.address, reach.origin, reach.shared
+        self.origin, self.shared = reach.origin, reach.shared
         self.lessons = reach.lessons
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()

@@ -10,12 +10,13 @@ from viewimit.drawing.status import StatusMessage, describe, describe_truth, dra
 
 from ..control.state import PageState
 from ..drawing.joint_bars import describe_body_points
-from ..drawing.links import link, sink
+from ..drawing.links import link
 from ..drawing.overlays import describe_see_through
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html
 
 LOOKS_BACK = 5  # motions
+FOLLOWS = "Computing what the link holds: Esc lets it go."
 CHOICES = {  # by what is said: where a link leads, and its words
     "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
     "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
@@ -25,9 +26,7 @@ CHOICES = {  # by what is said: where a link leads, and its words
 
 class StatusPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._status, self._address = layout.gui.add_html(""), layout.address
-        if self._address is not None:
-            layout.gui.add_html(sink())
+        self._status = layout.gui.add_html("")
         self._truth = ""
 
     @property
@@ -38,7 +37,7 @@ class StatusPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         on_its_way = None if state.on_its_way is None else state.on_its_way.tobytes()
         moments = state.present, on_its_way, state.see_through, state.imitated, state.points
-        return state.message, state.unsaved, *moments, state.playing, _busy(state)
+        return state.message, state.unsaved, state.follows_link, *moments, state.playing, _busy(state)
 
     def period(self, state: PageState) -> float:
         """Nobody reads faster what changes with every motion, and on the way."""
@@ -47,18 +46,17 @@ class StatusPanel(Panel):
     def show(self, state: PageState) -> None:
         said, self._truth = _said(state), _truth(state)
         kind = "proposed" if said.state == "editing" and state.points.proposal is not None else said.state
-        choices = self._choices(CHOICES.get(kind, ()))
+        choices = _choices(CHOICES.get(kind, ()))
         put_html(self._status, draw_status(said, self._truth, choices))
-
-    def _choices(self, choices: tuple[tuple[str, str], ...]) -> str:
-        """What may be done about a see-through arm, or while points are edited."""
-        if self._address is None or not choices:
-            return ""
-        return "".join(link(self._address, what, words, words) for what, words in choices) + "<kbd>Esc</kbd>"
 
     def show_message(self, text: str) -> None:
         """Whatever the state."""
         put_html(self._status, draw_status(StatusMessage("message", text), self._truth))
+
+
+def _choices(choices: tuple[tuple[str, str], ...]) -> str:
+    """What may be done about a see-through arm, or while points are edited."""
+    return "".join(link(what, words, words) for what, words in choices) + "<kbd>Esc</kbd>" if choices else ""
 
 
 def _said(state: PageState) -> StatusMessage:
@@ -67,6 +65,8 @@ def _said(state: PageState) -> StatusMessage:
         return StatusMessage("message", state.message)
     if busy is not None:
         return StatusMessage(*busy)
+    if state.follows_link:
+        return StatusMessage("message", FOLLOWS)
     points = state.points
     if points.information is not None and not state.playing:
         joints = session.scene.moving_joints

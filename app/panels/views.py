@@ -3,7 +3,6 @@ is too small for all at once. layout.css shows the one that is chosen, without t
 
 from ..control.state import PageState
 from .panel import Layout, Panel
-from .widgets import told
 
 ICONS = {  # 24 x 24, strokes
     "images": '<path d="M4 4h6v16H4zM14 4h6v16h-6z"/>',
@@ -14,18 +13,11 @@ ICONS = {  # 24 x 24, strokes
 VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "scene": "3-D"}
 
 
-WIDE = "(min-width:1600px) and (min-height:900px)"  # of the window, for which the page has more
-VAST = "(min-width:2400px) and (min-height:1200px)"  # much more
-
-
 class ViewsPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._layout, self._room = layout, 0
         tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
         layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
-        if layout.address is not None:
-            layout.gui.add_html(told(f"{layout.address}/layout", WIDE))
-            layout.gui.add_html(told(f"{layout.address}/vast", VAST))
 
     def depends_on(self, state: PageState) -> tuple:
         return state.view.wide, state.view.vast

@@ -10,7 +10,7 @@ from viewimit.drawing.svg import joint_symbol
 
 from ..control.commands.command import Command
 from ..control.state import PageState
-from ..viser_private import push_number, push_property
+from ..viser_private import push_input, push_property
 from .panel import Layout
 
 
@@ -21,7 +21,7 @@ def put(handle, value) -> None:
         if shown != value:
             handle.value = value
     elif abs(shown - value) > 1e-9:
-        push_number(handle, type(shown)(value))
+        push_input(handle, type(shown)(value))
 
 
 def put_most(slider, value: float) -> None:
@@ -83,14 +83,3 @@ class JointSliders:
 
 def _is_number(value) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def told_address(address: str) -> str:
-    """Where the page's script tells what its own address asks for, put in front of that; nothing to be seen."""
-    return f'<i hidden="" data-link="{address}"></i>'
-
-
-def told(address: str, media: str) -> str:
-    """A picture of nothing: the browser asks for address/1 where this media query holds, for address/0 where it does
-    not, and again whenever that changes."""
-    return f'<picture hidden=""><source media="{media}" srcset="{address}/1"/><img src="{address}/0" alt=""/></picture>'

@@ -29,7 +29,6 @@ from .page_head import with_own_head
 from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .responses import plain_response
 from .seat_counts import SeatCounts
-from .touches import ROOT, NotTouched, Touches
 
 FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
@@ -47,7 +46,7 @@ NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equ
 class AccessControl:
     """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
     scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
-    its own; lab: pages of the lab, itself "", lessons by name. touches: where its pages' links lead.
+    its own; lab: pages of the lab, itself "", lessons by name.
     """
 
     def __init__(
@@ -62,7 +61,6 @@ class AccessControl:
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
-        self.touches = Touches(worker)
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
@@ -151,8 +149,6 @@ class AccessControl:
             if page is None:
                 return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
             return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
-        if path.startswith(ROOT):
-            return self._touch(connection, request)
         try:
             answer = viser_answers(connection, request)
         except (OSError, ValueError):  # a path that no file can have
@@ -176,16 +172,6 @@ class AccessControl:
                 answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
         return answer
-
-    def _touch(self, connection: GuardedConnection, request: Request) -> Response:
-        if connection.wants_no_body:
-            return plain_response(http.HTTPStatus.METHOD_NOT_ALLOWED, "a touch is a GET", Allow="GET")
-        try:
-            self.touches.follow(request.path, request.headers)
-        except NotTouched as refusal:
-            self.note(connection, str(refusal))
-            return plain_response(refusal.status, refusal.status.phrase)
-        return plain_response(http.HTTPStatus.NO_CONTENT, "")
 
     def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")

@@ -37,7 +37,6 @@ def content_policy(host: str) -> str:
             "style-src 'unsafe-inline'",
             "img-src 'self' data: blob:",
             "font-src data:",
-            "frame-src 'self'",  # the hidden frame that links of the drawings aim at
             f"connect-src 'self' data: blob:{itself}",
             "base-uri 'none'",
             "form-action 'none'",

@@ -29,7 +29,6 @@ from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
 from .request_head import MOST_HEAD, is_whole
 from .responses import plain_response
 from .seat_counts import SeatCounts
-from .touches import worker_of
 
 HEAD_WITHIN = 10.0  # s
 LOOK_AGAIN, LOOK_AT_LEAST = 0.02, 0.5  # s: at once, and where no more comes
@@ -132,9 +131,8 @@ class Dispatcher:
                 self._hand(connection, self.worker_for(head))
 
     def worker_for(self, head: bytes) -> int:
-        """A touch goes where its page is, be that full or not; all else where its browser goes."""
-        worker = worker_of(head)
-        return self._placing.place(_token(head)) if worker is None or worker >= len(self._to) else worker
+        """Where its browser goes."""
+        return self._placing.place(_token(head))
 
     def _hand(self, connection: socket.socket, worker: int) -> None:
         try:

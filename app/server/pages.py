@@ -31,7 +31,7 @@ from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
-from ..sessions.resume import Place, SessionKeys, token_of_client
+from ..sessions.resume import Place, SessionKeys
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
@@ -40,7 +40,6 @@ from .limits.fault_lines import in_a_line
 from .options import ServerOptions
 from .origins import own_names
 from .seat_counts import SeatCounts
-from .touches import Touches
 
 BUILT_AT_ONCE = 2  # pages: all others would wait for many more
 AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
@@ -70,7 +69,7 @@ def serving(
         viser_private.serving_with(access.serve),
     ):  # viser prints a banner of its own
         server = viser.ViserServer(host=options.host, port=port, label="viewimit", verbose=False)
-    app = App(server, options, scheduler, autosave, access.touches, lab.lessons)
+    app = App(server, options, scheduler, autosave, lab.lessons)
     access.guard(server)
     gc.collect()
     gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
@@ -85,7 +84,7 @@ def serving(
 class App:
     """Pages by client id. viser's threads connect and disconnect, its event loop draws.
 
-    touches: where the pages' links lead; lessons: of the lab, by name.
+    lessons: of the lab, by name.
     """
 
     def __init__(
@@ -94,11 +93,10 @@ class App:
         options: ServerOptions,
         scheduler: Scheduler,
         autosave: Autosave,
-        touches: Touches,
         lessons: Mapping[str, Lesson],
     ):
         self._server, self._settings, self._scheduler, self._autosave = server, options.settings, scheduler, autosave
-        self._touches, self._host, self._lessons = touches, options.host, lessons
+        self._host, self._lessons = options.host, lessons
         self._pages: dict[int, tuple[Page, str | None]] = {}  # and the keys under which they are kept
         self._keys = SessionKeys(server, autosave, options.settings, self._retire)
         viser_private.wake_in_loop(server)
@@ -128,21 +126,18 @@ class App:
             self._autosave.stop()
         self.services.experiments.stop()
         self.services.basins.stop()
+        self.services.scripts.stop()
 
     def _connect(self, client: viser.ClientHandle) -> None:
         if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
             return
         viser_private.wake_in_loop(client)
         viser_private.ignore_late_pushes(client)
-        token = token_of_client(self._server, client.client_id)
-        address = None if token is None else self._touches.new_address()
         place = Place()
         try:
             place = self._keys.take(client)
-            with self._building, client.atomic():  # no link is in the browser before it leads somewhere
-                page = self._page(client, place, address)
-                if token is not None and address is not None:
-                    self._touches.open(address, page.touch, token)
+            with self._building, client.atomic():
+                page = self._page(client, place)
         except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
             if place.key:
                 self._keys.leave(place.key)
@@ -165,12 +160,12 @@ class App:
         why = html.escape(str(error) or type(error).__name__)
         client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
 
-    def _page(self, client: viser.ClientHandle, place: Place, address: str | None) -> Page:
+    def _page(self, client: viser.ClientHandle, place: Place) -> Page:
         """What was kept goes on, or the page says why it does not."""
         key = place.key
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(address, origin, origin_for_others(self._host, origin), self._lessons)
+        reach = Reach(origin, origin_for_others(self._host, origin), self._lessons)
         try:
             page = Page(client, self.services, self._settings, keep, place.memory, reach)
         except CannotResume as error:
@@ -200,12 +195,12 @@ class App:
                 page, key = self._pages.pop(client_id, (None, None))
             if page is None:
                 return
-            self._touches.close(page.address)
             self._scheduler.remove(page)
             self.services.landscapes.forget(client_id)
             self.services.files.forget(client_id)
             self.services.experiments.forget(client_id)
             self.services.basins.forget(client_id)
+            self.services.scripts.cancel(client_id)
             whole = page.close(within)
             if key is not None:
                 if whole:  # else what was handed over some seconds ago stays

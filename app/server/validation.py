@@ -18,6 +18,7 @@ from viser import (
 )
 
 from .. import viser_private
+from ..control import actions
 from . import message_schema
 from .message_schema import Hostile, Refused
 
@@ -174,7 +175,12 @@ def _check_switch(widget, value) -> None:
 
 
 def _check_text(widget, value) -> None:
-    if not isinstance(value, str) or len(value) > MOST_TEXT:
+    if getattr(widget, "label", None) == actions.LABEL and isinstance(value, str):
+        try:
+            actions.read_message(value)
+        except ValueError as error:
+            raise Refused(f"actions that make no sense: {str(error)[:80]}") from None
+    elif not isinstance(value, str) or len(value) > MOST_TEXT:
         raise Refused(f"{_shown(value)}, which is no text of at most {MOST_TEXT} characters")
 
 

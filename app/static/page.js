@@ -1,5 +1,74 @@
-// What viser's page lacks for keys, screen readers and the stylesheet. All else of the page is done without a script.
+// What viser's page lacks for keys, screen readers and the stylesheet; and clicks in drawings, sent by the page's own
+// connection.
 "use strict";
+// viser's worker has the connection. An action is sent at once, and again until a text widget that nobody sees shows its
+// number: so each is taken once, in its order, also if the connection was lost
+const LABEL = "vi-actions", AGAIN_MS = 2000, LOAD = Math.random().toString(36).slice(2);
+let wire = null, box = "", acted = 0, unsaid = [], again = 0, isDue = false;
+const say = () => {
+  clearTimeout(again);
+  if (!unsaid.length || !wire || !box) return;
+  const value = JSON.stringify({load: LOAD, acts: unsaid.slice(0, 60)});
+  wire.postMessage({type: "send", message: {type: "GuiUpdateMessage", uuid: box, updates: {value}}});
+  again = setTimeout(say, AGAIN_MS);
+};
+const act = (control, value) => {
+  unsaid.push([++acted, control, String(value)]);
+  if (!isDue) queueMicrotask(() => { isDue = false; say(); });
+  isDue = true;
+};
+const taken = last => {
+  const before = unsaid.length;
+  unsaid = unsaid.filter(([number]) => number > Number(last));
+  if (unsaid.length && unsaid.length < before) say();
+};
+const heard = message => {
+  if (message.type === "GuiTextMessage" && message.props.label === LABEL) {
+    box = message.uuid;
+    tellBrowser();  // and what was left before the connection was lost
+  } else if (message.type === "GuiUpdateMessage" && message.uuid === box && "value" in message.updates) {
+    taken(message.updates.value);
+  }
+};
+window.Worker = class extends Worker {
+  postMessage(data, ...rest) {
+    if (data && data.type === "set_server" && !wire) {
+      wire = this;
+      const page = new URL(location.href);
+      if (page.searchParams.has("websocket")) {  // viser writes it under a sub-path; it is no part of what one shares
+        page.searchParams.delete("websocket");
+        history.replaceState(history.state, "", page);
+      }
+      data = {...data, server: location.href.replace(/^http/, "ws").replace(/[^/]*([?#].*)?$/, "")};  // of the sub-path
+      this.addEventListener("message", ({data: {type, messages}}) => {
+        if (type === "connected") box = "";
+        if (type === "message_batch") messages.forEach(heard);
+      });
+    }
+    return super.postMessage(data, ...rest);
+  }
+};
+document.addEventListener("click", event => {
+  const link = event.target.closest("a[data-do]");
+  if (!link) return;
+  event.preventDefault();
+  const [control, ...value] = link.dataset.do.split("/");
+  act(control, value.join("/"));
+});
+// What the browser knows, and the page's server is told of: at first, to a server that was begun anew, and as it changes
+const MEDIA = Object.entries({
+  dark: "(prefers-color-scheme:dark)",
+  still: "(prefers-reduced-motion:reduce)",
+  layout: "(min-width:1600px) and (min-height:900px)",  // the page has room for more
+  vast: "(min-width:2400px) and (min-height:1200px)",  // for much more
+}).map(([control, query]) => [control, matchMedia(query)]);
+for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
+const tellBrowser = () => {
+  for (const [control, media] of MEDIA) act(control, Number(media.matches));
+  unseenTold = "none";
+  tellUnseen();
+  if (presenting()) tellPresenting();
+};
 const labelOf = element => {
   while (element && !element.querySelector("label")) element = element.parentElement;
   return element ? element.querySelector("label").textContent : "";
@@ -78,8 +147,6 @@ const later = () => {
     describe();
     leaveCurves();
     tellUnseen();
-    const told = presenting() && document.querySelector("[data-link]");
-    if (told && told.dataset.link !== toldTo) tellPresenting();  // to a server that was begun anew
   }, 100);
 };
 new MutationObserver(() => {
@@ -144,30 +211,17 @@ document.addEventListener("focusout", event => {
   box.dispatchEvent(new Event("input", {bubbles: true}));
 });
 
-const tell = address => fetch(address, {credentials: "same-origin"});
-// A link that is followed gives up the one before it if that is not on its way yet: of two quick clicks one would be lost
-document.addEventListener("click", event => {
-  const link = event.target.closest("a[target=vi-sink]");
-  if (!link) return;
-  event.preventDefault();
-  tell(link.getAttribute("href"));
-});
 // What nobody sees need not be drawn: tabs that are not open, and all of a window that another hides
 const unseen = () => {
   const closed = Array.from(document.querySelectorAll("[role=tab][aria-selected=false]"), tab => tab.textContent);
   return document.hidden ? "window" : closed.filter(name => /^\w+$/.test(name)).join() || "none";
 };
-let unseenTold = "", tellsUnseen = false;
-const tellUnseen = async () => {
-  const link = document.querySelector("[data-link]");
-  if (!link || tellsUnseen) return;
-  const address = link.dataset.link.replace(/link\/$/, `unseen/${unseen()}`);
-  if (address === unseenTold) return;
-  tellsUnseen = true;
-  const {ok} = await tell(address).catch(() => ({ok: false}));
-  tellsUnseen = false;
-  if (ok) unseenTold = address;
-  setTimeout(tellUnseen, ok ? 0 : 1000);  // it may be another by now
+let unseenTold = "none";
+const tellUnseen = () => {
+  const now = unseen();
+  if (!box || now === unseenTold) return;
+  unseenTold = now;
+  act("unseen", now);
 };
 document.addEventListener("visibilitychange", tellUnseen);
 for (const event of ["click", "keydown"]) document.addEventListener(event, () => later());
@@ -197,14 +251,7 @@ window.addEventListener("keydown", event => {
 const pointer = document.createElement("div");
 pointer.className = "vi-pointer";
 const presenting = () => root.classList.contains("vi-presents");
-let toldTo = "";
-const tellPresenting = () => {
-  const told = document.querySelector("[data-link]"), on = presenting();
-  if (!told) return;
-  toldTo = told.dataset.link;
-  const truth = !on || root.classList.contains("vi-reveals");
-  tell(toldTo.replace(/link\/$/, `truth/${Number(truth)}`));
-};
+const tellPresenting = () => act("truth", Number(!presenting() || root.classList.contains("vi-reveals")));
 const present = (on, reveals) => {
   root.classList.toggle("vi-presents", on);
   root.classList.toggle("vi-reveals", reveals);
@@ -238,19 +285,11 @@ new MutationObserver(() => {
 }).observe(document, {childList: true, subtree: true});
 // A link to a state: what the page's address asks for is told once, and is then gone from it, so that a reload goes on
 const searched = new URLSearchParams(location.search), asked = searched.get("s");
-const followLink = () => {
-  const place = document.querySelector("[data-link]");
-  if (!place) return false;
-  fetch(place.dataset.link + encodeURIComponent(asked), {credentials: "same-origin"});
+if (asked) {
+  act("link", asked);
   history.replaceState(null, "", location.pathname + (searched.has("present") ? "?present" : ""));
-  return true;
-};
-const once = follow => {
-  const waiting = new MutationObserver(() => follow() && waiting.disconnect());
-  waiting.observe(document, {childList: true, subtree: true});
-};
-if (asked) once(followLink);
-if (searched.has("present")) once(() => document.querySelector("[data-link]") && (present(true, false), true));
+}
+if (searched.has("present")) document.addEventListener("DOMContentLoaded", () => present(true, false));
 
 document.addEventListener("click", event => {
   const button = event.target.closest(".vi-copy");

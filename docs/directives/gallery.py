@@ -18,7 +18,7 @@ FOLDER = "gallery"  # beside the pages; in docs/, of the pictures that `python d
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """name: of the file; robot: a URDF beside the table, in place of a scene; motions: at most so many."""
+    """name: of the file; robot: a URDF beside the table, instead of a scene; motions: the largest number of steps."""
 
     name: str
     title: str

@@ -204,7 +204,7 @@ def test_students_follow_the_lecturer_and_have_their_own_back(browser, server, l
     student.page.wait_for_function("wanted => JSON.stringify(lesson.state().sliders) === wanted", arg=wanted)
     late = Tab(browser, server, step="home")
     late.sees("Now you can say")
-    lecturer.press("Let go")
+    lecturer.press("Release")
     student.at("line")
     assert student.page.locator(".option.chosen").count() == 1 and not student.problems
     for tab in (student, late):
@@ -252,6 +252,33 @@ def test_the_eight_questions_are_asked_in_class(browser, server, lecturer):
     student.close()
 
 
+def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, server, lecturer):
+    students = [Tab(browser, server) for _ in range(2)]
+    lecturer.page.evaluate("lesson.goTo('tour', 'servo')")
+    lecturer.press("Gather here")
+    goal = "JSON.stringify(Array.from(lesson.stage().moment.thetaDemo))"
+    for student in students:
+        student.at("servo")
+        assert student.page.evaluate(goal) == lecturer.page.evaluate(goal), "the same start for all"
+        slider = student.page.locator("input[type=range]").first
+        slider.focus()
+        for _ in range(3):
+            slider.press("ArrowRight")
+        student.wait("lesson.stage().motions.length > 1")
+    lecturer.page.click(f"{BAR} .class-count")
+    lecturer.page.click(".class-tabs >> text=Paths")
+    lecturer.sees("2 of 2 at this step have the same target as this page.")
+    lecturer.page.wait_for_selector(".class-way >> nth=1", state="attached")
+    lecturer.page.click(".class-tabs >> text=Students")
+    lecturer.sees("2")
+    assert "2 here" in lecturer.page.get_attribute(".class-steps li:not(.empty)", "title")
+    lecturer.page.keyboard.press("Escape")
+    lecturer.press("Ask the class")
+    for student in students:
+        student.sees("what do you say?")
+        student.close()
+
+
 def test_a_copy_of_a_students_screen_opens_and_the_lecturer_leaves_with_one_click(browser, server, lecturer):
     student = Tab(browser, server, step="line", name="Mira")
     student.page.click(".option >> nth=2")
@@ -259,6 +286,14 @@ def test_a_copy_of_a_students_screen_opens_and_the_lecturer_leaves_with_one_clic
     lecturer.page.click(".class-tile:has-text('Mira')")
     lecturer.at("line")
     lecturer.page.wait_for_selector(".option.chosen >> nth=0")
+    lecturer.page.click("text=Back to mine")
+    lecturer.at("eyes")
+    student.page.evaluate("lesson.state = () => ({lesson: 'tour', step: 'crossing', answer: {text: '<img src=x>'}})")
+    lecturer.page.click(".class-count")
+    lecturer.page.click(".class-tile:has-text('Mira')")
+    lecturer.sees("a copy of a student")
+    lecturer.page.click("text=Back to mine")
+    assert lecturer.page.evaluate("lesson.state().step") == "eyes", "markup is not shown"
     lecturer.page.keyboard.press("p")
     lecturer.wait("document.documentElement.classList.contains('presenting')")
     other = logged_in(browser, server)

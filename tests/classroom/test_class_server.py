@@ -3,9 +3,9 @@
 import csv
 import io
 import os
-import pty
 import re
 import socket
+import sqlite3
 import subprocess
 import sys
 import time
@@ -140,12 +140,12 @@ def test_all_are_gathered_frozen_and_reset_and_the_truth_is_hidden(server, lectu
 
 def test_the_lecturer_opens_a_copy_of_a_students_screen(lecturer, students):
     number = students[0].wait("welcome")["number"]
-    lecturer.send("want", person=number)
-    wanted = students[0].wait("want")["number"]
+    lecturer.send("request", person=number)
+    wanted = students[0].wait("request")["number"]
     students[1].send("copy", number=wanted, state={"not": "mine"})
     students[0].send("copy", number=wanted, state=STATE)
     assert lecturer.wait("copy")["state"] == STATE
-    lecturer.send("want", person=1)
+    lecturer.send("request", person=1)
     assert "gone" in lecturer.wait("done")["what"]
 
 
@@ -302,6 +302,21 @@ def test_one_address_casts_no_more_votes_than_the_lecturer_allows():
         assert students[2].vote(round, 0)["kind"] == "ack"
 
 
+def test_an_answer_that_cannot_be_saved_is_not_acknowledged_until_it_is():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        round = lecturer.ask()
+        other = sqlite3.connect(server.data, isolation_level=None)
+        other.execute("begin exclusive")
+        seq = student.answer("tour", "eyes", {"choice": 0}, round)
+        lecturer.wait("count", lambda m: "locked" in (m["problem"] or ""))
+        assert not [m for m in student.heard if m.get("seq") == seq]
+        other.execute("rollback")
+        assert student.reply(seq)["kind"] == "ack"
+        lecturer.wait("count", lambda m: m["problem"] is None)
+        assert server.log.count("answers are not saved") == 1
+
+
 def test_proxies_are_believed_only_if_they_are_trusted():
     forwarded = lambda k: {"X-Forwarded-For": f"198.51.100.{k}"}
     for options, kinds in (((), ["ack", "refused"]), (("--trust-proxy", "127.0.0.1"), ["ack", "ack"])):
@@ -425,7 +440,7 @@ def test_the_code_is_printed_on_a_terminal_alone(tmp_path):
     clean = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_LECTURER"}
     done = subprocess.run(command, capture_output=True, text=True, env=clean)
     assert done.returncode == 2 and "VIEWIMIT_LECTURER" in done.stderr
-    ours, theirs = pty.openpty()
+    ours, theirs = pytest.importorskip("pty").openpty()
     process = subprocess.Popen(command, stdout=theirs, stderr=subprocess.PIPE, env=clean)
     said = ""
     while "answers are kept" not in said:

@@ -14,15 +14,13 @@ from viewimit.app.sessions.link import read
 
 from viewimit.loop.settings import Settings
 
-ADDRESS = "/touch/0.x"
-
 
 def listed(page, lessons=None) -> str:
-    return offers(page.page.model.state(page.now), ADDRESS, shipped() if lessons is None else lessons)
+    return offers(page.page.model.state(page.now), shipped() if lessons is None else lessons)
 
 
 def test_every_lesson_is_linked_and_the_tour_offered_until_it_is_let_go():
-    page = QuietPage(Settings.paper(), address=ADDRESS)
+    page = QuietPage(Settings.paper())
     html = listed(page)
     links = re.findall(r'href="lab/([a-z]+)#page=', html.partition(OFFER)[0])
     assert LESSONS in html and links == list(shipped())
@@ -33,7 +31,7 @@ def test_every_lesson_is_linked_and_the_tour_offered_until_it_is_let_go():
 
 
 def test_the_way_back_holds_what_the_page_shows():
-    page = QuietPage(Settings.paper(transfer="linear"), address=ADDRESS)
+    page = QuietPage(Settings.paper(transfer="linear"))
     page.page.put(Step())
     page.tick(0.3)
     (back,) = {unquote(text) for text in re.findall(r"#page=([^\"]+)", listed(page))}
@@ -44,5 +42,5 @@ def test_the_way_back_holds_what_the_page_shows():
 
 def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():
     own = msgspec.structs.replace(shipped()["ray"], title="Mine")
-    html = listed(QuietPage(Settings.paper(), address=ADDRESS), {"mine-01234567": own, **shipped()})
+    html = listed(QuietPage(Settings.paper()), {"mine-01234567": own, **shipped()})
     assert re.search(rf'{OFFER}" role="dialog" aria-label="Mine".*href="lab/mine-01234567#page=', html)

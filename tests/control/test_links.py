@@ -1,7 +1,6 @@
 """A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
 
 import base64
-import threading
 from pathlib import Path
 
 import msgspec
@@ -10,10 +9,12 @@ import pytest
 import zstandard
 from drawn import QR_CODE
 from quiet_page import QuietPage
+from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.links import FollowLink
 from viewimit.app.control.commands.session import Step, Undo
 from viewimit.app.control.memory import memory_of
 from viewimit.app.control.presets import AS_STARTED, PRESETS
+from viewimit.app.jobs.scripts import ScriptPlayer
 from viewimit.app.panels.guide.share import share_html
 from viewimit.app.sessions.autosave import SavedPage, SavedSession
 from viewimit.app.sessions.link import read, written
@@ -29,38 +30,89 @@ BY_POINTS = [preset for preset in PRESETS if preset.settings.sensor == "projecte
 
 
 def settled(page: QuietPage) -> None:
-    """Until no turn goes on beside the scheduler."""
+    """Until no link is followed, and no turn goes on beside the scheduler."""
+    page.tick(0.1)
+    page.tick_until(lambda: not page.page.model.following.goes_on)
     for _ in range(3):
         page.tick(0.1)
         page.settle()
     page.tick(0.1)
 
 
-def test_while_a_link_is_followed_nobody_else_waits_and_no_more_than_two_are_at_a_time(monkeypatch):
-    """Each follows in a thread of its own, and its page's tick returns at once."""
-    going_on, most, may_end, play = set(), [], threading.Event(), Session.play
+def linked_text(**fields) -> str:
+    return written(QuietPage(Settings.paper(**fields)).page.model.linked())
 
-    def slow(session, script):
-        going_on.add(threading.get_ident())
-        most.append(len(going_on))
-        assert may_end.wait(10)
-        going_on.discard(threading.get_ident())
-        play(session, script)
 
-    monkeypatch.setattr(Session, "play", slow)
-    text = written(QuietPage(Settings.paper(transfer="linear")).page.model.linked())
-    pages = [QuietPage(Settings.paper(), address="/touch/0.x") for _ in range(4)]
-    for page in pages:
-        page.page.put(FollowLink(text))
-        page.tick(0.1)  # returns, though the link cannot be followed yet
-        assert page.page.busy
-    wait_until(lambda: len(going_on) == 2)
-    may_end.set()
-    for page in pages:
-        settled(page)
-        model = page.page.model
-        assert model.session.settings.transfer == "linear"
-    assert max(most) == 2
+class Turns:
+    """A session whose script is never whole: counts the passes that it is let make."""
+
+    def __init__(self, whole_after=None):
+        self.passed, self.whole_after = 0, whole_after
+
+    def __call__(self):
+        return self
+
+    def passes(self, script):
+        while self.passed != self.whole_after:
+            self.passed += 1
+            yield
+
+
+def test_scripts_that_never_end_hold_up_neither_their_pages_nor_a_short_one():
+    """Two of them, and a third of ten passes: it is whole while they go on, in turns, each a slice of time."""
+    spent = [0.0]  # s of processor time; each pass takes what the turn has
+
+    def clock():
+        spent[0] += 0.03
+        return spent[0]
+
+    player, endless, short, done = ScriptPlayer(clock), [Turns(), Turns()], Turns(10), []
+    for page_id, turns in enumerate(endless):
+        player.play(page_id, None, turns, done.append)
+    wait_until(lambda: all(turns.passed for turns in endless))
+    player.play(7, None, short, lambda made: done.extend([made, *(turns.passed for turns in endless)]))
+    before = [turns.passed for turns in endless]
+    wait_until(lambda: done)
+    assert done[0] is short and not player.plays(7) and player.plays(0) and player.plays(1)
+    assert max(now - then for then, now in zip(before, done[1:])) <= short.passed + 3
+    assert player.cancel(0) and not player.cancel(0)
+    player.stop()
+
+
+def test_a_script_has_only_so_much_time():
+    ticks = iter(range(1000))
+    player, done = ScriptPlayer(lambda: float(next(ticks))), []
+    player.play(0, None, Turns(), done.append)
+    wait_until(lambda: done)
+    assert "more than 30 s" in str(done[0]) and isinstance(done[0], ValueError)
+    player.stop()
+
+
+@pytest.mark.parametrize("lets_go", [LetGo, Undo], ids=["Escape", "Undo"])
+def test_a_link_that_is_followed_can_be_let_go(lets_go):
+    scripts = Held()
+    page = QuietPage(Settings.paper(), scripts=scripts)
+    model = page.page.model
+    before = model.session.snapshot
+    page.page.put(FollowLink(linked_text(transfer="linear")))
+    page.tick(0.3)
+    assert model.following.goes_on and "Esc lets it go" in page.shown
+    page.page.put(lets_go())
+    page.tick(0.3)
+    assert not model.following.goes_on and "Esc lets it go" not in page.shown
+    scripts.done(Session(Settings.paper(transfer="linear")))  # it was whole just then
+    page.tick(0.3)
+    assert model.session.snapshot is before
+
+
+class Held:
+    """A player of scripts that are whole when the test says so."""
+
+    def play(self, page_id, script, session, done):
+        self.done = done
+
+    def cancel(self, page_id):
+        pass
 
 
 @pytest.mark.parametrize("preset", BY_POINTS[:4], ids=lambda preset: preset.name)
@@ -103,7 +155,7 @@ def test_a_bad_link_says_why_and_changes_nothing():
 
 
 def test_the_card_shows_link_and_code_of_the_moment_shown():
-    page = QuietPage(Settings.paper(), address="/touch/0.x")
+    page = QuietPage(Settings.paper())
     page.page.put(Step())
     page.tick(0.3)
     model = page.page.model
@@ -121,7 +173,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     """The card says nothing of a file, its QR code is there, and pictures are captioned by the scene's title."""
     path = tmp_path / "mine.toml"
     path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
-    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper(), address="/touch/0.x")
+    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper())
     for _ in range(3):
         sender.page.put(Step())
         sender.tick(0.3)

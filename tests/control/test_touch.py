@@ -150,13 +150,13 @@ def test_a_moment_of_the_curves_is_gone_to(visit):
 
 
 def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
-    page = QuietPage(Settings.paper(start_deg=(25, -45)), address="/touch/0.x")
+    page = QuietPage(Settings.paper(start_deg=(25, -45)))
     page.choose("Look only", True)
-    assert page.page.touch("posture", "20,-60") and not page.page.touch("nothing", "1")
+    page.act("posture", "20,-60")
     page.tick(0.5)
-    assert "nothing has moved" in page.shown and 'href="/touch/0.x/start/0"' in page.shown
+    assert "nothing has moved" in page.shown and 'data-do="start/0"' in page.shown
     assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
-    page.page.touch("start", "0")
+    page.act("start", "0")
     page.tick(1.0)
     assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20
 

@@ -33,11 +33,11 @@ def test_an_entry_has_a_card_and_stands_in_the_help(key):
 
 @pytest.mark.parametrize("key", ENTRIES)
 def test_what_an_entry_shows_can_be_shown_and_undone(key):
-    page = QuietPage(Settings(), address="/touch/0.x")
+    page = QuietPage(Settings())
     page.tick(1.0)
-    link = f'href="/touch/0.x/show/{key}"'
-    assert link in page.shown and link in help_html("", "/touch/0.x")
-    assert page.page.touch("show", key)
+    link = f'data-do="show/{key}"'
+    assert link in page.shown and link in help_html("")
+    page.act("show", key)
     page.tick(1.0)
     model = page.page.model
     assert not model.modified and model.session.settings == complete(ENTRIES[key].show)
@@ -49,8 +49,8 @@ def test_what_an_entry_shows_can_be_shown_and_undone(key):
 
 @pytest.mark.parametrize("key", [key for key, entry in ENTRIES.items() if entry.scale is not None])
 def test_a_number_that_is_shown_is_a_bad_one(key):
-    entry, page = ENTRIES[key], QuietPage(Settings(), address="/touch/0.x")
-    page.page.touch("show", key)
+    entry, page = ENTRIES[key], QuietPage(Settings())
+    page.act("show", key)
     page.tick(1.0)
     page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status.is_at_rest)
     scale, value = entry.scale, numbers_now(page.page.model.state(page.now))[key]
@@ -127,26 +127,26 @@ def give_back_offered(page):
 
 def test_what_was_there_before_is_given_back_to_the_bit():
     """Whatever was done meanwhile: another entry, motions, another view. And it goes on as it would have."""
-    page, twin = (QuietPage(Settings(), address="/touch/0.x") for _ in range(2))
+    page, twin = (QuietPage(Settings()) for _ in range(2))
     for one in (page, twin):
         for control, value in (("point", "3"), ("large", "1")):
-            one.page.touch(control, value)
+            one.act(control, value)
         for _ in range(4):
             one.page.put(Step())
             one.tick(1.0)
-        one.page.touch("moment", "2")
+        one.act("moment", "2")
         one.tick(1.0)
     model = page.page.model
     before, view, past = page.page.memory(), model.view, model.past.everything
     assert give_back_offered(page) == []
     for key in ("E", "condition"):
-        page.page.touch("show", key)
+        page.act("show", key)
         page.tick(1.0)
         page.tick(10.0)
         assert give_back_offered(page) == [key]
     model.undoable.change(noise_px=1.0)
-    page.page.touch("point", "1")
-    page.page.touch("restore", "0")
+    page.act("point", "1")
+    page.act("restore", "0")
     page.tick(1.0)
     page.tick(10.0)
     after = page.page.memory()
@@ -160,25 +160,25 @@ def test_what_was_there_before_is_given_back_to_the_bit():
 
 
 def test_who_was_playing_plays_on():
-    page = QuietPage(address="/touch/0.x")
+    page = QuietPage()
     page.page.put(Play())
     page.tick(1.0)
-    page.page.touch("show", "E")
+    page.act("show", "E")
     page.tick(0.1)
-    page.page.touch("restore", "0")
+    page.act("restore", "0")
     page.tick(0.1)
     assert page.page.model.player.playing and page.page.model.player.speed == 2
 
 
 def test_nothing_is_given_back_where_nothing_was_taken():
-    page = QuietPage(address="/touch/0.x")
-    page.page.touch("restore", "0")
+    page = QuietPage()
+    page.act("restore", "0")
     page.tick(1.0)
     assert "nothing is shown in place of what was here" in page.page.model.message.text
-    page.page.touch("show", "E")
+    page.act("show", "E")
     page.tick(1.0)
     page.choose("Preset", "Beyond the paper")
     settings = page.page.model.session.settings
-    page.page.touch("restore", "0")
+    page.act("restore", "0")
     page.tick(10.0)
     assert page.page.model.session.settings == settings and give_back_offered(page) == []

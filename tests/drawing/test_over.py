@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
 from viewimit.app.drawing.landscapes import describe_basin, draw_basin
-from viewimit.app.drawing.links import SINK
 from viewimit.app.drawing.overlays import (
     MIN_HIT,
     hide_later_motions,
@@ -25,11 +24,9 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
-ADDRESS = "/touch/0.abc"
 
-
-def hrefs(html: str) -> list[str]:
-    return re.findall(r'href="([^"]*)"', html)
+def actions(html: str) -> list[str]:
+    return re.findall(r'data-do="([^"]*)"', html)
 
 
 @pytest.fixture(scope="module")
@@ -53,12 +50,12 @@ def places():
 
 class TestPoints:
     def test_every_point_is_a_link_in_every_image_and_has_a_name_where_tab_stops(self):
-        root = parsed(point_links(ADDRESS, 10, False))
-        links = [link for link in root.iter("a") if "/point/" in link.get("href")]
-        assert {link.get("href") for link in links} == {f"{ADDRESS}/point/{i}" for i in range(10)}
+        root = parsed(point_links(10, False))
+        links = [link for link in root.iter("a") if "point/" in link.get("data-do")]
+        assert {link.get("data-do") for link in links} == {f"point/{i}" for i in range(10)}
         stops = [link for link in links if link.get("tabindex") is None]
         assert [link.get("aria-label") for link in stops] == [f"point {i}" for i in range(10)]
-        assert all(link.get("target") == SINK for link in links) and len(marked(root, "circle", NEAREST)) == 40
+        assert all(link.get("href") == "#" for link in links) and len(marked(root, "circle", NEAREST)) == 40
 
     def test_what_is_not_seen_cannot_be_touched(self, places):
         found, hidden = places
@@ -81,8 +78,8 @@ class TestPostures:
         plane = PosturePlane(scene)
         x, y, w, h = plane.box
         area = 0.0
-        for link in parsed(posture_links(ADDRESS, scene)).iter("a"):
-            up, across = map(float, link.get("href").rsplit("/", 1)[1].split(","))
+        for link in parsed(posture_links(scene)).iter("a"):
+            up, across = map(float, link.get("data-do").rsplit("/", 1)[1].split(","))
             left, top, right, bottom = map(float, re.findall(r"[\d.]+", link[0].get("d"))[:4])
             top, bottom = sorted((top, bottom))
             px = plane.place(np.array([up, across]))
@@ -91,35 +88,35 @@ class TestPostures:
         assert area == pytest.approx(w * h, rel=0.01)
 
     def test_tab_stops_at_some_which_have_names_and_the_picture_is_small(self):
-        html = posture_links(ADDRESS, load_scene("panda"))
+        html = posture_links(load_scene("panda"))
         stops = [link for link in parsed(html).iter("a") if link.get("tabindex") is None]
         assert len(stops) == 15 and "θ₂ 45°, θ₄ −90°" in [link.get("aria-label") for link in stops]
         assert len(zlib.compress(html.encode())) < 12_000
 
     def test_without_two_joints_there_is_nothing_to_touch(self):
-        assert posture_links(ADDRESS, load_scene("panda", joints=(1, 2, 3))) == ""
+        assert posture_links(load_scene("panda", joints=(1, 2, 3))) == ""
 
 
 def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_own():
     session = Session(Settings.paper(start_deg=(25, -45)))
     session.run(6)
-    assert hrefs(draw_curves(session.history, 2, None, (2, 4))) == []
+    assert actions(draw_curves(session.history, 2, None, (2, 4))) == []
     for width in (424, 860):
-        html = motion_links(ADDRESS, 6, width)
-        assert hrefs(html) == 2 * [f"{ADDRESS}/moment/{k}" for k in range(9)]  # as far as the axis goes
+        html = motion_links(6, width)
+        assert actions(html) == 2 * [f"moment/{k}" for k in range(9)]  # as far as the axis goes
         assert hide_later_motions(6) == "<style>.vi-motions a:nth-child(n+8){display:none}</style>"
 
 
 @pytest.mark.parametrize("last", [0, 7, 8, 9, 100, 3000])
 def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
-    asked = [int(href.rpartition("/")[2]) for href in hrefs(motion_links(ADDRESS, last))]
+    asked = [int(href.rpartition("/")[2]) for href in actions(motion_links(last))]
     asked = asked[: len(asked) // 2]  # of one plot
     first_hidden = int(re.search(r"n\+(\d+)", hide_later_motions(last))[1]) - 1
     assert max(asked[:first_hidden]) <= last and all(motion > last for motion in asked[first_hidden:])
     assert len(asked) <= 91 and asked[0] == 0
     ends = 4 * (asked[-1] // 4) if last else 8
-    assert motion_links(ADDRESS, max(last, ends - 1)) == motion_links(ADDRESS, last)
-    assert motion_links(ADDRESS, axis_end(last)) == motion_links(ADDRESS, last)
+    assert motion_links(max(last, ends - 1)) == motion_links(last)
+    assert motion_links(axis_end(last)) == motion_links(last)
 
 
 class TestBasin:

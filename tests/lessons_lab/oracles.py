@@ -22,6 +22,8 @@ from viewimit.simulation.world import World
 
 Array = NDArray[np.float64]
 MAP_STEP_DEG = 3.0
+PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, sideways
+NEARER = (-0.3, 0)  # m back, sideways
 DEPTH_STEP_M = 1e-4  # of first derivatives of a projection
 FEWEST = 4  # points: these fit any images
 PLANE_SHARE = 0.1  # of the points' distances from a plane: exactly in it, rounding errors would make the map
@@ -260,6 +262,31 @@ def E_of_images(situation: Situation, demo: Array) -> float:
     views = situation.start.views
     changed = FourViews(demo, views.own, views.visible)
     return float(situation.start.fit(changed).conflict(changed))
+
+
+# The demonstrator carried across the room
+
+
+def carried_to(situation: Situation, back_m: float, sideways_m: float, turned_deg: float = 0.0) -> Situation:
+    """Carry the demonstrator across the room, away from the head and away from the learner. The eyes turn after it."""
+    scene = situation.scene
+    base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
+    moved = np.array([back_m, sideways_m, 0.0])
+    return situation.with_scene(
+        {
+            **situation.scene_fields,
+            "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
+            "head": {**situation.scene_fields.get("head", {}), "gaze_demonstrator": (gaze + moved).tolist()},
+        }
+    )
+
+
+# Bets
+
+
+def brier(bets: Sequence[float], holds: Sequence[bool]) -> float:
+    """Mean squared difference between bets and outcomes (Brier, Monthly Weather Review 1950)."""
+    return float(np.mean((np.array(bets) - np.array(holds, float)) ** 2))
 
 
 # Teaching by showing

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import oracles
-from statements import DEFINITION, REPORT, Statements, dealt, fact, state
+from statements import DEFINITION, REPORT, Statements, dealt, fact, state, step_named
 from viewimit.app.lab.lessons import design, facts, records, sign
 from viewimit.app.lab.lessons.carried import DRAWS, Followed, carried
 from viewimit.app.lab.lessons.situation import Situation
@@ -188,11 +188,6 @@ def bias_is_not_averaging() -> bool:
     return bool((np.abs(off) > SIGMAS * error).any())
 
 
-def same_runs() -> bool:
-    frames, stays = (records.clouds(state(key))[records.FRAMES[1]] for key in ("limits/frames", "limits/bias-stays"))
-    return np.array_equal(frames, stays)
-
-
 def swapped_answer() -> int:
     """E near 0, large at the right posture, large at a wrong one."""
     one = state("limits/swapped")
@@ -238,6 +233,12 @@ def perspective_differs() -> bool:
     """Without depth, by affine cameras, these eyes would have no E."""
     alike = state("limits/toed-in").with_settings(start_deg=(45, -90))
     return oracles.without_depth(alike) < 1e-9 < alike.start.E
+
+
+def toed_in_with_different_lenses() -> bool:
+    head = state("limits/toed-in").scene.head
+    left, right = head.lens(head.left), head.lens(head.right)
+    return head.toe_in_deg > 0 and left.focal != right.focal and left.centre != right.centre
 
 
 def early(key: str) -> Followed:
@@ -318,7 +319,7 @@ def exact_for_far_eyes(transfer: str) -> bool:
     return records.bias_deg(state("design/design").with_settings(noise_px=0.0).with_eyes(distance=30), transfer) < 0.2
 
 
-def projective_has_most_numbers_and_scatters_most() -> bool:
+def projective_scatters_most() -> bool:
     """With noise and five points, its estimates scatter more than those of the linear transfer."""
     one = state("design/design").with_settings(points=5, start_deg=(25, -25))
     scatter = {
@@ -328,6 +329,19 @@ def projective_has_most_numbers_and_scatters_most() -> bool:
         for name in ("linear", "projective")
     }
     return bool((scatter["projective"] > scatter["linear"]).any())
+
+
+def linear_is_a_weighted_sum() -> bool:
+    """Transferred places are an affine function of the places in l and r: of any, not only of the fitted points."""
+    transfer = TRANSFERS["linear"](state("tour/feel").start.views)
+    l, r = np.random.default_rng(1).uniform(0, 200, (2, 50, 2))
+    found, places = transfer.recover(l, r), np.column_stack([l, r, np.ones(50)])
+    return np.abs(places @ np.linalg.lstsq(places, found, rcond=None)[0] - found).max() < 1e-6
+
+
+def three_more_numbers() -> bool:
+    """With its three numbers p at 0, the projective transfer is linear in the same coordinates."""
+    return TRANSFERS["projective"](state("tour/feel").start.views).p.shape == (3,)
 
 
 def steps_are_short_of_the_gradient_law() -> bool:
@@ -350,7 +364,7 @@ def run_of(number: int) -> dict:
 
 
 def bet_of_half() -> float:
-    return float(np.mean([sign.brier([0.5], [outcome]) for outcome in (True, False)]))
+    return float(np.mean([oracles.brier([0.5], [outcome]) for outcome in (True, False)]))
 
 
 def right_pose_by_other_poses(number: int) -> bool:
@@ -395,8 +409,8 @@ STATEMENTS: Statements = {
         },
         "after": {
             "Without it, E would be": lambda: oracles.without_depth(state("limits/minimum")) < 1e-9,
-            "the arrows shrink to": lambda: fact("limits/minimum", "share of the arrows that is left") < 0.2,
-            "the shift shrinks faster": lambda: (
+            "arrows and shift both shrink": lambda: fact("limits/minimum", "share of the arrows that is left") < 0.2,
+            "the shift faster": lambda: (
                 fact("limits/minimum", "share of the bias that is left")
                 < 0.5 * fact("limits/minimum", "share of the arrows that is left")
             ),
@@ -414,10 +428,10 @@ STATEMENTS: Statements = {
             )
         },
         "far": {
-            "The arrows fall with the distance": lambda: (
+            "The arrows shrink to": lambda: (
                 0.8 < exponent(fact("limits/minimum", "share of the arrows that is left")) < 1.3
             ),
-            "The shift falls nearly with its square": lambda: (
+            "the shift falls nearly with the square of the distance": lambda: (
                 1.5 < exponent(fact("limits/minimum", "share of the bias that is left")) < 2.2
             ),
         },
@@ -528,7 +542,13 @@ STATEMENTS: Statements = {
     },
     "limits/bias-stays": {
         "title": DEFINITION,
-        "text": {"These are the same": same_runs, "each with 25 pictures averaged": lambda: records.FRAMES[1] == 25},
+        "text": {
+            "The demonstrator is near again, as in the first step": lambda: (
+                step_named("limits/bias-stays").scene == step_named("limits/minimum").scene
+            ),
+            "perspective is strong": lambda: fact("limits/bias-stays", "bias without noise") > 5,
+            "runs with **25** pictures averaged": lambda: records.FRAMES[1] == 25,
+        },
         "after": {
             "The middle of the cloud is": bias_is_not_averaging,
             "Without any noise, the lowest E is": lambda: (
@@ -568,6 +588,7 @@ STATEMENTS: Statements = {
     "limits/toed-in": {
         "title": DEFINITION,
         "text": {
+            "These eyes are turned inwards, have different lenses": toed_in_with_different_lenses,
             "perspective distorts their two pictures in different ways": perspective_differs,
             "the lowest **E** is far from the demonstrator": lambda: fact("limits/toed-in", "off as seen") > 10,
         },
@@ -651,10 +672,14 @@ STATEMENTS: Statements = {
             "Assumes far cameras": lambda: exact_for_far_eyes("epipolar") and not exact_for_near_eyes("epipolar")
         },
         "says linear": {
-            "Assumes far cameras": lambda: exact_for_far_eyes("linear") and not exact_for_near_eyes("linear")
+            "a weighted sum of the places in l and r": linear_is_a_weighted_sum,
+            "Assumes far cameras": lambda: exact_for_far_eyes("linear") and not exact_for_near_eyes("linear"),
         },
         "says rank3": {"Assumes far cameras": lambda: exact_for_far_eyes("rank3") and not exact_for_near_eyes("rank3")},
-        "says projective": {"allows for perspective": lambda: exact_for_near_eyes("projective")},
+        "says projective": {
+            "Adds three numbers to the linear one": three_more_numbers,
+            "allow for the perspective of near cameras": lambda: exact_for_near_eyes("projective"),
+        },
         "says gradient": DEFINITION,
         "says broyden": DEFINITION,
         "says trust-region": DEFINITION,
@@ -664,10 +689,13 @@ STATEMENTS: Statements = {
             "Only the projective transfer does": lambda: (
                 [name for name in TRANSFERS if exact_for_near_eyes(name)] == ["projective"]
             ),
-            "With noise and few points, its many numbers cost accuracy": projective_has_most_numbers_and_scatters_most,
+            "With noise and few points, its three further numbers cost accuracy": projective_scatters_most,
         },
         "reason 2": DEFINITION,
-        "because 2": {"no average removes their bias": lambda: million_frames_fall_on() == 1},
+        "because 2": {
+            "That is true of the transfers for far cameras": projective_scatters_most,
+            "no average removes their bias": lambda: million_frames_fall_on() == 1,
+        },
         "reason 3": DEFINITION,
         "because 3": {
             "That helps only while steps are short": steps_are_short_of_the_gradient_law,

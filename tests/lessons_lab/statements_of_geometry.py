@@ -179,18 +179,18 @@ def no_arrows_show_the_way() -> int:
 
 
 def E_at_places() -> np.ndarray:
-    return np.array([place["E"] for place in records.places(state("tour/carried")) if place["kind"] == "place"])
+    return np.array([E_carried(*place) for place in oracles.PLACES])
 
 
 def E_carried(back: float, aside: float) -> float:
-    return records.carried_to(state("tour/carried"), back, aside).start.E
+    return oracles.carried_to(state("tour/carried"), back, aside).start.E
 
 
 def far_eyes_do_not_notice() -> bool:
     one = state("tour/carried")
     head = one.with_eyes(distance=EYES_FAR).scene.head
     far = one.with_scene({"head": {"position": list(head.position), "focal": head.focal}})
-    E = [records.carried_to(far, *place).start.E for place in (*records.PLACES, records.NEARER)]
+    E = [oracles.carried_to(far, *place).start.E for place in (*oracles.PLACES, oracles.NEARER)]
     return bool(np.ptp(E) < 0.01 * far.start.E)
 
 
@@ -417,13 +417,13 @@ STATEMENTS: Statements = {
         "title": DEFINITION,
         "text": {
             "the two poses stay as different as they were": lambda: np.array_equal(
-                records.carried_to(state("tour/carried"), 1, 1).start.theta_demo, state("tour/carried").start.theta_demo
+                oracles.carried_to(state("tour/carried"), 1, 1).start.theta_demo, state("tour/carried").start.theta_demo
             )
         },
         "after": {
             "Sideways it is": lambda: abs(E_carried(0, 0.5) / state("tour/carried").start.E - 1) < 0.5,
-            "farther away": lambda: E_carried(2, 0) < state("tour/carried").start.E,
-            "nearer": lambda: E_carried(*records.NEARER) > state("tour/carried").start.E,
+            "farther away": lambda: E_carried(2, 0) < E_carried(0.5, 0) < state("tour/carried").start.E,
+            "nearer": lambda: E_carried(*oracles.NEARER) > state("tour/carried").start.E,
             "Shape alone takes it from": lambda: shape_alone_changes_E() > 100,
             "With far cameras, carrying would not change it": far_eyes_do_not_notice,
         },

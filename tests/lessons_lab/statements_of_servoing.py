@@ -169,7 +169,7 @@ def perfect_cameras_show_marks() -> bool:
 def where_the_other_stands_does_not_matter() -> bool:
     """The marks lie in L and R: carried, E stays about the same size."""
     one = SAME.with_settings(start_deg=(25, -45))
-    return 0.5 < records.carried_to(one, 1, 1).start.E / one.start.E < 1
+    return 0.5 < oracles.carried_to(one, 1, 1).start.E / one.start.E < 1
 
 
 def any_rigid_object_gives_the_same_lines() -> bool:

@@ -42,7 +42,7 @@ def test_what_was_shown_unanswered_is_neither_right_nor_replied_to(found):
 def test_a_mark_is_judged_by_its_distance_and_the_reply_states_it(found):
     near, far = found["places"]
     assert (near["right"], near["reply"]) == (True, "Very close.")
-    assert (far["right"], far["reply"]) == (False, "Too far: 60 px.")
+    assert (far["right"], far["reply"]) == (False, "Too far: 60\xa0px.")
     assert near["apart"]["value"] == pytest.approx(3)
 
 
@@ -58,7 +58,7 @@ def test_a_number_is_close_within_a_factor_and_too_little_has_its_own_reply(foun
     close, little, much = found["numbers"]
     assert [close["right"], little["right"], much["right"]] == [True, False, False]
     assert close["reply"] == "Well judged." and much["reply"] == "Not so much."
-    assert little["reply"].startswith("It is more: 846 px²")
+    assert little["reply"].startswith("It is more: 846\xa0px²")
 
 
 def test_the_seed_picks_a_deal(found):

@@ -72,7 +72,7 @@ def at(page):
 
 
 def body(page):
-    return page.inner_text("#body")
+    return page.inner_text("#body").replace("\xa0", " ")
 
 
 def mark(page, x=0.5, y=0.5, tap=False):

@@ -83,7 +83,7 @@ def test_tab_reaches_the_points_and_enter_chooses_one_without_losing_the_place(p
 def test_a_click_on_the_landscape_is_exact_at_every_size(page):
     for size, angles in zip(SIZES, ([70, -140], [20, -35], [90, 0])):
         page.set_viewport_size(dict(zip(("width", "height"), size)))
-        touch(page, f"a[href$='/posture/{angles[0]},{angles[1]}'] path")
+        touch(page, f"a[data-do='posture/{angles[0]},{angles[1]}'] path")
         wait(page, lambda angles=angles: posture(page) == angles)
     page.set_viewport_size({"width": 1280, "height": 720})
 
@@ -91,7 +91,7 @@ def test_a_click_on_the_landscape_is_exact_at_every_size(page):
 def test_a_look_moves_nothing_until_the_learner_starts_there(page):
     start = posture(page)
     switch(page, "Look only")
-    touch(page, "a[href$='/posture/45,-60'] path")
+    touch(page, "a[data-do='posture/45,-60'] path")
     wait_for_status(page, r"See-through arm · \(45.0°, −60.0°\): E [\d.]+ px²; nothing has moved")
     assert posture(page) == start
     press(page, "Escape")
@@ -109,14 +109,14 @@ def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(p
     wait_for_status(page, "Settled")
     if page.get_by_role("tab", name="Curves").count():  # else they stand over the scene
         page.get_by_role("tab", name="Curves").click()
-    touch(page, "a[href$='/moment/0'] path")
+    touch(page, "a[data-do='moment/0'] path")
     wait(page, lambda: posture(page) == start)
     press(page, "Space")
     wait(page, lambda: posture(page) != start)
     choose_in_motion(page, "L", 7)  # which is redrawn all the time
     press(page, "Space")
-    pressed = page.locator("a[href$='/moment/0']").first.element_handle()
-    page.mouse.move(*middle(page, "a[href$='/moment/0'] path"))
+    pressed = page.locator("a[data-do='moment/0']").first.element_handle()
+    page.mouse.move(*middle(page, "a[data-do='moment/0'] path"))
     page.mouse.down()
     curve = page.locator(CURVES).first.element_handle()
     page.keyboard.press("ArrowLeft")

@@ -6,12 +6,10 @@ import re
 import statistics
 
 import pytest
-from browsing import CURVES, PATIENCE_MS, open_page, posture, press, wait, wait_for_status
+from browsing import CURVES, PATIENCE_MS, open_page, posture, press, wait, wait_for_status, wait_for_text
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 from viewimit.app.panels import PANELS
-from viewimit.app.server.touches import Touches
-from waiting import wait_until
 
 TABS = {panel.inside for panel in PANELS} - {""}
 HIDDEN = "Object.defineProperty(document, 'hidden', {value: %s, configurable: true})"
@@ -40,7 +38,7 @@ def ticks(made, count):
 
 
 def leave_undrawn(made, what):
-    assert made.page.touch("unseen", what)
+    made.act("unseen", what)
     ticks(made, 1)
 
 
@@ -73,12 +71,9 @@ def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
 
 
 def test_every_tab_can_be_told_and_all_of_them_at_once(page):
-    """By names of letters alone, as page.js tells no others, in an address as long as may be."""
-    touches, token = Touches(0), "a" * 32
-    address = touches.new_address()
-    touches.open(address, page.page.touch, token)
+    """By names of letters alone, as page.js tells no others."""
     assert TABS > {"Images", "Landscape", "Curves"} and all(re.fullmatch(r"\w+", tab) for tab in TABS)
-    touches.follow(f"{address}/unseen/{','.join(TABS)}", {"Cookie": f"viewimit={token}"})
+    page.act("unseen", ",".join(TABS))
     ticks(page, 1)
     assert page.page.model.view.unseen == TABS
 
@@ -96,7 +91,7 @@ def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page)
 
 
 def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
-    assert page.page.touch("layout", "1")
+    page.act("layout", "1")
     leave_undrawn(page, "Curves")
     ticks(page, 20)
     before = page.shown.count("vi-card")
@@ -105,7 +100,7 @@ def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
     content = page.gui.widgets[card].content
     move(page)
     assert page.gui.widgets[card].content != content
-    assert page.page.touch("layout", "0")
+    page.act("layout", "0")
     ticks(page, 20)
     assert not page.gui.widgets[card].visible
 
@@ -126,6 +121,13 @@ def at_the_start(visited):
     return visited
 
 
+LOSE_ONE = """() => {
+const send = wire.postMessage.bind(wire);
+window.sent = 0;
+wire.postMessage = (data, ...rest) => data.type === "send" && window.sent++ === 0 ? undefined : send(data, ...rest);
+}"""
+
+
 @pytest.mark.browser
 def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_start):
     page = at_the_start
@@ -142,14 +144,14 @@ def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_s
 
 @pytest.mark.browser
 def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(at_the_start):
-    page, told = at_the_start, []
-    page.on("request", lambda request: told.append(request.url.rpartition("/")[2]) if "/unseen/" in request.url else 0)
+    page = at_the_start
+    told = lambda: page.evaluate("unseenTold")
     cursor = lambda: page.locator(CURVES).first.evaluate("e => e.closest('svg').parentElement.innerHTML")
     page.get_by_role("tab", name="Curves").click()
-    wait(page, lambda: told and "Landscape" in told[-1] and "Curves" not in told[-1])
+    wait(page, lambda: "Landscape" in told() and "Curves" not in told())
     first = cursor()
     page.get_by_role("tab", name="Landscape").click()
-    wait(page, lambda: "Curves" in told[-1])
+    wait(page, lambda: "Curves" in told())
     before = posture(page)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page) != before)
@@ -157,7 +159,7 @@ def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_
     wait(page, lambda: cursor() != first)
 
     page.evaluate(f"{HIDDEN % 'true'}; {TELL}")
-    wait(page, lambda: told[-1] == "window")
+    wait(page, lambda: told() == "window")
     shown = posture(page), cursor()
     press(page, "ArrowRight")
     page.evaluate(f"{HIDDEN % 'false'}; {TELL}")
@@ -165,16 +167,9 @@ def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_
 
 
 @pytest.mark.browser
-def test_what_did_not_reach_the_server_is_told_again(at_the_start):
-    page, asked = at_the_start, []
-
-    def lose_the_first(route):
-        asked.append(route.request.url)
-        route.abort() if len(asked) == 1 else route.continue_()
-
-    page.route("**/unseen/**", lose_the_first)
-    page.get_by_role("tab", name="Equations").click()
-    wait_until(lambda: page.wait_for_timeout(100) or len(asked) >= 2, 10)
-    assert asked[0] == asked[1]
-    page.unroute("**/unseen/**")
-    page.problems.clear()  # what was lost
+def test_what_did_not_reach_the_server_is_told_again_and_taken_once_in_its_order(at_the_start):
+    page = at_the_start
+    page.evaluate(LOSE_ONE)
+    page.evaluate("() => [3, 4, 5].forEach(point => act('point', point))")
+    wait(page, lambda: page.evaluate("window.sent >= 2 && unsaid.length === 0"))
+    wait_for_text(page, "point 5, its")

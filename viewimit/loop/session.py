@@ -1,7 +1,7 @@
 """A session: a learner that can be posed, changed, calibrated, undone and replayed. It knows no page and no file."""
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -21,7 +21,18 @@ from .embodiment import Arm, Eyes, Opener, round_to_degrees, to_degrees
 from .history import History
 from .learner import Learner
 from .real_robot import RealRobotOpener
-from .script import Action, Calibrate, ChangeSettings, ClearCalibration, Log, MoveDemonstrator, Script, play_action
+from .script import (
+    Action,
+    Calibrate,
+    ChangeSettings,
+    ClearCalibration,
+    Log,
+    Looks,
+    MoveDemonstrator,
+    Script,
+    Steps,
+    play_action,
+)
 from .self_calibration import SelfCalibration
 from .settings import OWN, Settings, warn_of_radians
 from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
@@ -309,9 +320,29 @@ class Session(Learner):
         script : Script
             As `Session.script`. ValueError if an action is impossible.
         """
+        for _ in self.passes(script):
+            pass
+
+    def passes(self, script: Script) -> Iterator[None]:
+        """Play a script as `play` does, and yield after each pass of the loop.
+
+        Parameters
+        ----------
+        script : Script
+            As `Session.script`. ValueError if an action is impossible.
+
+        Yields
+        ------
+        None
+            After the beginning, and after each step, look and other action.
+        """
         self.begin(script.settings)
+        yield
         for action in script.actions:
-            self.do(action)
+            times = action.times if isinstance(action, Steps | Looks) else 1
+            for _ in range(times):
+                self.do(type(action)(1) if isinstance(action, Steps | Looks) else action)
+                yield
 
     def do(self, action: Action) -> None:
         """Repeat one recorded action.

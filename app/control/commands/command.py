@@ -11,12 +11,11 @@ class Command:
     """An action, of which none is lost.
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait. takes_long: seconds, for which nobody else is to wait.
+    comes before or after any other, so that it need not wait.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
-    takes_long: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:

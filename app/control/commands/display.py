@@ -119,13 +119,13 @@ class NextLarger(OfView):
 
 
 class LetGo(OfView):
-    """Close the help, or else a proposed point or editing them, or else an imitation, the see-through arm, what is
-    large and the offer of the tour."""
+    """Close the help, or else a link that is followed, a proposed point or editing them, or else an imitation, the
+    see-through arm, what is large and the offer of the tour."""
 
     def apply(self, model: PageModel, now: float) -> None:
         if model.view.help or model.view.share:
             model.view = replace(model.view, help=False, share=False)
-        elif not model.points.let_go():
+        elif not model.following.let_go() and not model.points.let_go():
             model.tour_offered = False
             model.moments.imitated.stop()
             model.moments.see_through.let_go()

@@ -50,7 +50,8 @@ class Step(Command):
 
 
 class Undo(Command):
-    """One motion back; where a reset, a preset, a start or other motions began, to what they took the place of."""
+    """One motion back; where a reset, a preset, a start or other motions began, to what they took the place of. A
+    link that is still followed is let go."""
 
     moves: ClassVar[bool] = True
 
@@ -59,6 +60,8 @@ class Undo(Command):
         return left is not None and left.sensor == "rendered" != model.session.settings.sensor
 
     def apply(self, model: PageModel, now: float) -> None:
+        if model.following.let_go():
+            return
         model.player.pause()
         left = model.past.here
         if left is None:

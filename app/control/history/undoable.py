@@ -1,17 +1,14 @@
 """A page's session and what goes with it, and all that changes it: what a change loses, Undo brings back."""
 
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from collections.abc import Callable
 
 import msgspec
-import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.loop.script import Action, ChangeSettings, MoveDemonstrator, Script, Steps
+from viewimit.loop.script import Script
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
-from viewimit.loop.settings import BodyPoint, Settings, convert_fields
+from viewimit.loop.settings import BodyPoint, Settings
 
 from ...jobs.camera_images import CameraProcess
 from ...jobs.session_eyes import SessionEyes
@@ -36,16 +33,25 @@ class UndoableSession:
         self.presets = Presets(settings)
         self.past = Past(self.player, self.presets)
 
-    def pose(self, theta: NDArray, keep: bool = True) -> None:
-        """Move the demonstrator to theta, (m,) rad. keep: what is lost by that, Undo brings back."""
-        with self._kept(keep):
+    def pose(self, theta: NDArray) -> None:
+        """Move the demonstrator to theta, (m,) rad; what is lost by that, Undo brings back."""
+        with self.past.kept():
             self.session.pose(theta)
         self.duel.follow()
         self.player.wake()
 
     def change(self, **fields) -> None:
         """Some of the settings."""
-        self._change(fields)
+        world = self.session.world
+        with self.past.kept():
+            self.session.change(**fields)
+        self.player.wake()
+        if self.session.world is not world:
+            self.begin_anew()
+        elif self.duel.opponent is not None and not METHOD.isdisjoint(fields):
+            self.duel.begin_again()
+        else:
+            self.duel.follow()
 
     def lay_points(self, points: tuple[BodyPoint, ...]) -> None:
         """Begin anew with these body points on both arms. Raises ValueError, with all as it is, if they cannot be."""
@@ -117,30 +123,23 @@ class UndoableSession:
         if self.session.world is not world:
             self._in_new_world()
 
-    def repeat(self, script: Script, keep: bool = True) -> None:
-        """All that a script does, from its settings on; keep: Undo brings back what was here. Raises ValueError, with
-        all as it is."""
+    def repeat(self, script: Script) -> None:
+        """All that a script does, from its settings on; Undo brings back what was here. Raises ValueError, with all as
+        it is."""
         self.player.pause()
         before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
         try:
-            with self._kept(keep, whole=True):
+            with self.past.kept(whole=True):
                 self.session.play(script)
         except ValueError:
             self.session.resume(*before)
             raise
 
-    def do_along(self, action: Action, speed: float, now: float) -> None:
-        """What was done to another session, which Undo does not count as this one's past. speed: motions a second
-        there. Raises ValueError for what cannot be."""
-        if isinstance(action, Steps):
-            self.player.follow(action.times, speed, now)
-        elif isinstance(action, MoveDemonstrator):
-            self.pose(np.array(action.theta_demo), keep=False)
-        elif isinstance(action, ChangeSettings):
-            self._change(convert_fields(action.fields), keep=False)
-        else:
-            self.session.do(action)
-            self.player.wake()
+    def become(self, other: Session) -> None:
+        """All that another session has done, in place of what is here, which Undo brings back."""
+        self.player.pause()
+        with self.past.kept(whole=True):
+            self.session.resume(tuple(other.history), other.cursor, other.log)
 
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""
@@ -151,18 +150,3 @@ class UndoableSession:
         """Give the eyes back."""
         self._eyes.close()
         self._opponents_eyes.close()
-
-    def _change(self, fields: Mapping[str, Any], keep: bool = True) -> None:
-        world = self.session.world
-        with self._kept(keep):
-            self.session.change(**fields)
-        self.player.wake()
-        if self.session.world is not world:
-            self.begin_anew()
-        elif self.duel.opponent is not None and not METHOD.isdisjoint(fields):
-            self.duel.begin_again()
-        else:
-            self.duel.follow()
-
-    def _kept(self, keep: bool, whole: bool = False) -> AbstractContextManager[None]:
-        return self.past.kept(whole) if keep else nullcontext()

@@ -3,7 +3,7 @@ import {geometry, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
-import {imageOf, nearest, Overlay, pulled, sessionOf} from "./views.js";
+import {imageOf, nearest, Overlay, pulled, sessionOf, turned} from "./views.js";
 
 const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8, GRIP_PX = 26;
 
@@ -11,7 +11,8 @@ const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DE
 export function assumption(frame, data) {
   const world = new World(data.scene, 10), session = sessionOf(world, DEMONSTRATOR, START);
   const boxes = {
-    l: frame.panel("l", "Picture <i>l</i>: the demonstrator"), L: frame.panel("L", "Picture <i>L</i>: the learner, and its ghost in the right pose"),
+    l: frame.panel("l", "Picture <i>l</i>: the demonstrator"),
+    L: frame.panel("L", "Picture <i>L</i>: the learner, and its ghost in the right pose"),
   };
   const images = new Images(boxes, data.hulls), over = new Overlay(images, 2, ["vi-way"]);
   let theta = START, point = HAND, showsWay = false;
@@ -20,8 +21,8 @@ export function assumption(frame, data) {
   const place = (/** @type {number[]} */ next) => { theta = next; };
 
   const slider = frame.slider({
-    label: "From the same pose to another", low: 0, high: 100, step: 1, value: 100, kind: "of-learner", text: value => `${value} %`,
-    moved: value => place(at(value / 100)),
+    label: "From the same pose to another", low: 0, high: 100, step: 1, value: 100,
+    text: value => `${value} %`, moved: value => place(at(value / 100)),
   });
   const way = frame.check("Show the way to the goal", showsWay, on => { showsWay = on; });
   frame.button("Start again", () => {
@@ -31,12 +32,17 @@ export function assumption(frame, data) {
   });
   frame.hint.textContent = "Drag the arm in picture L by a blue point, or use the slider.";
   frame.drag(boxes.L, event => {
-    const {views} = session.observe(theta), next = nearest(world, images, 2, event, views.own), [x, y] = images.under(event, 2);
-    const seen = imageOf(views.own, next, 2);
+    const {views} = session.observe(theta), next = nearest(world, images, 2, event, views.own);
+    const [x, y] = images.under(event, 2), seen = imageOf(views.own, next, 2);
     if (Math.hypot(seen[0] - x, seen[1] - y) * images.view(2).window.scale > GRIP_PX) return null;
     point = next;
     return pulled(world, images, 2, next, event, () => theta, place);
   });
+
+  Object.assign(boxes.L, {tabIndex: 0});
+  boxes.L.setAttribute("role", "group");
+  boxes.L.setAttribute("aria-label", "Picture L. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
+  frame.arrows(boxes.L, (right, up) => place(turned(theta, right, up, world.scene)));
 
   const measured = () => {
     const moment = session.observe(theta), found = recovered(moment), {views, E} = moment;
@@ -48,8 +54,8 @@ export function assumption(frame, data) {
       arrows += back * back;
       ways += to * to;
     }
-    const miss = Math.hypot(put[0] - target[0], put[1] - target[1]);
-    return {moment, found, E, arrow: Math.hypot(put[0] - own[0], put[1] - own[1]), miss, cosine: ways > 1 ? product / Math.sqrt(arrows * ways) : NaN};
+    const [miss, arrow] = [target, own].map(from => Math.hypot(put[0] - from[0], put[1] - from[1]));
+    return {moment, found, E, arrow, miss, cosine: ways > 1 ? product / Math.sqrt(arrows * ways) : NaN};
   };
 
   return {
@@ -60,9 +66,15 @@ export function assumption(frame, data) {
         .filter(({into, from}) => into === 2 && from < 2) ?? [];
       images.draw(world, {moment, recovered: found, lines, chosen: point, goal: true, ease: 1});
       over.spans("vi-way", showsWay ? world.body.map((_, i) => [imageOf(views.own, i, 2), imageOf(goal, i, 2)]) : []);
-      const isSame = theta.every((v, k) => Math.abs(v - DEMONSTRATOR[k]) < 1e-3);
-      frame.say(isSame ? `Both stand alike: E is <b>${energyText(E)} px²</b>. The lines are right, and the diamonds sit on the points.`
-        : `E is <b>${energyText(E)} px²</b>. The diamond of the ringed point is <b>${fixed(arrow, 0)} px</b> from the point, and <b>${fixed(miss, 0)} px</b> from where the point belongs.${showsWay ? ` Followed backwards, the arrows have a cosine of <b>${fixed(cosine, 2)}</b> with the way to the goal.` : ""}`);
+      const isSame = theta.every((v, k) => Math.abs(v - DEMONSTRATOR[k]) < 1e-3), isShown = showsWay && !isSame;
+      frame.say(
+        isSame ? "Both stand alike. The lines are right, and the diamonds sit on the points." : "",
+        `E is <b>${energyText(E)} px²</b>.`,
+        isSame ? "" : `The diamond of the ringed point is <b>${fixed(arrow, 0)} px</b> from the point,
+          and <b>${fixed(miss, 0)} px</b> from where the point belongs.`,
+        isShown ? `Followed backwards, the arrows have a cosine of <b>${fixed(cosine, 2)}</b>
+          with the way to the goal.` : "",
+      );
     },
     state: () => {
       const {E, arrow, miss, cosine} = measured();

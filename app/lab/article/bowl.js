@@ -3,7 +3,7 @@ import {recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
-import {Ground} from "./ground.js";
+import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 
 const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
@@ -11,8 +11,9 @@ const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DE
 /** @type {import("./frame.js").FigureKind} */
 export function bowl(frame, data) {
   const world = new World(data.scene, 10), session = sessionOf(world, DEMONSTRATOR, START);
-  const box = frame.mapPanel("ground", "E over both joints, in px²: lowest at the cross", "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
-  const ground = new Ground(frame, box, world), boxes = {L: frame.panel("L", "Picture <i>L</i> in this pose")}, images = new Images(boxes, data.hulls);
+  const box = frame.mapPanel("ground", "E over both joints, in px²: lowest at the cross", KEYS);
+  const ground = new Ground(frame, box, world);
+  const images = new Images({L: frame.panel("L", "Picture <i>L</i> in this pose")}, data.hulls);
   let theta = START, demonstrator = DEMONSTRATOR;
   const place = (/** @type {number[]} */ next) => { theta = next; };
   const pose = (/** @type {number[]} */ next) => {
@@ -26,7 +27,8 @@ export function bowl(frame, data) {
     pose(DEMONSTRATOR);
     theta = START;
   });
-  frame.hint.textContent = "Drag the blue dot, the learner’s pose, over the map. Drag the diamond to pose the demonstrator: the bowl goes with it.";
+  frame.hint.textContent = "Drag the blue dot, the learner’s pose, over the map. "
+    + "Drag the diamond to pose the demonstrator: the bowl goes with it.";
   const off = (/** @type {number[]} */ from) => Math.max(...from.map((v, k) => Math.abs(v - demonstrator[k]))) / DEGREE;
 
   return {
@@ -38,8 +40,13 @@ export function bowl(frame, data) {
       const moment = session.observe(theta), {minimum} = ground.of(demonstrator);
       ground.draw(demonstrator, theta);
       images.draw(world, {moment, recovered: recovered(moment), lines: [], chosen: 8, goal: true, ease: 1});
-      frame.say(`E is <b>${energyText(moment.E)} px²</b> here. The lowest E on the map is <b>${energyText(minimum?.E ?? NaN)} px²</b>, and lies <b>${fixed(off(minimum?.theta ?? theta), 0)}°</b> from the demonstrator’s pose.`);
+      frame.say(`E is <b>${energyText(moment.E)} px²</b> here.`, `The lowest E on the map is
+        <b>${energyText(minimum?.E ?? NaN)} px²</b>, and lies <b>${fixed(off(minimum?.theta ?? theta), 0)}°</b>
+        from the demonstrator’s pose.`);
     },
-    state: () => ({theta, demonstrator, E: session.observe(theta).E, lowest: ground.of(demonstrator).minimum?.E ?? NaN}),
+    state: () => {
+      const {E} = session.observe(theta), {minimum} = ground.of(demonstrator);
+      return {theta, demonstrator, E, lowest: minimum?.E ?? NaN};
+    },
   };
 }

@@ -1,11 +1,13 @@
-/** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain. */
+/**
+ * The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
+ */
 import {Generator, geometry, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
 import {diamond, dot, imageOf, Overlay, sessionOf} from "./views.js";
 
-/** @typedef {import("../engine/camera.js").Camera} Camera */
+/** @typedef {import("../engine/transfers.js").Fitted} Fitted */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
 const CHI2_95 = -2 * Math.log(.05); // 95 % quantile of χ² with two degrees of freedom
@@ -44,7 +46,8 @@ export function crossing(frame, data) {
     },
   });
   const noises = frame.slider({
-    label: "Pixel noise", low: 0, high: 3, step: .1, value: noise, text: value => `${fixed(value)} px`, moved: value => { noise = value; },
+    label: "Pixel noise", low: 0, high: 3, step: .1, value: noise,
+    text: value => `${fixed(value)} px`, moved: value => { noise = value; },
   });
   frame.button("Start again", () => {
     [baseline, noise, shift] = [USUAL_CM, USUAL_NOISE_PX, [0, 0, 0, 0]];
@@ -54,7 +57,8 @@ export function crossing(frame, data) {
     baselines.show(baseline);
     noises.show(noise);
   });
-  frame.hint.textContent = "Drag the ringed point in l or r, or press the arrow keys there: its line moves, and the crossing with it.";
+  frame.hint.textContent = "Drag the ringed point in l or r, or press the arrow keys there: "
+    + "its line moves, and the crossing with it.";
   for (const [box, view] of /** @type {const} */ ([[boxes.l, 0], [boxes.r, 1]])) {
     Object.assign(box, {tabIndex: 0});
     box.setAttribute("aria-label", `Picture ${"lr"[view]}. Arrow keys move the ringed point by one pixel.`);
@@ -75,11 +79,13 @@ export function crossing(frame, data) {
 
   /** Where the lines cross, how they do, and the ellipse that 95 of 100 crossings are in with this noise. */
   const construction = () => {
-    const at = mark(), fitted = /** @type {import("../engine/transfers.js").Fitted} */ (now.fitted), found = fitted.recover(at);
-    const lines = geometry(now)?.lines(at, now.views.own.subarray(4 * HAND)).filter(({into, from}) => into === 2 && from < 2) ?? [];
+    const at = mark(), fitted = /** @type {Fitted} */ (now.fitted), found = fitted.recover(at);
+    const all = geometry(now)?.lines(at, now.views.own.subarray(4 * HAND)) ?? [];
+    const lines = all.filter(({into, from}) => into === 2 && from < 2);
     const angle = Math.asin(Math.min(1, Math.abs(lines[0].a * lines[1].b - lines[0].b * lines[1].a)));
     const slopes = [0, 1, 2, 3].map(k => fitted.recover(at.map((v, i) => v + +(i === k))).map((v, i) => v - found[i]));
-    const [xx, xy, yy] = [[0, 0], [0, 1], [1, 1]].map(([i, j]) => slopes.reduce((sum, slope) => sum + slope[i] * slope[j], 0));
+    const [xx, xy, yy] = [[0, 0], [0, 1], [1, 1]].map(([i, j]) =>
+      slopes.reduce((sum, slope) => sum + slope[i] * slope[j], 0));
     const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
     const halfAxes = [longest, Math.max((xx * yy - xy * xy) / longest, 0)].map(v => noise * Math.sqrt(CHI2_95 * v));
     return {found, lines, angle, halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2, fitted, at};
@@ -89,13 +95,18 @@ export function crossing(frame, data) {
     measure: () => images.measure(),
     draw() {
       const {found, lines, angle, halfAxes, direction, fitted, at} = construction();
-      images.draw(world, {moment: now, recovered: now.views.demo.map(() => NaN), lines, chosen: HAND, goal: false, ease: 1});
+      const recovered = now.views.demo.map(() => NaN);
+      images.draw(world, {moment: now, recovered, lines, chosen: HAND, goal: false, ease: 1});
       over.l.marks("vi-mark", [at.slice(0, 2)]);
       over.r.marks("vi-mark", [at.slice(2)]);
       over.L.ellipse("vi-spread", found, halfAxes, direction);
       over.L.marks("vi-draws", noise ? draws.map(n => fitted.recover(at.map((v, k) => v + noise * n[k]))) : [], dot);
       over.L.marks("vi-found vi-over", [found], diamond);
-      frame.say(`The lines cross at <b>${fixed(angle / DEGREE)}°</b>. With ${fixed(noise)} px of noise, 95 of 100 crossings lie in the ellipse. It is <b>${fixed(2 * halfAxes[0], 0)} px</b> long and <b>${fixed(2 * halfAxes[1])} px</b> wide.`);
+      frame.say(
+        `The lines cross at <b>${fixed(angle / DEGREE)}°</b>.`,
+        `With ${fixed(noise)} px of noise, 95 of 100 crossings lie in the ellipse.`,
+        `It is <b>${fixed(2 * halfAxes[0], 0)} px</b> long and <b>${fixed(2 * halfAxes[1])} px</b> wide.`,
+      );
     },
     state: () => {
       const {found, angle, halfAxes} = construction();

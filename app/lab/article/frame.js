@@ -29,6 +29,7 @@ export class Frame {
     this.box = box;
     this.panels = element(box, "div", "panels");
     this.facts = element(this.panels, "p", "facts");
+    this.facts.setAttribute("aria-live", "polite");
     this.controls = element(box, "div", "controls");
     this.hint = element(box, "p", "hint");
     /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
@@ -70,7 +71,7 @@ export class Frame {
    */
   slider({label, low, high, step, value, text, moved, kind = ""}) {
     const row = element(this.controls, "label", `slide ${kind}`), name = element(row, "span", "name");
-    const input = /** @type {HTMLInputElement} */ (row.appendChild(document.createElement("input"))), output = element(row, "b", "value");
+    const input = element(row, "input", ""), output = element(row, "b", "value");
     name.textContent = label;
     Object.assign(input, {type: "range", min: String(low), max: String(high), step: String(step)});
     const show = (/** @type {number} */ shown) => {
@@ -134,8 +135,9 @@ export class Frame {
     return made;
   }
 
-  /** What the drawings show, in a sentence. Numbers are in <b>. @param {string} html */
-  say(html) {
+  /** What the drawings show. Numbers are in <b>. @param {string[]} sentences HTML, "" for none */
+  say(...sentences) {
+    const html = sentences.filter(Boolean).join(" ");
     if (this.facts.innerHTML !== html) this.facts.innerHTML = html;
   }
 
@@ -184,7 +186,13 @@ export class Frame {
   }
 }
 
-/** @template {keyof HTMLElementTagNameMap} K @param {HTMLElement} within @param {K} tag @param {string} name @returns {HTMLElementTagNameMap[K]} */
+/**
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {HTMLElement} within
+ * @param {K} tag
+ * @param {string} name
+ * @returns {HTMLElementTagNameMap[K]}
+ */
 function element(within, tag, name) {
   const made = within.appendChild(document.createElement(tag));
   if (name) made.className = name;

@@ -1,9 +1,12 @@
 /** A map of E that can be touched: the learner's dot, and the demonstrator's diamond where that may be moved. */
-import {clamp, Landscape} from "../engine/engine.js";
+import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
-import {DEGREE} from "./frame.js";
+import {turned} from "./views.js";
 
 /** @typedef {import("../engine/world.js").World} World */
+
+/** What a screen reader says of a map. */
+export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";
 
 const STEP_DEG = 2, GRIP_PX = 16, FINGER_PX = 24;
 
@@ -57,7 +60,8 @@ export class Ground {
     if (this.isDue) this.map.ground(landscape, {lower, upper, joints: names});
     this.isDue = false;
     this.map.marks({
-      demonstrator, learner, minimum: landscape.minimum?.theta ?? null, path: path.map(one => ({...one, isPast: false})),
+      demonstrator, learner, minimum: landscape.minimum?.theta ?? null,
+      path: path.map(one => ({...one, isPast: false})),
     });
   }
 
@@ -89,7 +93,6 @@ export class Ground {
       place(posture(/** @type {PointerEvent} */ (event)));
       frame.redraw();
     });
-    const {lower, upper} = this.world.scene;
-    frame.arrows(box, (right, up) => place(learner().map((v, k) => clamp(v + (k ? right : up) * DEGREE, lower[k], upper[k]))));
+    frame.arrows(box, (right, up) => place(turned(learner(), right, up, this.world.scene)));
   }
 }

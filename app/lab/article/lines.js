@@ -1,23 +1,30 @@
-/** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other. */
+/**
+ * Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
+ */
 import {geometry, projectPoint, World} from "../engine/engine.js";
+import {twoCameras} from "../lessons/rays.js";
 import {Images} from "../view/images.js";
 import {Outside} from "../view/outside.js";
 import {fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
 import {imageOf, nearest, Overlay, sessionOf} from "./views.js";
 
-const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, NEAR = 0.72, FAR = 1.3, FIRST = 1.2, TRAIL = 15; // shares of the mark's distance
+const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, GRIP_PX = 28;
+const TRAIL = 15, PLACES = 117; // dots of the trail; places on the ray that are tried under a finger
+const NEAR = 0.72, FAR = 1.3, FIRST = 1.2; // shares of the mark's distance
 const AZIMUTH = -78 * DEGREE, ELEVATION = 22 * DEGREE; // from where the outside is seen
+
+/** @typedef {[ArrayLike<number>, string]} Dot */
 
 /** @type {import("./frame.js").FigureKind} */
 export function lines(frame, data) {
   const world = new World(data.scene, 10), {now} = sessionOf(world, POSE, POSE), unseen = now.views.demo.map(() => NaN);
-  // Both arms stand alike. So L sees its arm as a camera sees the other one that stands as L does, but beside that
-  const [l, , L] = data.scene.cameras, {demonstrator, learner} = data.scene.bases;
-  const beside = {...L, centre: L.centre.map((v, i) => v + demonstrator[4 * i + 3] - learner[4 * i + 3])};
+  const [l, beside] = twoCameras(world); // both arms stand alike: so L sees its own as `beside` sees the demonstrator
   const frames = world.arms.demonstrator.linkFrames(POSE), body = world.arms.demonstrator.points(POSE, world.body);
   const room = frame.panel("room", "From outside: the ray of camera <i>l</i>");
-  const boxes = {l: frame.panel("l", "Picture <i>l</i>: nothing moves"), L: frame.panel("L", "Picture <i>L</i>: along a line")};
+  const boxes = {
+    l: frame.panel("l", "Picture <i>l</i>: nothing moves"), L: frame.panel("L", "Picture <i>L</i>: along a line"),
+  };
   const outside = new Outside(room, data.hulls), images = new Images(boxes, data.hulls);
   const over = {l: new Overlay(images, 0, ["vi-mark"]), L: new Overlay(images, 2, ["vi-trail", "vi-mark"])};
   let point = HAND, share = FIRST, reached = [1, FIRST];
@@ -42,49 +49,51 @@ export function lines(frame, data) {
   });
   frame.button("Another point", () => choose((point + 1) % world.body.length));
   frame.button("Start again", () => choose(HAND));
-  frame.hint.textContent = "Drag the mark along its ray, or along the line in picture L. A tap on another point chooses it.";
+  frame.hint.textContent = "Drag the mark along its ray, or along the line in picture L. "
+    + "A tap on another point chooses it.";
   frame.drag(room, event => {
     const [x, y] = outside.place(place(share)), [u, v] = outside.under(event);
-    if (Math.hypot(x - u, y - v) > 28) return null;
-    const follow = (/** @type {PointerEvent} */ next) => {
-      const [from, to] = [place(0), place(1)];
-      move(outside.share(outside.under(next), [from[0], from[1], from[2]], [to[0], to[1], to[2]]));
-    };
-    return follow;
+    return Math.hypot(x - u, y - v) > GRIP_PX ? null
+      : next => move(outside.share(outside.under(next), place(0), place(1)));
   });
   frame.drag(boxes.L, event => {
     const at = projectPoint(beside, place(share)), [x, y] = images.under(event, 2);
-    if (Math.hypot(at[0] - x, at[1] - y) * images.view(2).window.scale > 28) return null;
+    if (Math.hypot(at[0] - x, at[1] - y) * images.view(2).window.scale > GRIP_PX) return null;
     return next => {
-      const [u, v] = images.under(next, 2);
-      const away = (/** @type {number} */ s) => { const p = projectPoint(beside, place(s)); return Math.hypot(p[0] - u, p[1] - v); };
-      move(Array.from({length: 117}, (_, k) => NEAR + k * .005).reduce((a, b) => away(b) < away(a) ? b : a));
+      const [u, v] = images.under(next, 2), away = (/** @type {number} */ s) => {
+        const seen = projectPoint(beside, place(s));
+        return Math.hypot(seen[0] - u, seen[1] - v);
+      };
+      const shares = Array.from({length: PLACES}, (_, k) => NEAR + k / (PLACES - 1) * (FAR - NEAR));
+      move(shares.reduce((a, b) => away(b) < away(a) ? b : a));
     };
   });
   for (const [box, view, seen] of /** @type {const} */ ([[boxes.l, 0, now.views.demo], [boxes.L, 2, now.views.own]]))
-    box.addEventListener("click", event => {
-      const next = nearest(world, images, view, /** @type {PointerEvent} */ (event), seen), [x, y] = images.under(/** @type {PointerEvent} */ (event), view);
-      const at = imageOf(seen, next, view);
-      if (next === point || Math.hypot(at[0] - x, at[1] - y) * images.view(view).window.scale > 16) return;
+    box.addEventListener("click", given => {
+      const event = /** @type {PointerEvent} */ (given), next = nearest(world, images, view, event, seen);
+      const [x, y] = images.under(event, view), at = imageOf(seen, next, view);
+      if (next === point || Math.hypot(at[0] - x, at[1] - y) * images.view(view).window.scale > GRIP_PX) return;
       choose(next);
       frame.redraw();
     });
   const seenNow = () => {
     const at = projectPoint(beside, place(share)), start = projectPoint(beside, place(1)), found = line();
-    return {at, walked: Math.hypot(at[0] - start[0], at[1] - start[1]), off: found ? Math.abs(found.a * at[0] + found.b * at[1] + found.c) : NaN};
+    const off = found ? Math.abs(found.a * at[0] + found.b * at[1] + found.c) : NaN;
+    return {at, walked: Math.hypot(at[0] - start[0], at[1] - start[1]), off};
   };
 
   return {
     measure() {
       outside.measure();
-      const corners = [...Array.from({length: world.body.length}, (_, i) => body.subarray(3 * i, 3 * i + 3)), l.centre, beside.centre, place(FAR)];
-      outside.aim(AZIMUTH, ELEVATION, corners);
+      const marked = Array.from({length: world.body.length}, (_, i) => body.subarray(3 * i, 3 * i + 3));
+      outside.aim(AZIMUTH, ELEVATION, [...marked, l.centre, beside.centre, place(FAR)]);
       images.measure();
     },
     draw() {
-      const found = line(), steps = Array.from({length: TRAIL}, (_, k) => reached[0] + k / (TRAIL - 1) * (reached[1] - reached[0]));
-      const trail = reached[1] - reached[0] > .005 ? steps : [], {at, walked, off} = seenNow();
-      images.draw(world, {moment: now, recovered: unseen, lines: found ? [found] : [], chosen: point, goal: false, ease: 1});
+      const found = line(), long = reached[1] - reached[0], {at, walked, off} = seenNow();
+      const trail = Array.from({length: long > .005 ? TRAIL : 0}, (_, k) => reached[0] + k / (TRAIL - 1) * long);
+      const lines = found ? [found] : [];
+      images.draw(world, {moment: now, recovered: unseen, lines, chosen: point, goal: false, ease: 1});
       over.l.marks("vi-mark", [imageOf(now.views.demo, point, 0)]);
       over.L.marks("vi-trail", trail.map(s => projectPoint(beside, place(s))));
       over.L.marks("vi-mark", [at]);
@@ -92,12 +101,18 @@ export function lines(frame, data) {
         bodies: [{frames, kind: "vi-demo"}],
         eyes: [{camera: l, kind: "", name: "l"}, {camera: beside, kind: "", name: "L"}],
         lines: [[l.centre, place(FAR), "vi-ray"], [beside.centre, place(share), "vi-ray-beyond"]],
-        dots: [...trail.map(s => /** @type {[number[], string]} */ ([place(s), "vi-trail"])), [place(share), "vi-mark"]],
+        dots: [...trail.map(s => /** @type {Dot} */ ([place(s), "vi-trail"])), [place(share), "vi-mark"]],
         labels: [],
       }, `From outside: the mark is ${fixed(share * metres(), 2)} m from camera l, on its ray`);
-      frame.say(walked < .05
-        ? `The mark sits on point ${point}. Slide it nearer or farther, and look at both pictures.`
-        : `The mark has moved by <b>${fixed(Math.abs(share - 1) * metres(), 2)} m</b>. In l it has not moved at all. In L it has walked <b>${fixed(walked, 0)} px</b>, and is <b>${fixed(off)} px</b> off the line that ten matched points give.`);
+      if (walked < .05) frame.say(
+        `The mark sits on point ${point}.`, "Slide it nearer or farther, and look at both pictures.",
+      );
+      else frame.say(
+        `The mark is <b>${fixed(Math.abs(share - 1) * metres(), 2)} m</b> from point ${point}.`,
+        "In l it has not moved at all.",
+        `In L it has walked <b>${fixed(walked, 0)} px</b>, and is <b>${fixed(off)} px</b> off the line that ten
+          matched points give.`,
+      );
     },
     state: () => ({point, share, off: seenNow().off}),
   };

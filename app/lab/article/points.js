@@ -3,29 +3,32 @@ import {recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
-import {Ground} from "./ground.js";
+import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 
 const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], FIRST = "4", LOW_PX2 = 3;
 
 /** @type {import("./frame.js").FigureKind} */
 export function points(frame, data) {
-  const boxes = {l: frame.panel("l", "Picture <i>l</i>"), L: frame.panel("L", "Picture <i>L</i>")}, images = new Images(boxes, data.hulls);
-  let count = FIRST, world = new World(data.scene, count), session = sessionOf(world, DEMONSTRATOR, START), theta = START;
-  const box = frame.mapPanel("ground", "E over both joints, in px²", "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.");
+  const boxes = {l: frame.panel("l", "Picture <i>l</i>"), L: frame.panel("L", "Picture <i>L</i>")};
+  const images = new Images(boxes, data.hulls), box = frame.mapPanel("ground", "E over both joints, in px²", KEYS);
+  let count = FIRST, world = new World(data.scene, count), theta = START;
+  let session = sessionOf(world, DEMONSTRATOR, theta);
   const ground = new Ground(frame, box, world), blank = box.appendChild(document.createElement("p"));
   blank.textContent = "E is 0 in every pose";
   blank.className = "nothing";
   const place = (/** @type {number[]} */ next) => { theta = next; };
   ground.touch(() => theta, place, () => DEMONSTRATOR, null);
-  frame.choice("Points", Object.fromEntries(Object.keys(data.scene.layouts).map(name => [name, name])), count, value => {
+  const counts = Object.keys(data.scene.layouts);
+  frame.choice("Points", Object.fromEntries(counts.map(name => [name, name])), count, value => {
     count = value;
     world = new World(data.scene, count);
     session = sessionOf(world, DEMONSTRATOR, theta);
     ground.enter(world);
   });
   frame.button("Start again", () => { theta = START; });
-  frame.hint.textContent = "Choose a number of points, then drag the blue dot over the map and watch the diamonds in picture L.";
+  frame.hint.textContent = "Choose a number of points, then drag the blue dot over the map "
+    + "and watch the diamonds in picture L.";
 
   /** How far from the demonstrator's pose E is still low somewhere, in degrees. */
   const widest = () => {
@@ -46,8 +49,15 @@ export function points(frame, data) {
       blank.hidden = !isBlank;
       ground.draw(DEMONSTRATOR, theta);
       images.draw(world, {moment, recovered: recovered(moment), lines: [], chosen: 0, goal: false, ease: 1});
-      frame.say(isBlank ? `With four points E is <b>${energyText(moment.E)} px²</b>, here and in every pose. The diamonds sit on the points, whatever the arm does.`
-        : `With ${count} points E is <b>${energyText(moment.E)} px²</b> here. ${widest() ? `A pose can be <b>${fixed(widest(), 0)}°</b> off although E is below ${LOW_PX2} px².` : `No pose has an E below ${LOW_PX2} px².`}`);
+      const E = `<b>${energyText(moment.E)} px²</b>`, far = isBlank ? 0 : widest();
+      if (isBlank) frame.say(
+        `With four points E is ${E}, here and in every pose.`, "The diamonds sit on the points, whatever the arm does.",
+      );
+      else frame.say(
+        `With ${count} points E is ${E} here.`,
+        far ? `A pose can be <b>${fixed(far, 0)}°</b> off although E is below ${LOW_PX2} px².`
+          : `No pose has an E below ${LOW_PX2} px².`,
+      );
     },
     state: () => ({count, theta, E: session.observe(theta).E}),
   };

@@ -5,7 +5,7 @@ import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
 import {SERVO_WORDS} from "../view/words.js";
 import {DEGREE} from "./frame.js";
-import {Ground} from "./ground.js";
+import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
 
 const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE];
@@ -16,8 +16,9 @@ const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60};
 /** @type {import("./frame.js").FigureKind} */
 export function servo(frame, data) {
   const world = new World(data.scene, 10), still = matchMedia("(prefers-reduced-motion: reduce)");
-  const box = frame.mapPanel("ground", "The way on the map of E, which no learner has", "Map of E. Arrow keys turn the learner’s start by 1 degree, with Shift by 5.");
-  const ground = new Ground(frame, box, world), boxes = {L: frame.panel("L", "Picture <i>L</i>")}, images = new Images(boxes, data.hulls);
+  const box = frame.mapPanel("ground", "The way on the map of E, which no learner has", KEYS);
+  const ground = new Ground(frame, box, world);
+  const images = new Images({L: frame.panel("L", "Picture <i>L</i>")}, data.hulls);
   const curve = new Curve(frame.panel("curve", "E after each step"));
   let law = FIRST, session = sessionOf(world, DEMONSTRATOR, START, law), isPlaying = false, due = 0;
   const begin = (/** @type {number[]} */ start) => {
@@ -54,7 +55,8 @@ export function servo(frame, data) {
   });
   frame.button("Start again", () => begin(session.settings.start));
   ground.touch(() => session.settings.start, begin, () => DEMONSTRATOR, null);
-  frame.hint.textContent = "Press Play, then try another law from the same start. Drag the blue dot to begin elsewhere.";
+  frame.hint.textContent = "Press Play, then try another law from the same start. "
+    + "Drag the blue dot to begin elsewhere.";
   for (let k = 0; k < STILL_STEPS; k++) advance();
 
   return {
@@ -65,12 +67,18 @@ export function servo(frame, data) {
     },
     draw() {
       const {now, trace} = session, steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
-      ground.draw(DEMONSTRATOR, now.theta, trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe})));
+      const path = trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe}));
+      ground.draw(DEMONSTRATOR, now.theta, path);
       images.draw(world, {moment: now, recovered: recovered(now), lines: [], chosen: 8, goal: true, ease: 1});
       curve.draw(trace);
       const off = Math.max(...now.theta.map((v, k) => Math.abs(v - DEMONSTRATOR[k]))) / DEGREE;
-      const end = now.status === "settled" ? " It has come to rest at a local minimum." : now.motion >= MAX_STEPS ? " We stop here." : "";
-      frame.say(`${SERVO_WORDS[law].says} After ${steps}, E is <b>${energyText(now.E)} px²</b>. The arm is <b>${fixed(off)}°</b> off, which it cannot know.${end}`);
+      frame.say(
+        SERVO_WORDS[law].says,
+        `After ${steps}, E is <b>${energyText(now.E)} px²</b>.`,
+        `The arm is <b>${fixed(off)}°</b> off, which it cannot know.`,
+        now.status === "settled" ? "It has come to rest at a local minimum." : "",
+        now.motion >= MAX_STEPS ? "The run stops here." : "",
+      );
     },
     state: () => ({law, motion: session.now.motion, theta: session.now.theta, E: session.now.E}),
   };

@@ -14,8 +14,8 @@
  * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, make, plain, touched, track} from "./dom.js";
-import {energy, measure} from "./measures.js";
+import {inline, isTouched, make, plain, touched, track} from "./dom.js";
+import {energy, fill, measure} from "./measures.js";
 import {short} from "./measured.js";
 
 const BET_STEP = 5, SCALE_STEPS = 200;
@@ -26,7 +26,7 @@ const KINDS = {choice, place, pose, number, do: task, select, predict, bet};
 /** @param {Stage} stage @param {Host} host */
 export function askOf(stage, host) {
   const {ask} = stage.step, asked = KINDS[ask.kind](stage, host), {glossary} = stage.page;
-  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(ask.question, glossary)}), asked.element);
+  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(fill(ask.question, stage), glossary)}), asked.element);
   return {...asked, element};
 }
 
@@ -72,7 +72,8 @@ function place(stage) {
     element: hint,
     update() {
       hint.hidden = stage.isRevealed;
-      hint.textContent = stage.mark ? touched("Click again to move your mark, or use the arrow keys.") : touched("Click in the framed picture. With the keyboard: arrow keys.");
+      hint.textContent = stage.mark ? isTouched() ? "Tap again to move your mark." : "Click again to move your mark, or use the arrow keys."
+        : isTouched() ? "Tap in the framed picture." : "Click in the framed picture, or use the arrow keys.";
     },
   };
 }
@@ -88,7 +89,7 @@ function number(stage, host) {
   const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
   const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
   const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step : Number(value.toPrecision(2));
-  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(question)});
+  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(fill(question, stage))});
   const output = make("output", {class: "large-number"});
   input.addEventListener("input", () => {
     const value = Number(input.value);
@@ -142,6 +143,10 @@ function select(stage, host) {
     selected[field] = value;
     stage.answer = {...stage.answer, selected};
     host.answered();
+    requestAnimationFrame(() => {
+      const open = selected.indexOf(-1), next = open < 0 ? reasonsBox : sets[open];
+      if (!stage.isRevealed) next.scrollIntoView({block: "nearest"});
+    });
   };
   const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
     ...values.map(({text, says}, value) => {

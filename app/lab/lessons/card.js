@@ -25,7 +25,7 @@ export class Card {
     this.after = make("p", {class: "after"});
     this.say = make("div", {class: "say"});
     this.glossary = page.glossary ?? {};
-    box.replaceChildren(make("h2", {tabindex: -1}, step.title), this.words, this.ask.element, this.told, this.reply, this.after, this.say);
+    box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.told, this.reply, this.after, this.say);
     /** @type {Map<HTMLElement, string>} */
     this.last = new Map();
   }
@@ -38,7 +38,7 @@ export class Card {
     this.#write(this.told, isShown ? this.#told() : "");
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
-    const isOwn = /\{your /.test(step.after ?? "") && answer.shown; // it would speak of what was not done
+    const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of what was not done
     this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(step.after, stage), this.glossary) : "");
     this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}` : "");
     this.box.classList.toggle("revealed", isShown);
@@ -50,8 +50,8 @@ export class Card {
     if (!told || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
     const {text} = measure(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/) ?? ["", text, ""];
     const note = told.note ? `<small>${inline(fill(told.note, this.stage), this.glossary)}</small>` : "";
-    const suffix = told.measure.includes("apart") && unit ? ` ${told.measure.endsWith("apart") ? `${unit} apart` : unit}` : unit;
-    return `<span>${inline(fill(told.label, this.stage))}</span><strong>${number}<i>${suffix}</i></strong>${note}`;
+    const isDegrees = unit.startsWith("°"), apart = told.measure.endsWith(" apart") ? `${isDegrees ? "" : `${unit} `}apart` : isDegrees ? "" : unit;
+    return `<span>${inline(fill(told.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${apart}</i></strong>${note}`;
   }
 
   /** What is read aloud as it becomes known, and not the whole card. */

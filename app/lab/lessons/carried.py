@@ -91,15 +91,16 @@ def carried(situation: Situation) -> Carried:
     session = situation.session()
     first = session.snapshot
     last = session.run(MAX_MOTIONS, patience=1).last
-    if first.transfer is None or last.transfer is None:
-        raise ValueError("too few points are seen in all four images to fit a transfer")
     motion, points = hand_circle(session.world, last.theta_demo, CIRCLE_FRAMES), hand_points(session)
-    right, early = (
-        _followed(session.world, one, follow(session, one.transfer, motion, points)) for one in (last, first)
-    )
+
+    def followed(frozen: Snapshot) -> Followed:
+        if frozen.transfer is None:
+            raise ValueError("too few points are seen in all four images to fit a transfer")
+        return _followed(session.world, frozen, follow(session, frozen.transfer, motion, points))
+
     hand = session.world.link_frames(last.theta_demo, session.world.T_world_own)[-1:, :3, 3]
     depth = float(session.world.own_pair.images(hand)[1][0, 0])
-    return Carried(right, early, 1e3 * depth / session.world.own_cameras[0].lens.focal[0])
+    return Carried(followed(last), followed(first), 1e3 * depth / session.world.own_cameras[0].lens.focal[0])
 
 
 def carried_record(situation: Situation) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 /**
- * What the lecturer's page has besides: a bar with what the class is to do, and a panel with who is here, everyone's
+ * What the lecturer's page has besides: a bar with what the class is to do, and a panel with persons and their steps, everyone's
  * paths, what the class has learned, and how to join.
  *
  * @typedef {import("./class-link.js").Message} Message
@@ -25,7 +25,7 @@ export class Lecturer {
   constructor(room) {
     this.room = room;
     this.isLeader = false;
-    this.isTold = false; // whether answers are shown here before they are revealed
+    this.showsAnswers = false; // whether answers are shown here before they are revealed
     /** @type {Map<number, Person>} */
     this.people = new Map();
     /** @type {import("./class.js").Results | null} */
@@ -56,15 +56,13 @@ export class Lecturer {
     } else if (kind === "count") {
       this.count = message;
       this.results = message.results;
-      if (this.isTold) this.room.showResults(this.results);
+      if (this.showsAnswers) this.room.showResults(this.results);
     } else if (kind === "csv") save("answers.csv", message.text);
     else if (kind === "gain") this.gain = message.learned;
     else if (kind === "invite") this.invitation = /** @type {any} */ (message);
     else if (kind === "copy") {
       this.tab = "";
-      this.room.lesson.lead(message.state);
-      this.room.lesson.lead(null);
-      this.note = "This is a copy of a student’s screen.";
+      this.room.showCopy(message.state);
     } else if (kind === "done") this.note = message.what;
   }
 
@@ -76,10 +74,10 @@ export class Lecturer {
 
   /** What the step on display is called in an order; null for a screen that asks nothing. */
   here() {
-    const {lesson, step} = this.room.lesson.state(), one = this.room.lesson.lessons().find((/** @type {any} */ found) => found.name === lesson);
+    const {lesson, step, seed} = this.room.lesson.state(), one = this.room.lesson.lessons().find((/** @type {any} */ found) => found.name === lesson);
     const [phase, k] = step.split("-"), item = one?.questions?.[Number(k) - 1];
     if ((phase === "before" || phase === "after") && item) return {lesson: "questions", step: item.id, phase};
-    return one?.steps.some((/** @type {any} */ found) => found.id === step) ? {lesson, step, phase: "own"} : null;
+    return one?.steps.some((/** @type {any} */ found) => found.id === step) ? {lesson, step, phase: "own", seed} : null;
   }
 
   // The bar
@@ -112,7 +110,7 @@ export class Lecturer {
       const total = this.results?.now.total ?? 0, isHere = here && here.lesson === asked.lesson && here.step === asked.step;
       rows.push(make("span", {class: "class-asked"}, make("b", {}, `${total} of ${count}`), asked.times > 1 ? ` answered, round ${asked.times}` : " answered"));
       if (!isHere) rows.push(button("Go to the question", () => this.#goToQuestion()));
-      if (!asked.revealed) rows.push(button(this.isTold ? "Hide answers" : "Show answers", () => this.#tell(), {"aria-pressed": String(this.isTold)}),
+      if (!asked.revealed) rows.push(button(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
         button("Reveal", () => this.order("reveal"), {class: "filled"}));
       rows.push(button("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
         button("Close the question", () => this.order("close")));
@@ -120,7 +118,7 @@ export class Lecturer {
       const again = here && this.count.asked.some((/** @type {any} */ one) => one.lesson === here.lesson && one.step === here.step && one.phase === here.phase);
       rows.push(button(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
         button("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
-        button(orders.lead ? "Let go" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
+        button(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
     }
     rows.push(button(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
       button(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
@@ -134,17 +132,17 @@ export class Lecturer {
 
   #askAgain() {
     const {asked} = this.room.orders;
-    if (asked) this.order("ask", {lesson: asked.lesson, step: asked.step, phase: asked.phase});
+    if (asked) this.order("ask", {lesson: asked.lesson, step: asked.step, phase: asked.phase, seed: asked.seed});
   }
 
   #goToQuestion() {
     const {asked} = this.room.orders;
-    if (asked) this.room.goTo(asked.lesson, asked.step, asked.phase);
+    if (asked) this.room.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
   }
 
   #gather() {
-    const {lesson, step} = this.room.lesson.state();
-    this.order("gather", {lesson, step});
+    const {lesson, step, seed} = this.room.lesson.state();
+    this.order("gather", {lesson, step, seed});
   }
 
   get isPresenting() {
@@ -162,9 +160,9 @@ export class Lecturer {
     this.order("hide", {on: !this.room.orders.hidden});
   }
 
-  #tell() {
-    this.isTold = !this.isTold;
-    this.room.showResults(this.isTold ? this.results : null);
+  #showAnswers() {
+    this.showsAnswers = !this.showsAnswers;
+    this.room.showResults(this.showsAnswers ? this.results : null);
     this.room.draw();
   }
 
@@ -237,7 +235,7 @@ export class Lecturer {
     const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isHidden && at?.demonstrator ? place(at.demonstrator) : null;
     const drawing = scene && last ? `<svg viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="way" d="M${path.map(p => p.join(" ")).join("L")}"/>${goal ? `<path class="goal" d="M${goal[0]} ${goal[1]}m-4 0l4-4 4 4-4 4z"/>` : ""}<circle cx="${last[0]}" cy="${last[1]}" r="3.6"/></svg>` : "";
     const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isHidden && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
-    return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(number), title: "Open a copy of this screen", onclick: () => this.order("want", {person: number}),
+    return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(number), title: "Open a copy of this screen", onclick: () => this.order("request", {person: number}),
       html: `<b>${escaped(name || "Student")}</b><span>${escaped(where)}${at?.answered ? " ✓" : ""}</span>${drawing}<small>${escaped(facts.join(" · "))}</small>`});
   }
 
@@ -278,7 +276,7 @@ export class Lecturer {
     const {gain} = this, items = this.room.lesson.lessons().flatMap((/** @type {any} */ one) => one.questions ?? []);
     const refresh = make("button", {type: "button", class: "plain", onclick: () => this.order("gain")}, "Count again");
     if (!gain) return make("div", {class: "class-inside"}, make("p", {class: "text"}, "Counting …"));
-    if (!gain.enough) return make("div", {class: "class-inside"}, make("p", {class: "text"}, `${gain.persons} ${gain.persons === 1 ? "person has" : "persons have"} answered the eight questions before and after. Below five nothing is shown: single persons could be told.`), refresh);
+    if (!gain.enough) return make("div", {class: "class-inside"}, make("p", {class: "text"}, `${gain.persons} ${gain.persons === 1 ? "person has" : "persons have"} answered the eight questions before and after. Below five nothing is shown: single persons could be recognised.`), refresh);
     const two = (/** @type {number} */ value) => value.toFixed(2).replace("-", "−"), percent = (/** @type {number} */ value) => `${Math.round(100 * value)} %`;
     const rows = gain.items.map((/** @type {Item} */ {item, persons, before, after}) => {
       const question = items.find((/** @type {any} */ one) => one.id === item), right = question?.answers.find((/** @type {any} */ one) => one.right);

@@ -26,7 +26,7 @@ export function resultsOf(results, about) {
     make("span", {class: `round-${k}`}, `${names[k]}, n = ${one.total}${asked.revealed && one.right !== null ? `, ${share(one.right, one.total)} right` : ""}`))));
   if (asked.revealed && ask.kind !== "choice") { // of a choice, question and reasons stay in the card
     said.prepend(make("p", {class: "class-question", html: inline(ask.question)}));
-    if (ask.close && !isRight(about.stage)) said.append(make("p", {html: inline(fill(ask.close, about.stage))}));
+    if (ask.close && isRight(about.stage) !== true) said.append(make("p", {html: inline(fill(ask.close, about.stage))}));
   }
   if (asked.revealed) {
     if (results.moved) said.append(movedOf(results.moved, first ? "Since the round before" : "Since the first round"));
@@ -84,7 +84,7 @@ function histogram(values, {unit, truth}) {
   const mark = truth !== null && Number.isFinite(truth) ? `<path class="truth" d="M${x(truth).toFixed(1)} ${top - 8}V${HEIGHT - FOOT}"/>` : "";
   const words = `${found.length} answers from ${number(low)} to ${number(high)}${unit}`;
   return make("figure", {class: "class-histogram", html: `<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="${escaped(words)}">${columns}<path class="axis" d="M0 ${HEIGHT - FOOT}H${WIDTH}"/>${mark}${ticks}</svg>
-<figcaption>${escaped(unit.trim())}${mark ? `${unit.trim() ? ", " : ""}line: ${number(/** @type {number} */ (truth))}` : ""}</figcaption>`});
+<figcaption>${mark ? `The line: ${number(/** @type {number} */ (truth))}${escaped(unit)}` : escaped(unit.trim())}</figcaption>`});
 }
 
 /** @param {number} value */
@@ -97,9 +97,10 @@ function cloud(values, {asked, stage}) {
     6 + (degrees[1][0] - a) / (degrees[1][0] - degrees[0][0]) * (height - bottom - 6)].map(v => v.toFixed(1));
   const crosses = values.map(one => at(one)).map(([x, y]) => `<path class="cross" d="M${x} ${y}m-4-4l8 8m0-8l-8 8"/>`).join("");
   const truth = asked.revealed && stage.step.ask.truth ? measure(stage, stage.step.ask.truth).value : null;
-  const goal = Array.isArray(truth) && truth.length === 2 ? at(truth.map((/** @type {number} */ v) => v / DEGREE)) : null;
+  const goal = truth?.length === 2 ? at(truth) : null;
   return make("figure", {class: "class-cloud", html: `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="${values.length} postures">
 <rect class="frame" x="${left}" y="6" width="${width - left - 6}" height="${height - bottom - 6}"/>${crosses}${goal ? `<path class="truth" d="M${goal[0]} ${goal[1]}m-7 0h14m-7-7v14"/>` : ""}
+${[0, 1].map(end => `<text x="${end ? width - 6 : left}" y="${height - 4}" text-anchor="${end ? "end" : "start"}">${number(degrees[end][1])}°</text><text x="${left - 4}" y="${end ? 16 : height - bottom}" text-anchor="end">${number(degrees[end][0])}°</text>`).join("")}
 <text x="${(left + width) / 2}" y="${height - 4}" text-anchor="middle">${escaped(names[1])}</text><text transform="translate(12 ${height / 2}) rotate(-90)" text-anchor="middle">${escaped(names[0])}</text></svg>`});
 }
 
@@ -118,7 +119,7 @@ function combinations(rounds, ask) {
 /** The mean bet on each run. @param {number[][]} values */
 function bets(values) {
   const runs = Math.max(...values.map(one => one.length));
-  return make("ol", {class: "class-bars"}, ...Array.from({length: runs}, (_, k) => {
+  return make("ol", {class: `class-bars${runs > 5 ? " in-columns" : ""}`}, ...Array.from({length: runs}, (_, k) => {
     const found = values.map(one => one[k]).filter(Number.isFinite), mean = found.reduce((sum, one) => sum + one, 0) / (found.length || 1);
     return make("li", {}, make("span", {class: "digit"}, String(k + 1)), make("span", {class: "pair"}, make("i", {class: "round-0", style: `--share:${mean / 100}`})),
       make("span", {class: "of"}, `mean ${Math.round(mean)} %, n = ${found.length}`));

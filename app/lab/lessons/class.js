@@ -1,5 +1,5 @@
 /**
- * A lessons' page that belongs to a class: it tells the server what is answered, and does what the lecturer wants.
+ * A lessons' page that belongs to a class: it sends answers to the server, and follows the lecturer's orders.
  * It is the page's entry; the lessons themselves know nothing of a class.
  *
  * @typedef {import("./class-link.js").Message} Message
@@ -8,8 +8,8 @@
  * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null,
  *   moved_since_first: Moved | null}} Results
  * @typedef {{round: number, lesson: string, step: string, phase: "own" | "before" | "after", times: number,
- *   revealed: boolean, results: Results | null}} Asked
- * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string} | null,
+ *   revealed: boolean, results: Results | null, seed: number}} Asked
+ * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed: number} | null,
  *   frozen: boolean, hidden: boolean, reset: number}} Orders
  */
 import {browser, Link, tab} from "./class-link.js";
@@ -17,7 +17,9 @@ import {resultsOf} from "./class-results.js";
 import {Lecturer} from "./class-lecturer.js";
 import {make} from "./dom.js";
 import {} from "./lesson.js";
+import {byId as $} from "../view/page.js";
 
+const NAME = /^[\w .-]{0,60}$/, MAX_DEPTH = 6; // of a screen that another page has sent
 const QUESTIONS = "questions"; // the form of the eight
 const ANSWER_MS = 250, AT_MS = 1000, LEAD_MS = 100; // between two messages
 const MAX_POSTURES = 40, DEGREE = Math.PI / 180;
@@ -41,6 +43,15 @@ export function given(answer, stage) {
   return answer.done ? {number: (stage?.motions.length ?? 1) - 1} : null;
 }
 
+/** Whether a screen of another page holds nothing but numbers and names, and so no markup. @param {any} value @param {number} [depth] @returns {boolean} */
+export function isPlain(value, depth = 0) {
+  if (depth > MAX_DEPTH) return false;
+  if (value === null || typeof value === "boolean" || typeof value === "number") return true;
+  if (typeof value === "string") return NAME.test(value);
+  return Array.isArray(value) ? value.every(one => isPlain(one, depth + 1))
+    : Object.entries(value).every(([name, one]) => NAME.test(name) && name !== "__proto__" && isPlain(one, depth + 1));
+}
+
 /** The class on one page. */
 class Classroom {
   /** @param {any} lesson the page's hooks */
@@ -51,12 +62,14 @@ class Classroom {
     this.isLecturer = false;
     this.isAside = false; // whether what this page had before is put aside
     this.began = performance.now(); // when the question on display was shown
+    this.hasCopy = false; // whether it shows another page's screen
     this.problem = "";
     this.lastAt = this.lastScreen = "";
     this.link = new Link(message => this.hear(message), () => this.draw());
     this.box = lesson.box.appendChild(make("section", {class: "class-box", "aria-label": "The class"}));
     this.dock = document.body.appendChild(make("section", {class: "class-dock", "aria-label": "Answers of the class", hidden: true}));
     new ResizeObserver(() => document.body.style.setProperty("--dock", `${this.dock.offsetHeight}px`)).observe(this.dock);
+    this.inside = make("section", {"aria-label": "Answers of the class"}); // of a card on a phone, in place of the dock
     this.isNarrow = matchMedia("(max-width:900px),(max-width:1000px) and (orientation:portrait)");
     this.isNarrow.addEventListener("change", () => this.draw());
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
@@ -68,7 +81,7 @@ class Classroom {
     this.draw();
   }
 
-  // What this page tells
+  // What this page sends
 
   #watch() {
     const {lesson} = this;
@@ -87,7 +100,7 @@ class Classroom {
     lesson.onTruth = (/** @type {boolean} */ isHidden) => { // which the lecturer alone shows again
       if (this.orders.hidden && !isHidden) lesson.hideTruth(true);
     };
-    lesson.onChange = () => this.#tellWhere();
+    lesson.onChange = () => this.#sendWhere();
     addEventListener("pagehide", () => this.#sendLast());
     setInterval(() => this.#lead(), LEAD_MS);
   }
@@ -117,7 +130,7 @@ class Classroom {
   }
 
   #atTimer = 0;
-  #tellWhere() {
+  #sendWhere() {
     if (this.isLecturer || this.#atTimer) return;
     this.#atTimer = setTimeout(() => {
       this.#atTimer = 0;
@@ -164,12 +177,9 @@ class Classroom {
     if (kind === "welcome") this.#welcome(message.lecturer);
     else if (kind === "orders") this.#follow(/** @type {Orders} */ (/** @type {unknown} */ (message)));
     else if (kind === "screen") {
-      if (this.orders.lead && !this.isLecturer) this.lesson.lead(message.state);
-    } else if (kind === "send") {
-      this.#takeBack();
-      this.lesson.lead(message.state);
-      this.lesson.lead(null);
-    } else if (kind === "want") this.link.send({kind: "copy", number: message.number, state: this.screen()});
+      if (this.orders.lead && !this.isLecturer) this.#show(message.state);
+    } else if (kind === "send") this.showCopy(message.state);
+    else if (kind === "request") this.link.send({kind: "copy", number: message.number, state: this.screen()});
     else if (kind === "refused") this.problem = `An answer does not count. ${message.why}`;
     else if (kind === "resend") this.problem = "";
     else if (kind === "lecturer") {
@@ -185,13 +195,33 @@ class Classroom {
     this.draw();
   }
 
+  /** @param {any} state of another page */
+  #show(state) {
+    if (!isPlain(state)) return;
+    try { this.lesson.lead(state); } catch (error) { console.error(error); } // of another version of the lessons
+  }
+
+  /** Another page's screen, to go on from. What this page had is put aside until "Back". @param {any} state */
+  showCopy(state) {
+    this.#putAside();
+    this.hasCopy = true;
+    this.#show(state);
+    this.lesson.lead(null);
+  }
+
+  back() {
+    this.hasCopy = false;
+    this.#takeBack();
+    this.draw();
+  }
+
   /** @param {boolean} isLecturer */
   #welcome(isLecturer) {
     this.isLecturer = isLecturer;
     this.lastAt = this.lastScreen = "";
     document.body.classList.toggle("lecturer", isLecturer);
     if (isLecturer) for (const lock of ["freeze", "hold"]) this.lesson[lock](false);
-    else this.#tellWhere();
+    else this.#sendWhere();
   }
 
   /** @param {Orders} orders */
@@ -210,7 +240,7 @@ class Classroom {
     const {gather, reset} = orders;
     if (gather && Number(tab.get("gathered") ?? 0) !== gather.number) {
       tab.set("gathered", String(gather.number));
-      this.goTo(gather.lesson, gather.step, "before");
+      this.goTo(gather.lesson, gather.step, "before", gather.seed);
     }
     const done = tab.get("reset");
     if (done !== null && Number(done) !== reset) lesson.askAnew();
@@ -224,26 +254,27 @@ class Classroom {
       if (!before) return;
       lesson.hold(false);
       lesson.showOthers(null);
-      this.lecturer.isTold = false;
+      this.lecturer.showsAnswers = false;
       if (!isLecturer) this.#takeBack();
       return;
     }
     if (asked.round !== before?.round) {
       this.problem = "";
-      this.lecturer.isTold = false;
+      this.lecturer.showsAnswers = false;
       lesson.showOthers(null);
       if (!isLecturer) {
         lesson.lead(null);
         this.#putAside();
       }
       lesson.hold(true);
-      this.goTo(asked.lesson, asked.step, asked.phase);
+      this.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
       lesson.askAnew();
       this.began = performance.now();
     }
     if (asked.revealed && (asked.round !== before?.round || !before.revealed)) {
       lesson.hold(false);
       lesson.reveal();
+      if (isLecturer) delete lesson.stage()?.answer.shown; // the lecturer needs no advice to guess
     }
     if (asked.revealed) this.showResults(asked.results);
   }
@@ -260,7 +291,7 @@ class Classroom {
   #stay() {
     const {asked} = this.orders;
     if (!asked || this.isLecturer || this.#isAt(asked)) return;
-    this.goTo(asked.lesson, asked.step, asked.phase);
+    this.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
   }
 
   /** @param {{lesson: string, step: string, phase: string}} where */
@@ -269,16 +300,22 @@ class Classroom {
     return lesson === QUESTIONS ? now.step === this.#screenOf(now.lesson, step, phase) : now.lesson === lesson && now.step === step;
   }
 
+  /** Whether a step has a random start. @param {string} name @param {string} id @returns {boolean} */
+  #hasRandomStart(name, id) {
+    const step = this.#lessonOf(name)?.steps.find((/** @type {any} */ one) => one.id === id);
+    return Boolean(step && (step.deal || step.ask.kind === "predict" || step.carry && this.#hasRandomStart(name, step.carry)));
+  }
+
   /** How a screen of the eight questions is named. @param {string} lesson @param {string} item @param {string} phase */
   #screenOf(lesson, item, phase) {
     const k = this.#lessonOf(lesson)?.questions?.findIndex((/** @type {any} */ one) => one.id === item) ?? -1;
     return k < 0 ? null : `${phase === "after" ? "after" : "before"}-${k + 1}`;
   }
 
-  /** @param {string} name @param {string} step @param {string} phase */
-  goTo(name, step, phase) {
+  /** @param {string} name @param {string} step @param {string} phase @param {number} seed of a random start: the same for all */
+  goTo(name, step, phase, seed) {
     const all = this.lesson.lessons(), now = this.lesson.state().lesson;
-    if (name !== QUESTIONS) return this.lesson.goTo(name, step);
+    if (name !== QUESTIONS) return this.lesson.goTo(name, step, this.#hasRandomStart(name, step) ? seed : undefined);
     const found = [this.#lessonOf(now), ...all].find(one => one?.questions?.length);
     return found && this.lesson.goTo(found.name, this.#screenOf(found.name, step, phase));
   }
@@ -290,6 +327,7 @@ class Classroom {
   }
 
   #takeBack() {
+    this.hasCopy = false;
     if (!this.isAside) return;
     this.isAside = false;
     this.lesson.back();
@@ -308,10 +346,14 @@ class Classroom {
       ? `No connection to the class. ${waiting} ${waiting === 1 ? "answer waits" : "answers wait"} here and will be sent.`
       : "No connection to the class. You can go on; this page connects again by itself."));
     if (this.problem) lines.push(make("p", {class: "class-note warns"}, this.problem));
+    if (this.hasCopy && !asked) lines.push(make("p", {class: "class-note"}, this.isLecturer ? "This is a copy of a student’s screen. " : "The lecturer has sent this screen. ",
+      make("button", {type: "button", class: "link", onclick: () => this.back()}, "Back to mine")));
     if (!this.isLecturer) lines.push(...this.#studentsLines(asked, waiting, isHeld));
     const results = asked ? this.#questionLines(asked) : [];
-    fill(this.box, this.isNarrow.matches ? [...lines, ...results] : lines);
+    fill(this.box, lines);
+    fill(this.inside, this.isNarrow.matches ? results : []);
     fill(this.dock, this.isNarrow.matches ? [] : results);
+    if (!this.inside.hidden && !this.inside.isConnected) $("body").append(this.inside); // a new screen has removed it
     document.body.classList.toggle("class-docked", !this.dock.hidden);
     document.body.classList.toggle("class-asks", Boolean(asked && (!asked.revealed || !this.isLecturer)));
     this.lecturer.draw();
@@ -333,7 +375,7 @@ class Classroom {
 
   /** What was answered, once it may be seen here. @param {Asked} asked */
   #questionLines(asked) {
-    const results = asked.revealed ? asked.results : this.isLecturer && this.lecturer.isTold ? this.lecturer.results : null;
+    const results = asked.revealed ? asked.results : this.isLecturer && this.lecturer.showsAnswers ? this.lecturer.results : null;
     if (!results || !this.#isAt(asked)) return [];
     const question = asked.lesson === QUESTIONS
       ? this.lesson.lessons().flatMap((/** @type {any} */ one) => one.questions ?? []).find((/** @type {any} */ one) => one.id === asked.step) : null;
@@ -370,7 +412,7 @@ class Classroom {
   }
 }
 
-/** Draw it anew if it differs. @param {HTMLElement} box @param {HTMLElement[]} parts */
+/** Draw it again if it differs. @param {HTMLElement} box @param {HTMLElement[]} parts */
 function fill(box, parts) {
   const key = parts.map(part => part.outerHTML).join("");
   box.hidden = !parts.length;

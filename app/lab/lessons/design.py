@@ -174,15 +174,17 @@ def rounds_record(situation: Situation) -> dict[str, Any]:
 
 def compute_rounds(situation: Situation, starts: int) -> dict[str, Any]:
     """Run the method of every choice, and the page's own, from a number of starts: some seconds for each."""
-    page = "/".join(PAGE_CHOICE)
-    chosen = product(situation.choices.get("transfer", ()), situation.choices.get("servo", ()))
-    names = dict.fromkeys([*map("/".join, chosen), page])
+    choices = product(situation.choices.get("transfer", ()), situation.choices.get("servo", ()))
+    methods = dict.fromkeys([*choices, PAGE_CHOICE])
     return {
         "starts": starts,
         "motions": ROUND_MOTIONS,
         "withinDeg": WITHIN_DEG,
-        "page": page,
-        "runs": {name: plain(rounds(situation, *name.split("/"), range(starts)), 3) for name in names},
+        "page": "/".join(PAGE_CHOICE),
+        "runs": {
+            f"{transfer}/{servo}": plain(rounds(situation, transfer, servo, range(starts)), 3)
+            for transfer, servo in methods
+        },
     }
 
 

@@ -23,13 +23,13 @@ export function make(tag, properties = {}, ...children) {
 export const escaped = text => text.replace(/[&<>"]/g, c => ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
 
 /** Whether a finger is what points here. */
-const isTouched = () => matchMedia("(pointer: coarse)").matches;
+export const isTouched = () => matchMedia("(pointer: coarse)").matches;
 
 /** "Tap" for "Click" where fingers point. @param {string} words */
 export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap").replace(/\bpress\b/g, "tap") : words;
 
 /** Words with **bold**; a bold term of the glossary explains itself. @param {string} words @param {Record<string, string>} [glossary] */
-export const inline = (words, glossary = {}) => escaped(touched(words)).replace(/\*\*(.+?)\*\*/g, (_, bold) => {
+export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g, (_, bold) => {
   const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase() || `${term.toLowerCase()}s` === bold.toLowerCase());
   return key ? `<button type="button" class="term" data-term="${key}" aria-expanded="false"><b>${bold}</b></button>` : `<b>${bold}</b>`;
 });

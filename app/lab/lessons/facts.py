@@ -237,10 +237,6 @@ def _hand_run_off(situation: Situation) -> float:
     return float(sign.off_deg(one.session.snapshot)[1])
 
 
-def _place(back: float, sideways: float) -> Callable[[Situation], float]:
-    return lambda situation: records.carried_to(situation, back, sideways).start.E
-
-
 def _first_shown(joint: int, by_arrows: bool) -> Fact:
     return Fact(lambda situation: records.shown_px(situation, joint, by_arrows), " px")
 
@@ -255,9 +251,6 @@ def _rounds(situation: Situation) -> float:
 
 FACTS: Mapping[str, Fact] = {
     # tour
-    "E sideways": Fact(_place(0.0, 0.5), " px²", 0),
-    "E back": Fact(_place(2.0, 0.0), " px²", 0),
-    "E nearer": Fact(_place(*records.NEARER), " px²", 0),
     "median cosine": Fact(lambda situation: float(np.median(records.signposts(situation))), "", 2),
     # limits
     "bias at once the distance": Fact(_bias_at(1.0), "°", 1),
@@ -326,7 +319,6 @@ FACTS: Mapping[str, Fact] = {
 }
 RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which the page has it
     "races": records.races,
-    "places": records.places,
     "biases": records.biases,
     "clouds": records.clouds_record,
     "swapped": lambda situation: [list(pair) for pair in records.true_pairs(situation)],
@@ -337,8 +329,6 @@ RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which
     "runs": lambda situation: sign.runs_record(),
 }
 FIGURE_RECORDS: Mapping[str, tuple[str, ...]] = {  # the records that a figure draws
-    "room from above": ("places",),
-    "E axis": ("places",),
     "biases": ("biases",),
     "clouds": ("clouds",),
     "mended": ("rectification", "offDeg"),

@@ -24,6 +24,7 @@ from .format import (
     Step,
     measures_of,
 )
+from .paper_measures import PAPER_MEASURES
 from .paper_pictures import Frame, image, outside, posture_map, ruler
 from .sheet import (
     GREY,
@@ -131,8 +132,8 @@ class _StepOnPaper:
 
     def __init__(self, lesson: Lesson, step: Step, solutions: bool):
         self._step, self._solutions = step, solutions
-        self._situation = situation_of(lesson, step)
-        self._facts = _texts_of_facts(self._situation, step)
+        self._situation = situation_on_paper(lesson, step)
+        self._facts = _texts_of_measures(self._situation, step)
 
     def draw(self, canvas: Canvas, heading: str, top: float) -> float:
         """Draw it below a height of the page; return how high it is [mm]."""
@@ -230,13 +231,13 @@ class _StepOnPaper:
 
     def _solution(self, column: "_Column") -> None:
         for words in self._replies():
-            column.text(self._fill(words))
+            column.text(_whole(self._fill(words)))
             column.gap(0.8)
         if self._step.told is not None and self._step.told.measure in self._facts:
             column.text(f"{self._fill(self._step.told.label)}: **{self._facts[self._step.told.measure]}**")
             column.gap(0.8)
-        if self._step.after:
-            column.text(self._fill(self._step.after), colour=GREY)
+        if _whole(self._fill(self._step.after)):
+            column.text(_whole(self._fill(self._step.after)), colour=GREY)
             column.gap(0.8)
         column.gap(1.0)
         column.text("Now you can say", size=SMALL, colour=GREY)
@@ -255,7 +256,12 @@ class _StepOnPaper:
         elif isinstance(ask, Select):
             yield from (f"**{reason.text}:** {reason.because}" for reason in ask.reasons)
         elif isinstance(ask, Number):
-            yield f"The answer is **{{{ask.truth}}}**. {ask.close}"
+            known = (
+                f"The answer is **{{{ask.truth}}}**."
+                if ask.truth in self._facts
+                else "The answer depends on the start."
+            )
+            yield f"{known} {ask.close}"
             yield f"If it was too large: {ask.far}"
             if ask.less:
                 yield f"If it was too small: {ask.less}"
@@ -347,9 +353,28 @@ def _on_paper(question: str) -> str:
     return question
 
 
-def _texts_of_facts(situation: Situation, step: Step) -> dict[str, str]:
-    """Measures of a step that the library knows, as they stand in a sentence."""
+def situation_on_paper(lesson: Lesson, step: Step) -> Situation:
+    """Return the state that a step shows at first, its sliders where they begin."""
+    situation = situation_of(lesson, step)
+    moved = {slider.name: slider.start for slider in step.sliders if slider.name in ("distance", "baseline")}
+    return situation.with_eyes(**moved) if moved else situation
+
+
+def _texts_of_measures(situation: Situation, step: Step) -> dict[str, str]:
+    """Measures of a step that the library computes, as they stand in a sentence."""
     names = sorted(measures_of(step))
-    inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.race)]
-    found = cached("handout", inputs, lambda: facts.compute(situation, names)[0])
-    return {name: fact["text"] for name, fact in found.items()}
+    inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.sliders)]
+    return cached("handout", [*inputs, repr(situation.race)], lambda: _told(situation, names))
+
+
+def _told(situation: Situation, names: Iterable[str]) -> dict[str, str]:
+    found = {name: fact["text"] for name, fact in facts.compute(situation, names)[0].items()}
+    for name in names:
+        if name in PAPER_MEASURES and name not in found:
+            found[name] = PAPER_MEASURES[name].tell(situation)["text"]
+    return found
+
+
+def _whole(words: str) -> str:
+    """Only the sentences that have no blank."""
+    return " ".join(sentence for sentence in re.split(r"(?<=[.!?])\s+", words) if BLANK not in sentence)

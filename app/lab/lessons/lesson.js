@@ -61,6 +61,11 @@ function begin(data) {
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, began = performance.now();
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
+  /** The state of viewimit's page that one came from, as its links have it. */
+  const instrument = (new URLSearchParams(location.hash.slice(1)).get("page") ?? "").replace(/[^\w-]/g, "");
+  /** Whether the lab stands beside this page. */
+  const isServed = location.protocol !== "file:" && /\/lab\/[^/]+$/.test(location.pathname);
+
   // Places and their names
 
   /** @param {Lesson} of @returns {Place[]} */
@@ -166,8 +171,6 @@ function begin(data) {
     hooks.onChange();
   }
 
-  /** The state of viewimit's page that one came from, as its links have it. */
-  const instrument = new URLSearchParams(location.hash.slice(1)).get("page") ?? "";
   const isDealt = (/** @type {Stage} */ {step, carried}) => Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
   function remember() {
     const parts = [`lesson=${lesson.name}`];
@@ -184,9 +187,9 @@ function begin(data) {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
     others: () => others && "counts" in others ? others : null,
-    links: now => location.protocol === "file:" ? null : {lab: labFolder() + labAddress(now, location.pathname.split("/").pop() + location.hash), viewimit: viewimitAddress(now) && `../${viewimitAddress(now)}`},
+    links: now => isServed ? {lab: `../lab${labAddress(now, location.pathname.split("/").pop() + location.hash)}`, viewimit: instrument ? `../?s=${instrument}` : viewimitAddress(now) && `../${viewimitAddress(now)}`,
+      words: instrument ? "Back to viewimit" : "Open in viewimit"} : null,
   };
-  const labFolder = () => location.pathname.includes("/lab/") ? "../lab" : "lab";
 
   function show() {
     screen?.remove();
@@ -195,6 +198,7 @@ function begin(data) {
     $("figures").replaceChildren();
     stage = place.kind === "step" ? stageOf(place.id) : null;
     document.body.dataset.screen = place.kind;
+    document.body.dataset.ask = stage?.step.ask.kind ?? "";
     if (stage) {
       stage.others = others && "marks" in others ? others.marks : [];
       screen = new StepScreen($("body"), $("figures"), stage, course);
@@ -268,7 +272,8 @@ function begin(data) {
     $("home").textContent = place.kind === "home" ? "viewimit lessons" : lesson.short;
     $("where").textContent = where;
     $("left").textContent = left();
-    $("leave").hidden = place.kind === "home" && !course.links;
+    $("leave").hidden = place.kind === "home" && !isServed;
+    $("leave").firstElementChild.textContent = place.kind !== "home" ? "Leave" : instrument ? "Back to viewimit" : "The lab";
     const key = JSON.stringify([lesson.name, nameOf(place), steps.map(({id}) => kept().steps[id]?.revealed ?? false), isLocked()]);
     if ($("progress").dataset.key === key) return;
     $("progress").dataset.key = key;
@@ -426,6 +431,7 @@ function begin(data) {
   const leave = () => {
     if (isLocked()) return;
     if (place.kind !== "home") enter(lesson, {kind: "home"});
+    else if (isServed) location.href = instrument ? `../?s=${instrument}` : "../lab";
   };
   $("home").addEventListener("click", leave);
   $("leave").addEventListener("click", leave);

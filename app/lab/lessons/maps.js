@@ -69,8 +69,7 @@ export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
 const minima = new WeakMap();
 
 /**
- * The posture where E is smallest: on a coarse grid, then on ever finer ones about the lowest; null where too few
- * points are seen.
+ * The posture where E is smallest, null where it is nowhere known.
  *
  * @param {World} world
  * @param {string} transfer
@@ -80,28 +79,39 @@ const minima = new WeakMap();
 export function smallest(world, transfer, demo) {
   const key = seenBy(transfer, demo), known = minima.get(world);
   if (known?.key === key) return known.theta;
-  const {lower, upper} = world.scene, coarse = new Landscape(world, COARSE_DEG);
-  coarse.evaluate(transfer, demo);
-  let lowest = coarse.minimum?.theta ?? null, step = COARSE_DEG * DEGREE;
-  for (let round = 0; lowest && round < ROUNDS; round++) {
-    const near = (/** @type {number} */ side) => /** @type {number[]} */ (lowest).map((v, k) =>
-      Math.min(Math.max(v + side * AROUND * step, lower[k]), upper[k]));
-    lowest = leastWithin(world, transfer, demo, near(-1), near(1));
-    step *= 2 * AROUND / (FINER - 1);
-  }
-  minima.set(world, {key, theta: lowest});
-  return lowest;
+  const theta = lowest(world.scene, at => energyAt(world, transfer, demo, at));
+  minima.set(world, {key, theta});
+  return theta;
 }
 
-/** @param {World} world @param {string} transfer @param {Look} demo @param {number[]} low @param {number[]} high rad */
-function leastWithin(world, transfer, demo, low, high) {
-  let least = Infinity, found = null;
-  for (let i = 0; i < FINER; i++) for (let j = 0; j < FINER; j++) {
-    const theta = [low[0] + (high[0] - low[0]) * i / (FINER - 1), low[1] + (high[1] - low[1]) * j / (FINER - 1)];
-    const E = energyAt(world, transfer, demo, theta);
-    if (E < least) [least, found] = [E, theta];
+/**
+ * The posture within the limits where a function of it is smallest: on a coarse grid, then on ever finer ones about the
+ * lowest; null where it is nowhere known.
+ *
+ * @param {{lower: number[], upper: number[]}} limits rad
+ * @param {(theta: number[]) => number} of
+ * @returns {number[] | null} rad
+ */
+export function lowest({lower, upper}, of) {
+  const counts = lower.map((v, k) => Math.round((upper[k] - v) / DEGREE / COARSE_DEG) + 1);
+  let best = leastWithin(of, lower, upper, counts), step = COARSE_DEG * DEGREE;
+  for (let round = 0; best && round < ROUNDS; round++) {
+    const [low, high] = [-1, 1].map(side => /** @type {number[]} */ (best).map((v, k) =>
+      Math.min(Math.max(v + side * AROUND * step, lower[k]), upper[k])));
+    best = leastWithin(of, low, high, [FINER, FINER]);
+    step *= 2 * AROUND / (FINER - 1);
   }
-  return found;
+  return best;
+}
+
+/** @param {(theta: number[]) => number} of @param {number[]} low @param {number[]} high @param {number[]} counts */
+function leastWithin(of, low, high, counts) {
+  let least = Infinity, best = null;
+  for (let i = 0; i < counts[0]; i++) for (let j = 0; j < counts[1]; j++) {
+    const theta = [i, j].map((step, k) => low[k] + (high[k] - low[k]) * step / (counts[k] - 1)), value = of(theta);
+    if (value < least) [least, best] = [value, theta];
+  }
+  return best;
 }
 
 /**

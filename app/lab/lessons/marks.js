@@ -5,7 +5,7 @@
  * @typedef {import("./stage.js").Mark} Mark
  * @typedef {import("./stage.js").Figure} Figure
  */
-import {add, px} from "../view/svg.js";
+import {add, drawingUnit, px} from "../view/svg.js";
 import {measure} from "./measures.js";
 import {nearest} from "./measured.js";
 
@@ -34,7 +34,7 @@ export class Marks {
       if (!isOpen() || event.button !== 0) return;
       held = event.pointerId;
       box.setPointerCapture(held);
-      box.focus({preventScroll: true});
+      box.focus(/** @type {any} */ ({preventScroll: true, focusVisible: false}));
       this.#at(event);
       event.preventDefault();
     });
@@ -66,13 +66,16 @@ export class Marks {
   }
 
   draw() {
-    const stage = this.stage(), {ask} = stage.step, {clientWidth, clientHeight} = this.box;
-    const at = (/** @type {Mark} */ mark) => this.figure.place?.(stage, mark) ?? null;
+    const stage = this.stage(), {ask} = stage.step, unit = drawingUnit(), clientWidth = this.box.clientWidth / unit, clientHeight = this.box.clientHeight / unit;
+    const at = (/** @type {Mark} */ mark) => {
+      const found = this.figure.place?.(stage, mark);
+      return found ? /** @type {[number, number]} */ ([found[0] / unit, found[1] / unit]) : null;
+    };
     const own = stage.mark && at(stage.mark), round = stage.rounds[stage.rounds.length - 1];
     let html = stage.others.map(at).filter(found => found !== null)
       .map(([x, y]) => `<path class="mark-other" d="M${px(x - 4)} ${px(y - 4)}l8 8m0-8l-8 8"/>`).join("");
     const truth = ask.kind === "place" && stage.isRevealed && own && stage.mark && ask.truth ? measure(stage, ask.truth).value : null;
-    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)), measure(stage, "px apart").text])
+    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)), measure(stage, stage.step.told?.measure ?? "px apart").text])
       : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to), `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
     if (between && between[0] && between[1]) {
       const [[a, b], [c, d], text] = /** @type {[[number, number], [number, number], string]} */ (/** @type {unknown} */ (between)), wide = PILL_PX * text.length + 14;

@@ -79,7 +79,7 @@ export const MEASURES = {
   "your error": stage => told(degreesApart(stage.motions[stage.motions.length - 1].theta, stage.moment.thetaDemo), "°", 1),
   "moved": stage => told(degreesApart(stage.moment.thetaDemo, stage.state.demonstrator), "°", 0),
   "your motions": stage => told(stage.motions.length - 1, "", 0),
-  "your motions to the goal": stage => reached(stage.motions.map(({E}) => E), stage.goal),
+  "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal) : told(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
@@ -101,5 +101,5 @@ export function measure(stage, name) {
   return MEASURES[name]?.(stage) ?? told(NaN);
 }
 
-/** Words with their {measures}. @param {string} words @param {Stage} stage */
-export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) => measure(stage, name).text);
+/** Words with their {measures}; no line ends between a number and its unit. @param {string} words @param {Stage} stage */
+export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) => measure(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));

@@ -75,12 +75,12 @@ export const JACOBIAN_MEASURES = {
     for (let i = 0; i < count; i++) sum += (own[4 * i] - goal[4 * i]) ** 2 + (own[4 * i + 1] - goal[4 * i + 1]) ** 2;
     return told(Math.sqrt(sum / count), " px");
   },
-  "first errors": stage => {
+  "your first errors": stage => {
     const first = errors(stage).slice(0, 2), text = first.map(value => fixed(value, 0)).join(" and ");
     return {value: first[0] ?? NaN, unit: " px", text: first.length ? `${text} px` : "–"};
   },
-  "last error": stage => told(errors(stage).pop() ?? NaN, " px", 1),
-  "last share": stage => {
+  "your last error": stage => told(errors(stage).pop() ?? NaN, " px", 1),
+  "your last share": stage => {
     const last = stage.rounds[stage.rounds.length - 1], off = errors(stage).pop() ?? NaN;
     return told(last ? 100 * off / Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]) : NaN, " %", 0);
   },

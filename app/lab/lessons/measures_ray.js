@@ -38,7 +38,8 @@ export function pencilOf({world, moment, sliders}) {
 export function fifthLeftOut(pairs) {
   return Math.max(...pairs.map((_, left) => {
     const rows = pairs.map(pair => pair.flat()), used = rows.filter((_, i) => i !== left);
-    const mean = [0, 1, 2, 3].map(k => used.reduce((sum, row) => sum + row[k], 0) / used.length), W = new Float64Array(16);
+    const mean = [0, 1, 2, 3].map(k => used.reduce((sum, row) => sum + row[k], 0) / used.length);
+    const W = new Float64Array(16);
     for (const row of used) for (let i = 0; i < 4; i++) for (let j = 0; j < 4; j++)
       W[4 * i + j] += (row[i] - mean[i]) * (row[j] - mean[j]);
     const f = symmetricEigen(W, 4).vectors[0]; // Eq. (2), of four points: their smallest eigenvalue is 0
@@ -67,7 +68,8 @@ export const RAY_MEASURES = {
     return told(Math.max(...angles) / DEGREE, "°", 1);
   },
   "px to the epipole": stage => {
-    const [first, second] = camerasOf(stage), [x, y] = epipole(second, first), [a, b] = projectPoint(second, targetOf(stage));
+    const [first, second] = camerasOf(stage), [x, y] = epipole(second, first);
+    const [a, b] = projectPoint(second, targetOf(stage));
     return told(Math.hypot(x - a, y - b), " px", 0);
   },
   "px left over": stage => told(pencilOf(stage).rms, " px"),

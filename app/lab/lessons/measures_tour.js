@@ -4,6 +4,7 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
  */
+import {projectPoint, transform} from "../engine/engine.js";
 import {placed, told} from "./measured.js";
 import {energyCarried} from "./places.js";
 import {energyText} from "../view/svg.js";
@@ -65,9 +66,11 @@ function longestShare(stage) {
   return Math.max(...squares) / squares.reduce((sum, v) => sum + v, 0);
 }
 
-/** How tall the learner's arm is in L, px: the points of its body and the origins of its links. @param {Stage} stage */
-function armHeight(stage) {
-  const {own} = stage.moment.views, ys = stage.moment.usable.map(i => own[4 * i + 1]);
+/** How tall the learner's arm is in L, px. @param {Stage} stage */
+function armHeight({world, moment, page}) {
+  const frames = world.arms.learner.linkFrames(moment.theta), camera = world.pairs.learner[0];
+  const ys = Object.entries(page.hulls).flatMap(([link, vertices]) =>
+    vertices.map(vertex => projectPoint(camera, transform(frames[Number(link)], vertex))[1]));
   return Math.max(...ys) - Math.min(...ys);
 }
 
@@ -77,8 +80,10 @@ export const TOUR_MEASURES = {
   "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
   "arm height": stage => told(armHeight(stage), " px", 0),
-  "crossing to own point": stage => told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
-  "crossing to ghost": stage => told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+  "crossing to own point": stage =>
+    told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
+  "crossing to ghost": stage =>
+    told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
   "arrow of 3": stage => told(arrowOf(stage, 3), " px", 0),
   "arrow of 9": stage => told(arrowOf(stage, 9), " px", 0),
   "way of 9": stage => told(wayOf(stage, 9), " px", 0),

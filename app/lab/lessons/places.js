@@ -4,7 +4,8 @@
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("../engine/camera.js").Camera} Camera
- * @typedef {{x: number, y: number, E: number}} Place how far it was carried, m ahead of the eyes and to their left, and E there
+ * @typedef {{x: number, y: number, E: number}} Place how far it was carried,
+ *   m ahead of the eyes and to their left, and E there
  */
 import {Session, World} from "../engine/engine.js";
 
@@ -24,10 +25,13 @@ const unit = v => v.map(x => x / Math.hypot(...v));
  * @returns {[Camera, Camera]}
  */
 export function turnedTo(pair, gaze) {
-  const middle = [0, 1, 2].map(i => (pair[0].centre[i] + pair[1].centre[i]) / 2), half = Math.hypot(...pair[1].centre.map((v, i) => v - middle[i]));
-  const ahead = unit(middle.map((v, i) => gaze[i] - v)), right = unit(cross(ahead, [0, 0, 1])), down = cross(ahead, right);
+  const middle = [0, 1, 2].map(i => (pair[0].centre[i] + pair[1].centre[i]) / 2);
+  const half = Math.hypot(...pair[1].centre.map((v, i) => v - middle[i]));
+  const ahead = unit(middle.map((v, i) => gaze[i] - v)), right = unit(cross(ahead, [0, 0, 1]));
+  const down = cross(ahead, right);
   const rotation = [0, 1, 2].flatMap(i => [right[i], down[i], ahead[i]]);
-  const made = pair.map((camera, k) => ({...camera, rotation, centre: middle.map((v, i) => v + (k ? half : -half) * right[i])}));
+  const made = pair.map((camera, k) =>
+    ({...camera, rotation, centre: middle.map((v, i) => v + (k ? half : -half) * right[i])}));
   return [made[0], made[1]];
 }
 
@@ -42,7 +46,8 @@ export function energyCarried({world, moment, session, state}, [x, y]) {
   const gaze = scene.gaze ?? [base[3], base[7], base[11]];
   const moved = base.map((v, k) => v + (k === 3 ? x : k === 7 ? y : 0));
   const eyes = turnedTo([l, r], [gaze[0] + x, gaze[1] + y, gaze[2]]);
-  const there = new World({...scene, bases: {...scene.bases, demonstrator: moved}, cameras: [...eyes, L, R]}, state.points);
+  const there = new World({...scene, bases: {...scene.bases, demonstrator: moved}, cameras: [...eyes, L, R]},
+    state.points);
   return new Session(there, {...session.settings, demonstrator: moment.thetaDemo, start: moment.theta}).now.E;
 }
 

@@ -1,5 +1,6 @@
 /**
- * Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by hand.
+ * Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by
+ * hand.
  *
  * @typedef {import("../engine/camera.js").Camera} Camera
  * @typedef {import("../engine/world.js").World} World
@@ -21,7 +22,8 @@ function inverse(T) {
 export function carried(camera, T) {
   const R = camera.rotation, pose = [0, 1, 2].flatMap(i => [R[3 * i], R[3 * i + 1], R[3 * i + 2], camera.centre[i]]);
   const moved = compose(T, pose);
-  return {...camera, rotation: [0, 1, 2].flatMap(i => [...moved.subarray(4 * i, 4 * i + 3)]), centre: [moved[3], moved[7], moved[11]]};
+  return {...camera, rotation: [0, 1, 2].flatMap(i => [...moved.subarray(4 * i, 4 * i + 3)]),
+    centre: [moved[3], moved[7], moved[11]]};
 }
 
 /**
@@ -37,7 +39,8 @@ export function twoCameras({arms: {demonstrator, learner}, scene: {cameras}}) {
 
 /**
  * A camera moved away from a target and zoomed in, its picture shifted so that the target stays where it is in it: the
- * target keeps its size, and its perspective fades. Cameras that move by the same factor keep the direction between them.
+ * target keeps its size, and its perspective fades. Cameras that move by the same factor keep the direction between
+ * them.
  *
  * @param {Camera} camera
  * @param {ArrayLike<number>} target m
@@ -47,7 +50,8 @@ export function twoCameras({arms: {demonstrator, learner}, scene: {cameras}}) {
 export function dollied(camera, target, factor) {
   const {focal, principal} = camera, [x, y] = projectPoint(camera, target);
   return {
-    ...camera, centre: camera.centre.map((v, i) => target[i] + factor * (v - target[i])), focal: focal.map(v => factor * v),
+    ...camera, centre: camera.centre.map((v, i) => target[i] + factor * (v - target[i])),
+      focal: focal.map(v => factor * v),
     principal: [x + factor * (principal[0] - x), y + factor * (principal[1] - y)],
   };
 }
@@ -91,7 +95,8 @@ export function crossing(first, second) {
 }
 
 /** The angle between two lines, rad, at most a right one. @param {Line} first @param {Line} second */
-export const angleBetween = (first, second) => Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));
+export const angleBetween = (first, second) =>
+  Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));
 
 /**
  * Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the matches
@@ -107,7 +112,8 @@ export const angleBetween = (first, second) => Math.asin(Math.min(1, Math.abs(fi
 export function pencil(first, second, angle, otherAngle) {
   const n = [-Math.sin(angle), Math.cos(angle)], m = [-Math.sin(otherAngle), Math.cos(otherAngle)];
   const s = first.map(p => dot(n, p)), t = second.map(p => dot(m, p)), count = s.length;
-  const mean = (/** @type {number[]} */ values) => values.reduce((sum, v) => sum + v, 0) / count, ms = mean(s), mt = mean(t);
+  const mean = (/** @type {number[]} */ values) => values.reduce((sum, v) => sum + v, 0) / count, ms = mean(s);
+  const mt = mean(t);
   const slope = dot(s.map(v => v - ms), t.map(v => v - mt)) / dot(s.map(v => v - ms), s.map(v => v - ms));
   const expected = s.map(v => mt + slope * (v - ms)), left = t.map((v, i) => v - expected[i]);
   return {
@@ -164,7 +170,8 @@ export function markOf(world) {
 }
 
 /** The three marks on the arm, m. @param {import("./stage.js").Stage} stage */
-export const marksOf = stage => MARKED.map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
+export const marksOf = stage => MARKED
+  .map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
 
 /**
  * What both cameras move away from: the middle of the arm's points, m.
@@ -184,7 +191,8 @@ export function targetOf({world, moment}) {
  * @param {number} [distance] times the usual one
  */
 export function camerasOf(stage, distance = stage.sliders.get("camera distance") ?? 1) {
-  const target = targetOf(stage), {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's
+  const target = targetOf(stage);
+  const {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's
   return twoCameras({scene, arms}).map(camera => distance === 1 ? camera : dollied(camera, target, distance));
 }
 

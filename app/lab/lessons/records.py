@@ -29,8 +29,6 @@ CLAIM_DEG = 1.0  # within which a claim has all joints
 DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of the eyes
 RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
 PAIRS, PAIR_SEED, APART_DEG = 356, 3, 20.0  # of postures at random, whose largest difference is at least so much
-PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, sideways
-NEARER = (-0.3, 0)  # m back, sideways
 MORE_POINTS = 20  # layout of the scene that is compared with its layout of ten
 
 
@@ -204,29 +202,6 @@ def signposts(situation: Situation) -> Array:
             transfer = situation.start.fit(views)
             found.append(signpost_cosine(views, transfer.recover(views.demo_left, views.demo_right), alike.own))
     return np.array(found)
-
-
-def carried_to(situation: Situation, back_m: float, sideways_m: float, turned_deg: float = 0.0) -> Situation:
-    """Carry the demonstrator across the room, away from the head and away from the learner. The eyes turn after it."""
-    scene = situation.scene
-    base, gaze = scene.demonstrator, scene.head.gaze_demonstrator
-    moved = np.array([back_m, sideways_m, 0.0])
-    return situation.with_scene(
-        {
-            **situation.scene_fields,
-            "demonstrator": {"position": (base.position + moved).tolist(), "yaw_deg": base.yaw_deg + turned_deg},
-            "head": {**situation.scene_fields.get("head", {}), "gaze_demonstrator": (gaze + moved).tolist()},
-        }
-    )
-
-
-def places(situation: Situation) -> list[dict[str, Any]]:
-    """E with the demonstrator carried to PLACES, and nearer, which changes more."""
-    at = [(*place, "place") for place in PLACES] + [(*NEARER, "nearer")]
-    return [
-        {"back": back, "aside": sideways, "kind": kind, "E": plain(carried_to(situation, back, sideways).start.E)}
-        for back, sideways, kind in at
-    ]
 
 
 # Swapped points, and eyes turned inwards

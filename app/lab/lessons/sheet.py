@@ -85,7 +85,8 @@ class HtmlCanvas:
         css = (
             f"{font_faces()}@page{{size:A4;margin:0}}body{{margin:0;background:#d9dce2}}"
             "svg{display:block;margin:6mm auto;background:#fff;font-family:Inter,sans-serif;max-width:100%;height:auto}"
-            "text{white-space:pre}@media print{body{background:none}svg{margin:0;break-after:page;max-width:none}}"
+            "text{white-space:pre;font-kerning:none;font-feature-settings:'calt' 0}"
+            "@media print{body{background:none}svg{margin:0;break-after:page;max-width:none}}"
         )
         policy = "default-src 'none';style-src 'unsafe-inline';font-src data:"
         return (
@@ -156,9 +157,14 @@ def _font(bold: bool) -> ImageFont.FreeTypeFont:
     return ImageFont.truetype(str(ROOT / "fonts" / FONTS[bold]), 1000)
 
 
+@cache
+def _advance(letter: str, bold: bool) -> float:
+    return _font(bold).getlength(letter) / 1000
+
+
 def text_width(words: str, size: float, bold: bool = False) -> float:
-    """Return how wide words are [mm], in letters of a size [pt]."""
-    return _font(bold).getlength(words) / 1000 * size * PT
+    """Return how wide words are [mm], in letters of a size [pt], without kerning."""
+    return sum(_advance(letter, bold) for letter in words) * size * PT
 
 
 def wrapped(text: str, size: float, width: float, bold: bool = False) -> list[list[Word]]:

@@ -1,6 +1,6 @@
 """Ten finished runs to bet on: half of their arms are within CLAIM_DEG of the demonstrator, half are not."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,6 @@ from .records import CLAIM_DEG, claim_probability, plain, run
 from .situation import Situation
 
 SERVO, MAX_MOTIONS = "trust-region", 60
-NO_CLAIM_BET = 0.5  # what a learner bets that makes no claim
 HOW_IT_ENDED: Mapping[str, str] = {
     "converged": "claims to have arrived",
     "settled": "rests, and makes no claim",
@@ -57,16 +56,9 @@ def off_deg(last: Snapshot) -> NDArray[np.float64]:
     return np.degrees(np.abs(last.theta - last.theta_demo))
 
 
-def bet(last: Snapshot) -> float:
-    """The bet of the learner's certificate on the claim; NO_CLAIM_BET where the learner makes none."""
-    if not last.status.is_claim or last.certificate is None:
-        return NO_CLAIM_BET
-    return claim_probability(last.certificate)
-
-
-def brier(bets: Sequence[float], holds: Sequence[bool]) -> float:
-    """Mean squared difference between bets and outcomes (Brier, Monthly Weather Review 1950)."""
-    return float(np.mean((np.array(bets) - np.array(holds, float)) ** 2))
+def certified(last: Snapshot) -> float:
+    """The probability that the learner's certificate gives its claim; NaN where it makes none."""
+    return claim_probability(last.certificate) if last.status.is_claim and last.certificate else np.nan
 
 
 @cache
@@ -79,7 +71,6 @@ def _record(signed: SignedRun) -> dict[str, Any]:
     session = signed.session
     last, world = session.snapshot, signed.situation.world
     off, seen = off_deg(last), last.usable
-    claims = last.status.is_claim and last.certificate is not None
     return {
         "name": signed.name,
         "ended": HOW_IT_ENDED[str(last.status)],
@@ -91,7 +82,9 @@ def _record(signed: SignedRun) -> dict[str, Any]:
         "demonstrator": plain(last.theta_demo, 6),
         "offDeg": plain(off),
         "holds": bool(off.max() <= CLAIM_DEG),
-        "certificate": plain(bet(last)) if claims else None,
+        "certificate": None
+        if not last.status.is_claim or last.certificate is None
+        else plain(claim_probability(last.certificate)),
         "own": plain(last.views.own[seen].ravel(), 5),
         "recovered": plain(last.recovered[seen].ravel(), 5),
         "because": signed.because,

@@ -4,7 +4,7 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Slider} Slider
  */
-import {make, track} from "./dom.js";
+import {inline, make, track} from "./dom.js";
 import {short} from "./measured.js";
 
 const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) => ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
@@ -41,7 +41,7 @@ export class SlidersRow {
       input.addEventListener("input", () => { slid(slider, value()); });
       input.addEventListener("change", () => { released(slider, value()); });
       const kind = slider.name.startsWith("demo ") ? "of-demonstrator" : slider.name.startsWith("own ") ? "of-learner" : "of-other";
-      const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name"}, slider.label), input, slider.unit === null ? null : output);
+      const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name", html: inline(slider.label)}), input, slider.unit === null ? null : output);
       box.append(row);
       return {slider, input, output, even};
     });

@@ -18,7 +18,7 @@
  * @property {(seed: number) => void} restart the step anew
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {lab: string, viewimit: string | null} | null} links
+ * @property {(stage: Stage) => {lab: string, viewimit: string | null, words: string} | null} links
  *
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
  * @typedef {Object} Screen
@@ -71,9 +71,9 @@ export class StepScreen {
     figures.dataset.main = String(step.main?.length ?? 0);
     figures.dataset.side = String(step.side?.length ?? 0);
     const places = boxes.map(one => {
-      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), caption = kind?.title ?? "";
+      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), [title, ...rest] = (kind?.title ?? "").split(", "), caption = inline(title) + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
       one.within.append(make("figure", {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`, style: `--aspect:${kind?.aspect ?? 1}`},
-        make("figcaption", {html: inline(caption)}), box));
+        make("figcaption", {html: caption}), box));
       if (!kind) box.textContent = `There is no figure “${one.use.figure}” here.`;
       return {use: one.use, kind, box, isAsked: one === isAsked};
     });
@@ -331,8 +331,8 @@ export class StepScreen {
   /** @param {Set<string>} drawn layers */
   #drawLegend(drawn) {
     const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) => drawn.has(layer)).map(([, html]) => html))];
-    const {lab = null, viewimit = null} = this.course.links(this.stage) ?? {};
-    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">Open in viewimit</a>` : ""}</li>` : "");
+    const {lab = null, viewimit = null, words = ""} = this.course.links(this.stage) ?? {};
+    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
     if (this.legend.dataset.html !== html) {
       this.legend.dataset.html = html;
       this.legend.innerHTML = html;

@@ -1,9 +1,9 @@
 /**
  * Teaching by showing: an arm goes to where its image points stood in a picture that it was shown.
  *
- * The servo knows how its picture reacts to its joints, the image Jacobian J, and goes by u = -λ J⁺ (y - y*): the step for
- * which J promises the goal, times the gain λ (Hutchinson, Hager & Corke 1996). Broyden's update (1965) corrects J by
- * what each step really did.
+ * The servo knows how its picture reacts to its joints, the image Jacobian J, and goes by u = -λ J⁺ (y - y*):
+ * the step for which J promises the goal, times the gain λ (Hutchinson, Hager & Corke 1996). Broyden's update (1965)
+ * corrects J by what each step really did.
  *
  * @typedef {import("../engine/world.js").World} World
  * @typedef {Object} Task
@@ -57,7 +57,8 @@ export const coordinatesOf = (points, both) =>
  */
 export function teachByShowing(world, {start, goal, gain, update, coordinates, probeRad, rollRad = 0, steps = STEPS}) {
   const {scene} = world, camera = world.pairs.learner[0], centre = camera.principal, count = start.length;
-  const see = (/** @type {number[]} */ theta, roll = rollRad) => rolled(world.look("learner", theta).images, roll, centre);
+  const see = (/** @type {number[]} */ theta, roll = rollRad) =>
+    rolled(world.look("learner", theta).images, roll, centre);
   const pick = (/** @type {Float64Array} */ images) => Float64Array.from(coordinates, k => images[k]);
   const rest = pick(see(start, 0));
   let J = start.map((_, joint) => {
@@ -65,7 +66,8 @@ export function teachByShowing(world, {start, goal, gain, update, coordinates, p
     return probed.map((v, i) => (v - rest[i]) / probeRad);
   });
   const goalImages = see(goal), wanted = pick(goalImages);
-  const postures = [start], images = [see(start)], rms = (/** @type {Float64Array} */ e) => Math.sqrt(dot(e, e) / (e.length / 2));
+  const postures = [start], images = [see(start)];
+  const rms = (/** @type {Float64Array} */ e) => Math.sqrt(dot(e, e) / (e.length / 2));
   let y = pick(images[0]);
   const errors = [rms(y.map((v, i) => v - wanted[i]))];
   for (let step = 0; step < steps; step++) {

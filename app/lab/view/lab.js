@@ -31,6 +31,7 @@ export class Lab {
     /** Whether it is on display, and not a replay. */
     this.isOpen = true;
     this.isServed = /\/lab$/.test(location.pathname) && location.protocol !== "file:";
+    const lesson = this.isServed ? lessonBehind(location.hash) : null;
     this.announced = "";
     this.announcing = this.remembering = 0;
     const hold = (/** @type {boolean} */ held) => this.hold(held);
@@ -51,6 +52,8 @@ export class Lab {
     this.#entered(() => {}, this.isServed || this.experiment.misread.length > 0);
     this.draw();
     $("open").hidden = !this.isServed;
+    $("lesson").hidden = !lesson;
+    if (lesson) $("lesson").href = lesson;
   }
 
   // What changes the experiment
@@ -254,3 +257,9 @@ export class Lab {
     listen(keys, () => this.isOpen);
   }
 }
+
+/** The address of the step from which a lesson has opened the lab. @param {string} hash @returns {string | null} */
+const lessonBehind = hash => {
+  const back = new URLSearchParams(hash.slice(1)).get("back") ?? "";
+  return /^[\w-]+#[\w=&-]*$/.test(back) ? `lab/${back}` : null;
+};

@@ -208,7 +208,7 @@ export class EnergyMap {
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
 <text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${joints[1]}</text>
-<text class="vi-2nd vi-mid vi-halo" transform="translate(10 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>`;
+<text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>`;
     this.#write(this.standing, html);
   }
 

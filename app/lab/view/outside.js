@@ -16,7 +16,8 @@ import {backProject, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-const MARGIN_PX = 26, LENS_M = 0.16, LENS_SHARE = 0.42; // LENS: from a camera to its image plate, and what is drawn of that
+const MARGIN_PX = 26;
+const LENS_M = 0.16, LENS_SHARE = 0.42; // from a camera to its image plate, and how much of that is drawn
 
 /** @param {number[]} a @param {ArrayLike<number>} b */
 const along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -59,8 +60,9 @@ export class Outside {
     this.axes = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
     const xs = places.map(p => along(this.axes[0], p)), ys = places.map(p => -along(this.axes[1], p));
     const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-    const scale = Math.min((this.width - 2 * MARGIN_PX) / (right - left || 1), (this.height - 2 * MARGIN_PX) / (bottom - top || 1));
-    this.window = {x: (left + right) / 2 - this.width / scale / 2, y: (top + bottom) / 2 - this.height / scale / 2, scale};
+    const {width, height} = this, [wide, high] = [width, height].map(size => size - 2 * MARGIN_PX);
+    const scale = Math.min(wide / (right - left || 1), high / (bottom - top || 1));
+    this.window = {x: (left + right) / 2 - width / scale / 2, y: (top + bottom) / 2 - height / scale / 2, scale};
   }
 
   /**
@@ -84,8 +86,8 @@ export class Outside {
    * The point of a line that is drawn nearest to a place.
    *
    * @param {[number, number]} place
-   * @param {Vector} from
-   * @param {Vector} to
+   * @param {ArrayLike<number>} from
+   * @param {ArrayLike<number>} to
    * @returns {number} 0 at `from`, 1 at `to`
    */
   share([x, y], from, to) {
@@ -100,8 +102,9 @@ export class Outside {
       ...lines.map(([a, b, kind]) => `<path class="${kind}" d="M${at(a)}L${at(b)}"/>`),
       ...dots.map(([p, kind]) => `<path class="${kind}" d="M${at(p)}h0"/>`),
       ...labels.map(([p, text, kind]) => {
-        const [x, y] = this.place(p), end = x > this.width * .7;
-        return `<text class="vi-halo ${kind}${end ? " vi-end" : ""}" x="${px(x + (end ? -9 : 9))}" y="${px(y + 4)}">${text}</text>`;
+        const [x, y] = this.place(p), isLeft = x > this.width * .7; // of its place
+        const place = `x="${px(x + (isLeft ? -9 : 9))}" y="${px(y + 4)}"`;
+        return `<text class="vi-halo ${kind}${isLeft ? " vi-end" : ""}" ${place}>${text}</text>`;
       })].join("");
     if (html !== this.last) this.inside.innerHTML = this.last = html;
     set(this.svg, {"aria-label": label});
@@ -114,7 +117,8 @@ export class Outside {
       const depth = corners.reduce((sum, p) => sum + along(this.axes[2], p), 0) / corners.length;
       return {depth, d: `M${silhouette(corners.map(p => this.place(p))).map(p => p.map(px).join(" ")).join("L")}z`};
     }).sort((a, b) => a.depth - b.depth);
-    return `<g class="vi-solid ${kind}">${links.map(({d}) => `<path class="vi-blank" d="${d}"/><path class="vi-hull" d="${d}"/>`).join("")}</g>`;
+    const paths = links.map(({d}) => `<path class="vi-blank" d="${d}"/><path class="vi-hull" d="${d}"/>`);
+    return `<g class="vi-solid ${kind}">${paths.join("")}</g>`;
   }
 
   /** A camera as a pyramid: its eye, and the plate on which its image lies. @param {Eye} eye */
@@ -122,8 +126,9 @@ export class Outside {
     const {width, height, principal: [x, y]} = camera, [w, h] = [LENS_SHARE * width / 2, LENS_SHARE * height / 2];
     const corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(([a, b]) => backProject(camera, x + a, y + b, LENS_M));
     const at = (/** @type {ArrayLike<number>} */ p) => this.place(p).map(px).join(" "), eye = at(camera.centre);
-    const [u, v] = this.place(camera.centre), label = `<text class="vi-halo vi-name vi-mid" x="${px(u)}" y="${px(v - 9)}">${name}</text>`;
+    const [u, v] = this.place(camera.centre), edges = corners.map(p => `M${eye}L${at(p)}`).join("");
+    const label = `<text class="vi-halo vi-name vi-mid" x="${px(u)}" y="${px(v - 9)}">${name}</text>`;
     return `<g class="${kind}"><path class="vi-plate" d="M${corners.map(at).join("L")}z"/>
-<path class="vi-frustum" d="${corners.map(p => `M${eye}L${at(p)}`).join("")}"/><path class="vi-pupil" d="M${eye}h0"/></g>${label}`;
+<path class="vi-frustum" d="${edges}"/><path class="vi-pupil" d="M${eye}h0"/></g>${label}`;
   }
 }

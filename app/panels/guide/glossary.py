@@ -12,7 +12,7 @@ from ..widgets import put_html
 
 class GlossaryPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        layout.gui.add_html(f'<div class="vi-words">{linked_cards(layout.address)}</div>')
+        layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
         self._now = layout.gui.add_html("")
 
     def period(self, state: PageState) -> float:

@@ -41,8 +41,8 @@ PARAGRAPHS = (
 METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
-def help_html(keys: str, address: str | None = None) -> str:
-    """For a modal. keys: what they are, as html; address: that links begin with, None for none."""
+def help_html(keys: str) -> str:
+    """For a modal. keys: what they are, as html."""
     texts = "".join(f"<p><b>{title}</b> {text}</p>" for title, text in PARAGRAPHS)
     note = (
         "<p class='vi-help-note'>Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the "
@@ -54,5 +54,5 @@ def help_html(keys: str, address: str | None = None) -> str:
         + "</dl>"
         for title, methods in METHODS
     )
-    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed(address)}</div>'
+    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
     return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{words}{note}</div>'

@@ -66,7 +66,7 @@ KEYS = (
 
 class KeysPanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, self._queue, self._address = layout.gui, layout.queue, layout.address
+        self._gui, self._queue = layout.gui, layout.queue
         self._help: Any = None  # the open modal, whose class viser does not name
         self._gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
         for key in KEYS:
@@ -83,7 +83,7 @@ class KeysPanel(Panel):
             self._help = self._gui.add_modal("viewimit: what is seen here")
             with self._help:
                 done = self._gui.add_button("Close")  # first, so that it has the focus and is in sight
-                self._gui.add_html(help_html(key_caps(KEYS), self._address))
+                self._gui.add_html(help_html(key_caps(KEYS)))
             self._queue.on_click(done, ToggleHelp())
 
     def _add_hotkey(self, key: Key) -> None:

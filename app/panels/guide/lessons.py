@@ -20,17 +20,17 @@ class LessonsPanel(Panel):
     """Links to all lessons, each with the way back to what the page shows now."""
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._address, self._lessons = layout.address, layout.lessons
+        self._lessons = layout.lessons
         self._list = layout.gui.add_html("")
 
     def depends_on(self, state: PageState) -> tuple:
         return state.tour_offered, state.present, state.view, state.speed
 
     def show(self, state: PageState) -> None:
-        put_html(self._list, "" if self._address is None else offers(state, self._address, self._lessons))
+        put_html(self._list, offers(state, self._lessons))
 
 
-def offers(state: PageState, address: str, lessons: Mapping[str, Lesson]) -> str:
+def offers(state: PageState, lessons: Mapping[str, Lesson]) -> str:
     """Links to all lessons, and the offer of the tour, or of a lecturer's first one."""
     back = way_back(state)
     links = " · ".join(
@@ -44,7 +44,7 @@ def offers(state: PageState, address: str, lessons: Mapping[str, Lesson]) -> str
     name = TOUR if own in ORDER else own
     tour = lessons[name]
     take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
-    no = button(address, "dismiss", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
     words = f"<span><b>New here?</b> {escape(tour.title)}, {tour.minutes} min: {escape(tour.about)}</span>"
     return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
 

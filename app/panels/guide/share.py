@@ -12,7 +12,7 @@ from ...lab.address import lab_address
 from ...sessions.link import files_named, written
 from ..panel import Layout, Panel
 from ..qr import draw_qr
-from ..widgets import put_html, told_address
+from ..widgets import put_html
 
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 
@@ -21,8 +21,6 @@ class SharePanel(Panel):
     def build(self, layout: Layout, state: PageState) -> None:
         self._gui, self._queue, self._origin = layout.gui, layout.queue, layout.shared or layout.origin
         self._card: Any = None  # the open modal, whose class viser does not name
-        if layout.address is not None:
-            layout.gui.add_html(told_address(f"{layout.address}/link/"))
 
     def depends_on(self, state: PageState) -> tuple:
         if not state.view.share:

@@ -24,7 +24,7 @@ const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this wid
 /** @type {FigureKind} */
 export const BIASES = {
   layers: ["curves", "here", "foretold", "found"],
-  title: "From the smallest E to the demonstrator: the joint that is farthest off",
+  title: "From the smallest E to the demonstrator",
   aspect: 1.8,
   create(box) {
     const drawing = new Drawing(box, "lesson-biases");

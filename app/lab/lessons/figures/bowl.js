@@ -36,7 +36,9 @@ export const LANDSCAPE = {
     box.append(document.createElement("canvas"));
     add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);
-    let ground = "", over = "";
+    let ground = "";
+    /** @type {string | null} */
+    let over = null;
     return {
       resize() {
         ground = "";
@@ -47,7 +49,7 @@ export const LANDSCAPE = {
         const now = `${key} ${document.documentElement.dataset.scheme} ${names}`;
         if (now !== ground) {
           map.ground(landscape, {lower, upper, joints: names});
-          [ground, over] = [now, ""];
+          [ground, over] = [now, null];
         }
         const drawn = marks(map, stage, layers);
         if (drawn === over) return;

@@ -26,7 +26,7 @@ import {
   axis, decades, diamonds, dots, Drawing, fitted, legend, legendHeight, path, polyline, rectangle, text, widthOf,
 } from "./drawing.js";
 
-const MARGIN = 18, CURVE_HIGH = 96, LEAST_PICTURE = 190; // units
+const MARGIN = 18, CURVE_HIGH = 96, LEAST_CURVE = 62, LEAST_PICTURE = 190; // units
 const BARS = [1, 2, 5, 10, 20, 50, 100, 200, 500]; // of the scale, in its unit
 const ROLES = {right: "learner", early: "opponent"};
 const FROZEN = {right: "lines kept when poses agreed", early: "lines kept too early"};
@@ -168,7 +168,8 @@ const demonstratorFromSide = ({world, records}) =>
 /** @param {Drawing} drawing @param {Shown} shown @param {number} frame */
 function drawn({width, height}, {hands, curves, room, upwards, unit, perUnit}, frame) {
   const rows = hands.map(rowOf), foot = legendHeight(rows, width) + 10;
-  const each = Math.min(CURVE_HIGH, (height - foot - LEAST_PICTURE) / Math.max(curves.length, 1));
+  const share = (height - foot - LEAST_PICTURE) / Math.max(curves.length, 1);
+  const each = Math.max(LEAST_CURVE, Math.min(CURVE_HIGH, share));
   const bottom = height - foot - curves.length * each, turned = upwards ? -1 : 1;
   const flip = (/** @type {number[]} */ [x, y]) => [x, turned * y];
   const {scale, place: at} = fitted(room.map(flip), [MARGIN, MARGIN, width - MARGIN, bottom - MARGIN]);
@@ -194,10 +195,10 @@ function drawn({width, height}, {hands, curves, room, upwards, unit, perUnit}, f
 }
 
 /** What a line is. @param {Hand} hand @returns {[string, string, string]} */
-const rowOf = ({role, name, still}) => [
-  `<g class="lesson-hand-${role}">${path(still ? "lesson-limb" : "lesson-hand-line", still ? "M6 0h18" : "M0 0h30")}</g>`, name,
-  `vi-b lesson-hand-words-${role}`,
-];
+const rowOf = ({role, name, still}) => {
+  const sample = still ? path("lesson-limb", "M6 0h18") : path("lesson-hand-line", "M0 0h30");
+  return [`<g class="lesson-hand-${role}">${sample}</g>`, name, `vi-b lesson-hand-words-${role}`];
+};
 
 /**
  * Over the way, on a logarithmic scale.

@@ -49,16 +49,18 @@ export class Chart {
   draw(axes, curves, label, extra = "") {
     const {width, height} = this.plane, names = new Names(width, height), isLow = height < LOW;
     const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);
-    const list = isLow ? curves.filter(({name}) => name) : [];
+    const list = isLow ? curves.filter(({name, role}) => name && role !== "bar") : [];
     const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, TICK, 600))) + 22 : 0;
     const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), TICK, 400)));
-    const box = isLow ? [6, 8, width - 8 - listed, height - 8]
+    const box = isLow ? [6, 12, width - 8 - listed, height - 8]
       : [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
     const up = (/** @type {number} */ v) => axes.log ? Math.log(Math.max(v, 1e-12)) : v, [low, high] = axes.y.map(up);
     const x = (/** @type {number} */ v) => box[0] + (v - axes.x[0]) / (axes.x[1] - axes.x[0]) * (box[2] - box[0]);
-    const y = (/** @type {number} */ v) => box[3] - Math.min(1.02, Math.max(-.02, (up(v) - low) / (high - low))) * (box[3] - box[1]);
+    const y = (/** @type {number} */ v) =>
+      box[3] - Math.min(1.02, Math.max(-.02, (up(v) - low) / (high - low))) * (box[3] - box[1]);
     let html = extra;
-    const text = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ words, /** @type {string} */ kind) => {
+    const text = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ words,
+      /** @type {string} */ kind) => {
       html += `<text class="${kind}" style="font-size:${TICK}px" x="${px(a)}" y="${px(b)}">${plain(words)}</text>`;
     };
     let under = Infinity;
@@ -87,14 +89,16 @@ export class Chart {
     for (const [value, words, role] of axes.levels ?? []) {
       html += `<path class="draw-level draw-of-${role}" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
       names.keepLine([box[0], y(value)], [box[2], y(value)], 2);
-      if (!isLow) names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`, {size: TICK, away: 5, first: [0, -1]});
+      if (!isLow) names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`,
+        {size: TICK, away: 5, first: [0, -1]});
     }
     for (const {at, role, hollow = [], line = true, points} of drawn) {
       const d = `M${at.map(p => p.map(px).join(" ")).join("L")}`;
       if (line) html += `<path class="draw-curve draw-of-${role}" d="${d}"/>`;
       if (points.length <= MOST_DOTS) for (const isHollow of [false, true]) {
         const some = at.filter((_, k) => Boolean(hollow[k]) === isHollow);
-        html += `<path class="draw-dots draw-of-${role}${isHollow ? " draw-hollow" : ""}" d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
+        html += `<path class="draw-dots draw-of-${role}${isHollow ? " draw-hollow" : ""}" ` +
+          `d="${some.map(p => disc(p[0], p[1], line ? 2.4 : 4.6)).join("")}"/>`;
       }
     }
     list.forEach(({name = "", role}, k) => {
@@ -102,14 +106,16 @@ export class Chart {
       html += `<path class="draw-curve draw-of-${role}" d="M${px(width - listed)} ${px(b)}h14"/>`;
       text(width - listed + 18, b + 4, name, `draw-name-${role} vi-b`);
     });
-    for (const {at, role, name, named} of drawn) if (name && !isLow)
-      names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `draw-name-${role}`, {size: NAME, away: 8, first: [0, -1]});
+    for (const {at, role, name, named} of drawn) if (name && (!isLow || role === "bar"))
+      names.put(name, at[Math.min(named ?? at.length - 1, at.length - 1)], `draw-name-${role}`,
+        {size: NAME, away: 8, first: [0, -1]});
     this.plane.show(html + names.html, label);
   }
 }
 
 /** @param {number} value */
-const tickText = value => value >= 1000 ? value.toLocaleString("en").replace(",", " ") : value === 0 ? "0" : short(value).replace(/\.0+$/, "");
+const tickText = value => value >= 1000 ? value.toLocaleString("en").replace(",", " ") : value === 0 ? "0"
+  : short(value).replace(/\.0+$/, "");
 
 /** Round numbers between two: some four, or powers of ten. @param {[number, number]} range @param {boolean} [log] */
 export function round([low, high], log = false) {
@@ -124,7 +130,8 @@ export function round([low, high], log = false) {
   }
   const rough = (high - low) / 4, size = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(k => k * size).find(each => each >= rough) ?? 10 * size;
-  for (let value = Math.ceil(low / step) * step; value <= high + 1e-9; value += step) found.push(Number(value.toPrecision(6)));
+  for (let value = Math.ceil(low / step) * step; value <= high
+    + 1e-9; value += step) found.push(Number(value.toPrecision(6)));
   return found;
 }
 

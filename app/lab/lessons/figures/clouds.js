@@ -46,7 +46,7 @@ export const CLOUDS = {
   },
 };
 
-/** By name: those that the step shows now or after the answer. @param {Stage} stage @returns {Record<string, number[][]>} */
+/** Those that the step ever shows. @param {Stage} stage @returns {Record<string, number[][]>} by name */
 function cloudsOf({step, records}) {
   const uses = [...step.main ?? [], ...step.side ?? []].filter(({figure}) => figure === "clouds");
   const layers = uses.flatMap(({show = [], reveal = []}) => [...show, ...reveal]);
@@ -100,8 +100,9 @@ function drawn(drawing, stage, layers, known) {
   svg += path("vi-seen", diamonds([demo], 6.5));
   if (middle) svg += path("lesson-middle-case", circles([middle], 8)) + path("lesson-middle", circles([middle], 8));
   if (cross) svg += path("lesson-cross-case", crosses([cross], 7)) + path("vi-cross", crosses([cross], 7));
-  if (middle || !shown.length)
-    svg += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo", reach: shown.length ? 26 : 0, clear: 9});
+  const reach = shown.length ? 26 : 0;
+  if (middle || !reach)
+    svg += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo", reach, clear: 9});
   if (cross) svg += names.beside(cross, "smallest E without noise", "", {reach: 26, clear: 9});
   if (middle) svg += names.beside(middle, "middle of the cloud", "lesson-cloud-words-averaged", {reach: 26, clear: 9});
   return svg;
@@ -139,12 +140,12 @@ function rings(stage, {low, high, right, bottom}, known) {
 /** Degrees at both axes, and their names. @param {Scales} to @param {string[]} joints */
 function ticks({low, high, x, y, right, bottom}, joints) {
   const words = (/** @type {number} */ degrees) => `${fixed(degrees, degrees % 1 ? 1 : 0)}°`;
-  const along = nice(low[1], high[1]).map(degrees => {
+  const along = nice(low[1], high[1], (right - LEFT) / 48).map(degrees => {
     const at = x(degrees * DEGREE);
     const tick = path("vi-axis", `M${px(at)} ${px(bottom)}v4`) + text(at, bottom + 17, words(degrees), "vi-2nd vi-mid");
     return at > right - 12 ? "" : tick;
   });
-  const up = nice(low[0], high[0]).map(degrees => {
+  const up = nice(low[0], high[0], (bottom - TOP) / 22).map(degrees => {
     const at = y(degrees * DEGREE);
     return path("vi-axis", `M${LEFT} ${px(at)}h-4`) + text(LEFT - 7, at + 4.5, words(degrees), "vi-2nd vi-end");
   });
@@ -172,10 +173,10 @@ function spread(cloud, name, row, {x, y, right, bottom}, names) {
   return path(`lesson-bracket lesson-cloud-${name}`, d) + said + text(last + 9, down + 4.5, words[1], kind);
 }
 
-/** Round numbers of degrees between two angles, some six. @param {number} from @param {number} to rad */
-function nice(from, to) {
+/** Round degrees between two angles, seven at most. @param {number} from @param {number} to rad @param {number} most */
+function nice(from, to, most) {
   const low = from / DEGREE, high = to / DEGREE, found = [];
-  const step = [.1, .2, .5, 1, 2, 5, 10, 20, 30, 45].find(each => (high - low) / each <= 7) ?? 90;
+  const step = [.1, .2, .5, 1, 2, 5, 10, 20, 30, 45].find(each => (high - low) / each <= Math.min(7, most)) ?? 90;
   for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(Math.round(k * step * 10) / 10);
   return found;
 }

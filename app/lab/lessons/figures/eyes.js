@@ -44,7 +44,8 @@ class Picture {
     plane.box.classList.toggle("framed", layers.has("framed"));
     const names = new Names(plane.width, plane.height);
     names.keepBox([0, 0, 90, 26]); // the figure's title
-    const moves = layers.has("three marks") ? this.#arm(stage, layers, cameras, see, names) : this.#stick(stage, layers, cameras, see, names);
+    const moves = layers.has("three marks") ? this.#arm(stage, layers, cameras, see, names)
+      : this.#stick(stage, layers, cameras, see, names);
     if (moves) plane.again(() => this.draw(stage, layers));
   }
 
@@ -75,14 +76,18 @@ class Picture {
     }
     if (layers.has("chosen")) {
       const p = at(now), foot = at([now[0], now[1], 0]);
-      html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/><path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
+      html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/>` +
+        `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
       names.keep(p, 8);
       names.keepLine(p, foot, 4);
     }
     if (reveal > 0 && this.number === 1) names.put("does not move", at(now), "vi-chosen", {away: 13, first: [1, -1]});
-    if (reveal === 1 && this.number === 2) names.put("epipolar line", at(onRay(first, mark, PLACES[5])), "vi-chosen", {away: 11, first: [1, 1]});
-    plane.show(html + names.html, this.number === 1 ? `Picture 1: the mark on its stick.${reveal > 0 ? " It does not move." : ""}`
-      : `Picture 2: the mark on its stick.${reveal > 0 ? " As it slides along the ray, it draws a straight line, the epipolar line." : ""}`);
+    if (reveal === 1 && this.number === 2) names.put("epipolar line", at(onRay(first, mark, PLACES[5])), "vi-chosen",
+      {away: 11, first: [1, 1]});
+    plane.show(html + names.html,
+      this.number === 1 ? `Picture 1: the mark on its stick.${reveal > 0 ? " It does not move." : ""}`
+      : `Picture 2: the mark on its ` +
+        `stick.${reveal > 0 ? " As it slides along the ray, it draws a straight line, the epipolar line." : ""}`);
     return false;
   }
 
@@ -123,12 +128,14 @@ class Picture {
       if (isIn) {
         html += `<path class="draw-hole" d="${disc(...hole, 8)}"/>`;
         names.keep(hole, 10);
-        names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen", {away: 13});
+        names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen",
+          {away: 13});
       } else html += this.#beyond(e, middle, far, names);
     }
     at.forEach((p, k) => names.put(MARKS[k], p, "vi-chosen", {away: 8, size: 14}));
     plane.show(html + names.html, layers.has("three lines")
-      ? `Picture 2: an arm with three marks. The lines of their rays meet in the epipole, ${Math.round(far)} px from the arm.`
+      ? `Picture 2: an arm with three marks. The lines of their rays meet in the epipole, ${Math.round(far)} px from ` +
+        `the arm.`
       : "Picture 2: an arm with three marks.");
     return moves;
   }
@@ -144,8 +151,10 @@ class Picture {
   #beyond(e, middle, far, names) {
     const {plane} = this, from = plane.at(middle), line = through(middle, e), ends = plane.ends(line);
     if (!ends.length) return "";
-    const to = plane.at(e), isAhead = (/** @type {number[]} */ p) => (p[0] - from[0]) * (to[0] - from[0]) + (p[1] - from[1]) * (to[1] - from[1]) > 0;
-    const edge = ends.find(isAhead) ?? ends[1], u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));
+    const to = plane.at(e), isAhead = (/** @type {number[]} */ p) => (p[0] - from[0]) * (to[0] - from[0])
+      + (p[1] - from[1]) * (to[1] - from[1]) > 0;
+    const edge = ends.find(isAhead) ?? ends[1];
+    const u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));
     const tip = [edge[0] - 8 * u[0], edge[1] - 8 * u[1]], tail = [tip[0] - 34 * u[0], tip[1] - 34 * u[1]];
     const [shaft, head] = arrow(tail, tip, 9);
     names.keepLine(tail, tip, 6);

@@ -7,16 +7,16 @@
  * @typedef {import("../../engine/world.js").World} World
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row
  */
-import {select} from "../../engine/engine.js";
+import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
-import {Altered, mapOf, smallest} from "../maps.js";
+import {lowest, MAP_DEG, mapOf, smallest} from "../maps.js";
 import {farthest} from "./bowl.js";
-import {diamonds, Drawing, extent, path, polyline, rectangle, text} from "./drawing.js";
+import {diamonds, Drawing, extent, path, polyline, rectangle, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 
 const LAYERS = ["as seen", "rectified"], TITLES = ["As the eyes see", "Rectified by matches alone"];
 const MIN_DENOMINATOR = .1; // of a homography, as of the library's: no point is at infinity
-const GAP = 18, HEAD = 24, MARGIN = 14, LEAST_PX = .01;
+const GAP = 18, LINE = 18, MARGIN = 14, LEAST_PX = .01;
 
 /** @type {FigureKind} */
 export const MENDED = {
@@ -35,10 +35,10 @@ export const MENDED = {
         LAYERS.forEach((layer, k) => {
           panels[k].box.style.visibility = layers.has(layer) ? "" : "hidden";
           if (!layers.has(layer)) return;
-          const {world, transfer, demo} = seenIn(stage, layer), lowest = smallest(world, transfer, demo);
-          const words = lowest ? `${fixed(farthest(lowest, demonstrator))}° off` : "";
-          panels[k].draw({title: TITLES[k], words, map: mapOf(world, transfer, demo), demonstrator,
-            lowest: lowest ? [lowest] : [], apart: true}, stage.world.scene);
+          const {map, least} = layer === "rectified" ? mappedRectified(stage) : mappedAsSeen(stage);
+          const words = least ? `${fixed(farthest(least, demonstrator))}° off` : "";
+          const lowest = least ? [least] : [], {scene} = stage.world;
+          panels[k].draw({title: TITLES[k], words, map, demonstrator, lowest, apart: true}, scene);
         });
       },
     };
@@ -67,17 +67,49 @@ export const ROWS = {
   },
 };
 
-/** @type {WeakMap<World, Altered>} */
-const rectifiedWorlds = new WeakMap();
+/** @typedef {{map: {landscape: Landscape, key: string}, least: number[] | null}} Mapped least: rad */
 
-/** The world as it is seen, or through rectified eyes. @param {Stage} stage @param {string} layer */
-export function seenIn(stage, layer) {
-  const {world, session: {settings: {transfer}}} = stage;
-  if (layer === "rectified" && !rectifiedWorlds.has(world)) rectifiedWorlds.set(world, new Altered(world, {
-    alter: ({images, seen}) => ({images: rectified(images, stage.records.rectification), seen}),
-  }));
-  const used = layer === "rectified" ? /** @type {Altered} */ (rectifiedWorlds.get(world)) : world;
-  return {world: used, transfer, demo: used.look("demonstrator", stage.moment.thetaDemo)};
+/** E of the images as they are. @param {Stage} stage @returns {Mapped} */
+export function mappedAsSeen({world, session: {settings: {transfer}}, moment}) {
+  const demo = world.look("demonstrator", moment.thetaDemo);
+  return {map: mapOf(world, transfer, demo), least: smallest(world, transfer, demo)};
+}
+
+/** @type {WeakMap<World, Mapped>} */
+const known = new WeakMap();
+
+/**
+ * E of a transfer between rectified images. It is measured in the images as they are.
+ *
+ * @param {Stage} stage
+ * @returns {Mapped}
+ */
+export function mappedRectified({world, session: {settings: {transfer}}, moment, records}) {
+  const made = known.get(world);
+  if (made) return made;
+  /** @type {Rectification} */
+  const by = records.rectification, back = {left: inverse(by.left), right: inverse(by.right)};
+  const demo = rectified(world.look("demonstrator", moment.thetaDemo).images, by);
+  const energyAt = (/** @type {number[]} */ theta) => {
+    const own = world.look("learner", theta).images, fitted = TRANSFERS[transfer].fit(demo, rectified(own, by));
+    const seen = rectified(fitted.recover(demo), back);
+    return conflict(own.map((v, i) => v - seen[i]));
+  };
+  const landscape = new Landscape(world, MAP_DEG);
+  for (let g = 0; g < landscape.count; g++) landscape.E[g] = energyAt(landscape.posture(g));
+  const mapped = {map: {landscape, key: "rectified"}, least: lowest(world.scene, energyAt)};
+  known.set(world, mapped);
+  return mapped;
+}
+
+/** Of a homography, up to its scale. @param {number[]} H row by row @returns {number[]} */
+function inverse([a, b, c, d, e, f, g, h, i]) {
+  const det = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+  return [
+    e * i - f * h, c * h - b * i, b * f - c * e,
+    f * g - d * i, a * i - c * g, c * d - a * f,
+    d * h - e * g, b * g - a * h, a * e - b * d,
+  ].map(v => v / det);
 }
 
 /** @param {Float64Array} images (4 N) px @param {Rectification} by */
@@ -109,7 +141,9 @@ function difference(images) {
  * @param {number} height
  */
 function rows({layer, images}, top, width, height) {
-  const wide = (width - GAP) / 2, high = height - HEAD, count = images.length / 4;
+  const name = layer === "rectified" ? "Rectified" : "As seen", words = difference(images);
+  const isNarrow = widthOf(name, true) + widthOf(words) + 12 > width, head = isNarrow ? 2 * LINE + 6 : LINE + 6;
+  const wide = (width - GAP) / 2, high = height - head, count = images.length / 4;
   const pointsOf = (/** @type {number} */ k) =>
     Array.from({length: count}, (_, i) => [images[4 * i + k], images[4 * i + k + 1]]);
   const points = [pointsOf(0), pointsOf(2)];
@@ -118,12 +152,12 @@ function rows({layer, images}, top, width, height) {
   const scale = Math.min((high - 2 * MARGIN) / (most[1] - low[1]), (wide - 2 * MARGIN) / widest);
   const placed = points.map((of, side) => of.map(([x, y]) => [
     side * (wide + GAP) + wide / 2 + (x - (each[side].low[0] + each[side].high[0]) / 2) * scale,
-    top + HEAD + high / 2 + (y - (low[1] + most[1]) / 2) * scale,
+    top + head + high / 2 + (y - (low[1] + most[1]) / 2) * scale,
   ]));
-  const planes = [0, 1].map(side => rectangle("vi-plane", side * (wide + GAP) + .5, top + HEAD, wide - 1, high, 5)
-    + text(side * (wide + GAP) + 8, top + HEAD + 18, "lr"[side], "vi-name"));
+  const planes = [0, 1].map(side => rectangle("vi-plane", side * (wide + GAP) + .5, top + head, wide - 1, high, 5)
+    + text(side * (wide + GAP) + 8, top + head + 18, "lr"[side], "vi-name"));
   const joined = placed[0].map((p, i) => polyline([p, placed[1][i]])).join("");
-  return text(0, top + 15, layer === "rectified" ? "Rectified" : "As seen", "vi-b")
-    + text(width, top + 15, difference(images), "vi-2nd vi-end") + planes.join("")
-    + path("lesson-rows-line", joined) + path("vi-seen", diamonds(placed.flat(), 4.2));
+  const said = isNarrow ? text(0, top + 15 + LINE, words, "vi-2nd") : text(width, top + 15, words, "vi-2nd vi-end");
+  return text(0, top + 15, name, "vi-b") + said + planes.join("") + path("lesson-rows-line", joined)
+    + path("vi-seen", diamonds(placed.flat(), 4.2));
 }

@@ -53,7 +53,8 @@ export const counts = written(stage => {
   const of = (/** @type {string} */ name) => stage.isRevealed ? measure(stage, name).text : "?";
   const rows = [["E", measure(stage, "E").text, "draw-name-E"],
     ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
-  const html = rows.map(([name, value, kind]) => `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
+  const html = rows.map(([name, value, kind]) =>
+    `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
 }, "draw-counts", {aspect: 2.6});
 
@@ -65,18 +66,24 @@ export const formula = written(stage => {
     const [u, v] = [k, k + 1].map(at => moment.views.own[4 * i + at] - found[4 * i + at]);
     return {i, area: u * u + v * v};
   }));
-  const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0)), largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
+  const sums = squares.map(all => all.reduce((sum, {area}) => sum + area, 0));
+  const largest = Math.sqrt(Math.max(...squares.flat().map(({area}) => area)));
   const total = Math.max(...squares.map(all => all.reduce((sum, {area}) => sum + Math.sqrt(area), 0))) || 1;
-  const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) => `<div class="draw-squares"><b class="vi-name">${name}</b>
+  const row = (/** @type {typeof squares[0]} */ all, /** @type {string} */ name, /** @type {number} */ sum) =>
+    `<div class="draw-squares"><b class="vi-name">${name}</b>
 <div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
-    return `<span style="width:${fixed(share, 2)}%" class="${isLongest && stage.isRevealed ? "longest" : ""}"><i></i><small>${share > 4 ? i : ""}</small></span>`;
+    const kind = isLongest && stage.isRevealed ? "longest" : "", name = share > 4 ? i : "";
+    return `<span style="width:${fixed(share, 2)}%" class="${kind}"><i></i><small>${name}</small></span>`;
   }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
   const E = (sums[0] + sums[1]) / (2 * count);
   const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
 ${row(squares[0], "L", sums[0])}${row(squares[1], "R", sums[1])}
-<p class="draw-sum"><span>E = </span><span class="draw-ratio"><span>${plain(energyText(sums[0]))} + ${plain(energyText(sums[1]))}</span><span>2 · ${count} points</span></span><span> = <b class="draw-name-E">${plain(energyText(E))} px²</b></span></p>`;
-  return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ${energyText(E)} px².`];
+<p class="draw-sum"><span>E = </span><span class="draw-ratio">
+<span>${plain(sums.map(energyText).join(" + "))}</span><span>2 · ${count} points</span></span>
+<span> = <b class="draw-name-E">${plain(energyText(E))} px²</b></span></p>`;
+  return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ` +
+    `${energyText(E)} px².`];
 }, "draw-formula", {aspect: 1.3});
 
 /** E as one large number, how it went step by step, and the goal. @type {FigureKind} */
@@ -92,24 +99,29 @@ export const progress = {
     return {
       resize: () => chart.resize(),
       draw: stage => {
-        const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1, now = stage.moment.E;
+        const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1;
+        const now = stage.moment.E;
         const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
+        const share = `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))}`;
         const html = `<p class="draw-big draw-name-E">E ${plain(energyText(now))}<small> px²</small></p>
-<p class="draw-note">${Number.isFinite(change) ? `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))} % by your last step` : "&nbsp;"}</p>
+<p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : "&nbsp;"}</p>
 <p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
         if (html !== last) words.innerHTML = last = html;
-        const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0), end = Math.max(MIN_STEPS, steps);
+        const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0);
+        const end = Math.max(MIN_STEPS, steps);
         chart.draw({
           x: [0, end], y: [least / 1.6, most * 1.6], log: true, xTicks: stepTicks(end), xName: "steps",
           levels: goal === null ? [] : [[goal, `goal ${goal} px²`, "goal"]],
-        }, [{points: E.map((value, k) => [k, value]), role: "E"}], `E is ${energyText(now)} px² after ${steps} steps; the goal is ${goal ?? "not given"}.`);
+        }, [{points: E.map((value, k) => [k, value]), role: "E"}],
+          `E is ${energyText(now)} px² after ${steps} steps; the goal is ${goal ?? "not given"}.`);
       },
     };
   },
 };
 
 const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reach the goal
-  settled: "rests", unobservable: "cannot see a joint", "no-progress": "finds nothing lower", "too-few-points": "sees too few points",
+  settled: "rests", unobservable: "cannot see a joint", "no-progress": "finds nothing lower",
+    "too-few-points": "sees too few points",
 });
 
 /**
@@ -125,7 +137,8 @@ function raceRow(stage, race) {
   if (shown < last) return ["…", energyText(E[shown]), "", ""];
   const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
   const isThere = goal !== null && E[last] < goal;
-  return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`, isThere ? "" : ENDS[status] ?? `after ${last} steps`];
+  return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`,
+    isThere ? "" : ENDS[status] ?? `after ${last} steps`];
 }
 
 /** Who came how far from the same start, the visitor first. */
@@ -141,7 +154,8 @@ export const standings = written(stage => {
     rows.unshift(["you", "you", isThere ? String(motions.length - 1) : "never", energyText(E), off, ""]);
   }
   const sample = (/** @type {string} */ role) =>
-    `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/></svg>`;
+    `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/>` +
+      `</svg>`;
   const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${plain(title)}</th>`
     + `${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
   const head = heads.map(words => `<th scope="col">${plain(words)}</th>`).join("");
@@ -159,13 +173,17 @@ export const predictions = {
     return {
       resize: () => chart.resize(),
       draw: ({rounds}) => {
-        const off = rounds.map(({mark, to}) => Math.hypot(mark[0] - to[0], mark[1] - to[1])), count = Math.max(6, off.length);
-        const moved = rounds.map(({from, to}) => Math.hypot(to[0] - from[0], to[1] - from[1])), most = Math.max(20, ...off) * 1.15, last = moved[moved.length - 1] ?? 0;
+        const apart = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+        const off = rounds.map(({mark, to}) => apart(mark, to)), count = Math.max(6, off.length);
+        const last = rounds[off.length - 1];
+        const share = last ? apart(last.mark, last.to) / apart(last.from, last.to) : Infinity;
         chart.draw({
-          x: [.4, count + .6], y: [0, most], yName: last > 1 ? `the last: ${Math.round(100 * off[off.length - 1] / last)} % of the way` : "", xName: "turn",
+          x: [.4, count + .6], y: [0, 1.15 * Math.max(20, ...off)], xName: "turn",
           xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),
-        }, off.map((value, k) => ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: `${Math.round(value)}`})),
-        rounds.length ? `Your predictions were off by ${off.map(value => Math.round(value)).join(", ")} px.` : "No prediction yet.");
+          yName: share < 1 ? `the last: ${Math.round(100 * share)} % of the way` : "",
+        }, off.map((value, k) =>
+          ({points: [[k + 1, 0], [k + 1, value]], role: "bar", named: 1, name: String(Math.round(value))})),
+        off.length ? `Your predictions were off by ${off.map(Math.round).join(", ")} px.` : "No prediction yet.");
       },
     };
   },
@@ -183,9 +201,11 @@ export const energies = {
       draw: (stage, layers) => {
         const {goal} = stage, hasCurves = layers.has("curves"), races = (stage.step.race ?? []).flatMap(servo => {
           const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
-          return race ? [{role, title, last: stage.last(race), probes: race.probes, E: race.E.slice(0, stage.last(race) + 1)}] : [];
+          return race ? [{role, title, last: stage.last(race), probes: race.probes,
+            E: race.E.slice(0, stage.last(race) + 1)}] : [];
         });
-        const all = races.flatMap(({E}) => E).filter(Number.isFinite), end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
+        const all = races.flatMap(({E}) => E).filter(Number.isFinite);
+        const end = Math.max(MIN_STEPS, ...races.map(({last}) => last));
         const shown = stage.played(end + 1);
         const curves = races.map(({role, title, last, probes, E}) => ({
           role, points: E.map((value, k) => [k, Math.max(value, MIN_E)]), shown: hasCurves ? shown + 1 : 1,

@@ -45,14 +45,16 @@ class Room {
   draw(stage, layers) {
     if (layers.has("arms")) return this.#both(stage, layers);
     const {outside: view} = this, {world} = stage, demonstrator = world.arms.demonstrator;
-    const cameras = camerasOf(stage), theta = stage.moment.thetaDemo, hasArm = layers.has("three rays") || layers.has("arm");
+    const cameras = camerasOf(stage), theta = stage.moment.thetaDemo;
+    const hasArm = layers.has("three rays") || layers.has("arm");
     const usual = camerasOf(stage, Math.min(HOLDS_AT_MOST, stage.sliders.get("camera distance") ?? 1));
     const mark = markOf(world), foot = (/** @type {ArrayLike<number>} */ p) => [p[0], p[1], 0];
     const ends = [FIRST_SHARE, LAST_SHARE].map(share => onRay(cameras[0], mark, share)), target = targetOf(stage);
     const base = demonstrator.T_world_base, stands = [base[3], base[7], 0];
     view.aim(OUTSIDE.azimuth, OUTSIDE.elevation, [
       ...usual.map(camera => camera.centre), ...usual.map(({centre: [x, y, z]}) => [x, y, z + .22]),
-      ...hasArm ? [target, stands, [target[0] + .3, target[1], 0], [target[0], target[1], 1.1]] : [...ends, ...ends.map(foot)],
+      ...hasArm ? [target, stands, [target[0] + .3, target[1], 0], [target[0], target[1], 1.1]]
+        : [...ends, ...ends.map(foot)],
     ]);
     view.draw({
       bodies: hasArm ? [{frames: demonstrator.linkFrames(theta), kind: "vi-demo"}] : [],
@@ -79,13 +81,16 @@ class Room {
       bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}, ...guess],
       eyes: layers.has("eyes") ? cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})) : [],
       lines: [], dots: [], labels: [],
-    }, `From outside: the orange demonstrator, the blue learner, and ${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
+    }, `From outside: the orange demonstrator, the blue learner, and ` +
+      `${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
     this.floor.setAttribute("d", this.#grid());
     const names = new Names(view.width, view.height), at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     for (const body of frames) body.slice(1).forEach((T, k) =>
       names.keepLine(at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]]), 18));
-    const bars = layers.has("eyes") ? [[0, 1], [2, 3]].map(([l, r]) => [cameras[l].centre, cameras[r].centre, "draw-bar"]) : [];
-    const lines = [[head, foot, "draw-pole"], ...bars, ...bases.map(base => [base, [base[0], base[1], 0], "draw-pole draw-faint"])];
+    const bars = layers.has("eyes") ? [[0, 1], [2, 3]]
+      .map(([l, r]) => [cameras[l].centre, cameras[r].centre, "draw-bar"]) : [];
+    const lines = [[head, foot, "draw-pole"], ...bars,
+      ...bases.map(base => [base, [base[0], base[1], 0], "draw-pole draw-faint"])];
     if (layers.has("eyes")) for (const base of bases) lines.push([head, [base[0], base[1], base[2] + .4], "draw-gaze"]);
     let html = "";
     for (const [from, to, kind] of /** @type {[number[], number[], string][]} */ (lines)) {
@@ -109,7 +114,8 @@ class Room {
   /** @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
-    const names = new Names(view.width, view.height), isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE, {reveal} = stage;
+    const names = new Names(view.width, view.height), isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE;
+    const {reveal} = stage;
     const segment = (/** @type {ArrayLike<number>} */ p, /** @type {ArrayLike<number>} */ q) => {
       names.keepLine(at(p), at(q));
       return `M${at(p).map(px).join(" ")}L${at(q).map(px).join(" ")}`;
@@ -119,7 +125,8 @@ class Room {
       const plate = at(onAxis(camera, .16));
       names.keepLine(at(camera.centre), plate, 12);
     });
-    const draws = (/** @type {string} */ kind, /** @type {string} */ d) => { html += `<path class="${kind}" d="${d}"/>`; };
+    const draws = (/** @type {string} */ kind,
+      /** @type {string} */ d) => { html += `<path class="${kind}" d="${d}"/>`; };
     if (layers.has("three rays")) {
       const marks = marksOf(stage);
       marks.forEach(p => draws("draw-ray", segment(cameras[0].centre, p)));
@@ -132,10 +139,12 @@ class Room {
     const mark = markOf(world), foot = (/** @type {ArrayLike<number>} */ p) => [p[0], p[1], 0];
     const slide = sliding(reveal), now = layers.has("sliding mark") ? onRay(cameras[0], mark, slide.share) : mark;
     if (layers.has("ray")) {
-      const grown = Math.min(1, 6 * reveal), to = onRay(cameras[0], mark, FIRST_SHARE + grown * (LAST_SHARE - FIRST_SHARE));
+      const grown = Math.min(1, 6 * reveal);
+      const to = onRay(cameras[0], mark, FIRST_SHARE + grown * (LAST_SHARE - FIRST_SHARE));
       draws("draw-ray-case", segment(cameras[0].centre, to));
       draws("draw-ray", segment(cameras[0].centre, to));
-      if (grown === 1) names.put("the ray", at(onRay(cameras[0], mark, .28)), "vi-chosen", {size: NAME_PX, away: 8, first: [-1, 1]});
+      if (grown === 1) names.put("the ray", at(onRay(cameras[0], mark, .28)), "vi-chosen",
+        {size: NAME_PX, away: 8, first: [-1, 1]});
     }
     if (layers.has("sliding mark")) for (const share of PLACES.filter(place => slide.passed(place))) {
       const place = onRay(cameras[0], mark, share);
@@ -154,14 +163,16 @@ class Room {
     }
     if (layers.has("cameras")) cameras.forEach((camera, k) => {
       const [x, y] = at(camera.centre);
-      if (x > 0 && y > 0 && x < view.width && y < view.height) names.put(isSmall ? String(k + 1) : `camera ${k + 1}`, at(camera.centre), "draw-ink", {size: isSmall ? 15 : NAME_PX, away: 12, first: [0, -1]});
+      if (x > 0 && y > 0 && x < view.width && y < view.height) names.put(isSmall ? String(k + 1) : `camera ${k + 1}`,
+        at(camera.centre), "draw-ink", {size: isSmall ? 15 : NAME_PX, away: 12, first: [0, -1]});
     });
     return html + names.html;
   }
 
   /** Lines on the floor, all over the drawing. */
   #grid() {
-    const {outside: view} = this, at = (/** @type {number} */ x, /** @type {number} */ y) => view.place([x, y, 0]).map(px).join(" ");
+    const {outside: view} = this;
+    const at = (/** @type {number} */ x, /** @type {number} */ y) => view.place([x, y, 0]).map(px).join(" ");
     let d = "";
     for (let k = -12; k <= 16; k++) {
       const v = k * FLOOR_M;
@@ -172,15 +183,18 @@ class Room {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   #label({reveal}, layers) {
-    if (layers.has("three rays")) return "From outside: two cameras look at an arm. Three rays go from camera 1 to three marks on it.";
+    if (layers.has("three rays"))
+      return "From outside: two cameras look at an arm. Three rays go from camera 1 to three marks on it.";
     if (!layers.has("ray")) return "From outside: two cameras look at a mark on a stick.";
-    return `From outside: the ray of camera 1 through the mark.${reveal < 1 ? " The mark slides along it." : " The mark has been at seven places on it."}`;
+    return `From outside: the ray of camera 1 through the ` +
+      `mark.${reveal < 1 ? " The mark slides along it." : " The mark has been at seven places on it."}`;
   }
 
   /** @param {Stage} _ @param {import("../stage.js").Mark} mark */
   place(_, mark) {
     const {x, y, scale} = this.outside.window, {unit} = this.outside;
-    return /** @type {[number, number]} */ ([(mark[0] / OUTSIDE.unit - x) * scale * unit, (mark[1] / OUTSIDE.unit - y) * scale * unit]);
+    return /** @type {[number, number]} */ ([(mark[0] / OUTSIDE.unit - x) * scale * unit,
+      (mark[1] / OUTSIDE.unit - y) * scale * unit]);
   }
 
   /** @param {Stage} _ @param {[number, number]} at */

@@ -38,7 +38,8 @@ export class Plane {
 
   /** The drawing is as large as its box. Returns whether that has changed. */
   measure() {
-    const unit = drawingUnit(), width = Math.max(this.box.clientWidth, 40) / unit, height = Math.max(this.box.clientHeight, 40) / unit;
+    const unit = drawingUnit(), width = Math.max(this.box.clientWidth, 40) / unit;
+    const height = Math.max(this.box.clientHeight, 40) / unit;
     if (unit === this.unit && width === this.width && height === this.height) return false;
     Object.assign(this, {unit, width, height});
     set(this.svg, {viewBox: `0 0 ${width} ${height}`});
@@ -57,11 +58,13 @@ export class Plane {
     const free = [this.width - margin[0] - margin[2], this.height - margin[1] - margin[3]].map(v => Math.max(v, 20));
     const scale = Math.min(most, free[0] / Math.max(right - left, 1e-9), free[1] / Math.max(bottom - top, 1e-9));
     const goal = {
-      x: (left + right) / 2 - (margin[0] + free[0] / 2) / scale, y: (top + bottom) / 2 - (margin[1] + free[1] / 2) / scale, scale,
+      x: (left + right) / 2 - (margin[0] + free[0] / 2) / scale,
+        y: (top + bottom) / 2 - (margin[1] + free[1] / 2) / scale, scale,
     };
     const {window} = this, share = !window.scale || !glide || isStill() ? 1 : GLIDE;
     for (const name of /** @type {const} */ (["x", "y", "scale"])) window[name] += share * (goal[name] - window[name]);
-    const off = (Math.abs(goal.x - window.x) + Math.abs(goal.y - window.y)) * scale + 200 * Math.abs(Math.log(scale / window.scale));
+    const off = (Math.abs(goal.x - window.x) + Math.abs(goal.y - window.y)) * scale
+      + 200 * Math.abs(Math.log(scale / window.scale));
     if (off > STILL) return true;
     this.window = goal;
     return false;
@@ -84,7 +87,8 @@ export class Plane {
 
   /** @param {ArrayLike<number>[]} points @param {boolean} [closed] */
   path(points, closed = false) {
-    return points.length ? `M${points.map(p => `${px(this.x(p[0]))} ${px(this.y(p[1]))}`).join("L")}${closed ? "z" : ""}` : "";
+    const at = points.map(p => `${px(this.x(p[0]))} ${px(this.y(p[1]))}`).join("L");
+    return points.length ? `M${at}${closed ? "z" : ""}` : "";
   }
 
   /**
@@ -95,8 +99,10 @@ export class Plane {
    */
   ends({a, b, c}) {
     const {x, y, scale} = this.window, k = (c + a * x + b * y) * scale, reach = 2 * (this.width + this.height);
-    const mid = [this.width / 2, this.height / 2], off = a * mid[0] + b * mid[1] + k, foot = [mid[0] - a * off, mid[1] - b * off];
-    return clipped([foot[0] - b * reach, foot[1] + a * reach], [foot[0] + b * reach, foot[1] - a * reach], [0, 0, this.width, this.height]);
+    const mid = [this.width / 2, this.height / 2], off = a * mid[0] + b * mid[1] + k;
+    const foot = [mid[0] - a * off, mid[1] - b * off];
+    return clipped([foot[0] - b * reach, foot[1] + a * reach], [foot[0] + b * reach, foot[1] - a * reach],
+      [0, 0, this.width, this.height]);
   }
 
   /** px in the box of a place. @param {ArrayLike<number>} place @returns {[number, number]} */
@@ -186,7 +192,8 @@ export class Names {
     const part = clipped([p[0], p[1]], [q[0], q[1]], [0, 0, this.width, this.height]);
     if (!part.length) return;
     const [[a, b], [c, d]] = part, count = Math.ceil(Math.hypot(c - a, d - b) / 6);
-    for (let k = 0; k <= count; k++) this.keep([a + (c - a) * k / (count || 1), b + (d - b) * k / (count || 1)], radius);
+    for (let k = 0; k <= count; k++) this.keep([a + (c - a) * k / (count || 1), b + (d - b) * k / (count || 1)],
+      radius);
   }
 
   /** @param {Box} box */
@@ -200,7 +207,8 @@ export class Names {
    * @param {string} text
    * @param {ArrayLike<number>} at drawing units
    * @param {string} kind classes of the text
-   * @param {{size?: number, weight?: number, away?: number, first?: number[]}} [options] away: from the place; first: side that is tried first
+   * @param {{size?: number, weight?: number, away?: number, first?: number[]}} [options] away:
+   *   from the place; first: side that is tried first
    */
   put(text, at, kind, {size = 13, weight = 600, away = 9, first} = {}) {
     const wide = widthOf(text, size, weight) + 2, high = size * 1.15;
@@ -211,7 +219,8 @@ export class Names {
       const left = at[0] + (right > 0 ? gap * slant : right < 0 ? -gap * slant - wide : -wide / 2);
       const top = at[1] + (down > 0 ? gap * slant : down < 0 ? -gap * slant - high : -high / 2);
       const box = /** @type {Box} */ ([left, top, left + wide, top + high]);
-      const out = Math.max(0, 3 - left) + Math.max(0, 3 - top) + Math.max(0, left + wide + 3 - this.width) + Math.max(0, top + high + 3 - this.height);
+      const out = Math.max(0, 3 - left) + Math.max(0, 3 - top) + Math.max(0, left + wide + 3 - this.width)
+        + Math.max(0, top + high + 3 - this.height);
       const cost = this.#covered(box) + 60 * out + 4 * ring;
       if (out > 0 && best && ring) continue;
       if (cost < least - 1e-9) [least, best] = [cost, box];
@@ -219,12 +228,15 @@ export class Names {
     if (!best) return;
     const [left, top, right, bottom] = best;
     this.taken.push([left - 2, top - 1, right + 2, bottom + 1]);
-    const near = [Math.min(Math.max(at[0], left), right), Math.min(Math.max(at[1], top), bottom)], gap = Math.hypot(near[0] - at[0], near[1] - at[1]);
+    const near = [Math.min(Math.max(at[0], left), right), Math.min(Math.max(at[1], top), bottom)];
+    const gap = Math.hypot(near[0] - at[0], near[1] - at[1]);
     if (gap > away + LED) {
       const u = [(near[0] - at[0]) / gap, (near[1] - at[1]) / gap];
-      this.html += `<path class="draw-lead" d="M${px(at[0] + u[0] * away * .8)} ${px(at[1] + u[1] * away * .8)}L${px(near[0] - 2 * u[0])} ${px(near[1] - 2 * u[1])}"/>`;
+      this.html += `<path class="draw-lead" d="M${px(at[0] + u[0] * away * .8)} ` +
+        `${px(at[1] + u[1] * away * .8)}L${px(near[0] - 2 * u[0])} ${px(near[1] - 2 * u[1])}"/>`;
     }
-    this.html += `<text class="${kind} vi-halo" style="font-size:${size}px;font-weight:${weight}" x="${px(left + 1)}" y="${px(top + size * .93)}">${plain(text)}</text>`;
+    this.html += `<text class="${kind} vi-halo" style="font-size:${size}px;font-weight:${weight}" ` +
+      `x="${px(left + 1)}" y="${px(top + size * .93)}">${plain(text)}</text>`;
   }
 
   /** @param {Box} box */
@@ -257,5 +269,6 @@ export function arrow(from, to, tip = 6) {
   if (!(length > .5)) return ["", ""];
   const size = Math.min(tip, length * .7), u = dx / length * size, v = dy / length * size;
   const shaft = `M${px(from[0])} ${px(from[1])}L${px(to[0] - u * .8)} ${px(to[1] - v * .8)}`;
-  return [shaft, `M${px(to[0])} ${px(to[1])}L${px(to[0] - u - v * .5)} ${px(to[1] - v + u * .5)}L${px(to[0] - u + v * .5)} ${px(to[1] - v - u * .5)}z`];
+  return [shaft, `M${px(to[0])} ${px(to[1])}L${px(to[0] - u - v * .5)} ` +
+    `${px(to[1] - v + u * .5)}L${px(to[0] - u + v * .5)} ${px(to[1] - v - u * .5)}z`];
 }

@@ -65,12 +65,16 @@ class Room {
     const demonstrator = outline("demonstrator", moment.thetaDemo), learner = outline("learner", moment.theta);
     const carried = places.map(({x, y}) => demonstrator.map(points => points.map(([u, v]) => [u - y, v - x])));
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));
-    const bases = {demonstrator: above([arms.demonstrator.T_world_base[3], arms.demonstrator.T_world_base[7]]), learner: above([arms.learner.T_world_base[3], arms.learner.T_world_base[7]])};
-    plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...carried.flat(2), [head[0], head[1] + .3]]), {margin: [44, 26, 20, 30], glide: false});
+    const bases = {demonstrator: above([arms.demonstrator.T_world_base[3], arms.demonstrator.T_world_base[7]]),
+      learner: above([arms.learner.T_world_base[3], arms.learner.T_world_base[7]])};
+    plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...carried.flat(2), [head[0], head[1] + .3]]),
+      {margin: [44, 26, 20, 30], glide: false});
     let html = `<path class="draw-floor" d="${this.#grid()}"/>`;
     const body = (/** @type {number[][][]} */ hulls, /** @type {number[]} */ base, /** @type {string} */ kind) => {
-      const square = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [base[0] + a * PEDESTAL_M, base[1] + b * PEDESTAL_M]);
-      html += `<g class="${kind}"><path class="draw-pedestal" d="${plane.path(square, true)}"/><path class="vi-hull" d="${hulls.map(points => plane.path(points, true)).join("")}"/></g>`;
+      const square = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+        .map(([a, b]) => [base[0] + a * PEDESTAL_M, base[1] + b * PEDESTAL_M]);
+      html += `<g class="${kind}"><path class="draw-pedestal" d="${plane.path(square, true)}"/>` +
+        `<path class="vi-hull" d="${hulls.map(points => plane.path(points, true)).join("")}"/></g>`;
       hulls.forEach(points => {
         const [l, t, r, b] = around(points.map(p => plane.at(p)));
         names.keepBox([l, t, r, b]);
@@ -78,7 +82,9 @@ class Room {
       names.keepBox(around(square.map(p => plane.at(p))));
       return base;
     };
-    const sight = (/** @type {number[]} */ to) => { html += `<path class="draw-gaze" d="${plane.path([head, to])}"/>`; };
+    const sight = (/** @type {number[]} */ to) => {
+      html += `<path class="draw-gaze" d="${plane.path([head, to])}"/>`;
+    };
     if (layers.has("eyes")) {
       sight(bases.demonstrator);
       sight(bases.learner);
@@ -87,7 +93,8 @@ class Room {
     /** @type {[number[], string, string][]} */
     const said = [];
     carried.slice(0, count).forEach((hulls, k) => {
-      const {x, y, E} = places[k], base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-carried");
+      const {x, y, E} = places[k];
+      const base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-carried");
       if (layers.has("E there")) said.push([base, energyText(E), "draw-name-E"]);
     });
     if (layers.has("arms")) {
@@ -97,33 +104,43 @@ class Room {
     if (layers.has("eyes")) {
       const centres = [...scene.cameras.slice(0, 2), ...scene.cameras.slice(2)].map(({centre}) => above(centre));
       const half = Math.max(...centres.map(p => Math.hypot(p[0] - head[0], p[1] - head[1])));
-      const corners = [[-half, -HEAD_M], [half, -HEAD_M], [half, HEAD_M], [-half, HEAD_M]].map(([a, b]) => [head[0] + a, head[1] + b]);
+      const corners = [[-half, -HEAD_M], [half, -HEAD_M], [half, HEAD_M], [-half, HEAD_M]]
+        .map(([a, b]) => [head[0] + a, head[1] + b]);
       html += `<path class="draw-head" d="${plane.path(corners, true)}"/>`;
       names.keepBox(around(corners.map(p => plane.at(p))));
       names.put("two eyes", plane.at([head[0], head[1] + HEAD_M]), "vi-2nd", {away: 7, first: [0, 1]});
     }
     const side = PEDESTAL_M * plane.window.scale;
     if (layers.has("E there") && count) said.push([bases.demonstrator, energyText(moment.E), "draw-name-E"]);
-    for (const [base, text, kind] of said) names.put(text, plane.at(base), kind, {size: plane.width > 420 ? 15 : 13, away: side + 3, first: [-1, 0]});
+    for (const [base, text, kind] of said) names.put(text, plane.at(base), kind,
+      {size: plane.width > 420 ? 15 : 13, away: side + 3, first: [-1, 0]});
     if (layers.has("arms")) names.put("learner", plane.at(bases.learner), "vi-of-own", {away: side + 4, first: [0, 1]});
-    if (layers.has("arms")) names.put("demonstrator", plane.at(bases.demonstrator), "vi-of-demo", {away: side + 4, first: [0, 1]});
+    if (layers.has("arms")) names.put("demonstrator", plane.at(bases.demonstrator), "vi-of-demo",
+      {away: side + 4, first: [0, 1]});
     html += this.#scale();
-    const where = places.slice(0, count).map(({x, y, E}) => `${x} m farther and ${y} m sideways: ${energyText(E)}`).join("; ");
-    plane.show(html + names.html, `The room from above: two eyes, the demonstrator and the learner. E is ${energyText(moment.E)} px².${count ? ` Carried, ${where}.` : ""}`);
+    const where = places.slice(0, count)
+      .map(({x, y, E}) => `${x} m farther and ${y} m sideways: ${energyText(E)}`).join("; ");
+    plane.show(html + names.html,
+      `The room from above: two eyes, the demonstrator and the learner. E is ${energyText(moment.E)} ` +
+      `px².${count ? ` Carried, ${where}.` : ""}`);
   }
 
   #grid() {
-    const {plane} = this, [left, top] = plane.under([0, 0]), [right, bottom] = plane.under([plane.width * plane.unit, plane.height * plane.unit]);
+    const {plane} = this, [left, top] = plane.under([0, 0]);
+    const [right, bottom] = plane.under([plane.width * plane.unit, plane.height * plane.unit]);
     let d = "";
-    for (let v = Math.ceil(left / GRID_M); v * GRID_M < right; v++) d += plane.path([[v * GRID_M, top], [v * GRID_M, bottom]]);
-    for (let v = Math.ceil(top / GRID_M); v * GRID_M < bottom; v++) d += plane.path([[left, v * GRID_M], [right, v * GRID_M]]);
+    for (let v = Math.ceil(left / GRID_M); v * GRID_M < right; v++) d += plane.path([[v * GRID_M, top],
+      [v * GRID_M, bottom]]);
+    for (let v = Math.ceil(top / GRID_M); v * GRID_M < bottom; v++) d += plane.path([[left, v * GRID_M],
+      [right, v * GRID_M]]);
     return d;
   }
 
   /** Half a metre, in a corner. */
   #scale() {
     const {plane} = this, long = GRID_M * plane.window.scale, y = plane.height - 12;
-    return `<path class="draw-scale" d="M12 ${px(y)}h${px(long)}"/><text class="vi-2nd" style="font-size:12px" x="${px(18 + long)}" y="${px(y + 4)}">0.5 m</text>`;
+    return `<path class="draw-scale" d="M12 ${px(y)}h${px(long)}"/>` +
+      `<text class="vi-2nd" style="font-size:12px" x="${px(18 + long)}" y="${px(y + 4)}">0.5 m</text>`;
   }
 }
 
@@ -142,19 +159,24 @@ export const energyAxis = {
         const {moment, session} = stage;
         if (shapes.stage !== stage) shapes = {stage, points: Array.from({length: SHAPES}, (_, k) => {
           const share = k / (SHAPES - 1) * SHAPE_END;
-          return [share, Math.max(MIN_E, session.observe(moment.thetaDemo.map((v, j) => v + share * (moment.theta[j] - v))).E)];
+          return [share, Math.max(MIN_E,
+            session.observe(moment.thetaDemo.map((v, j) => v + share * (moment.theta[j] - v))).E)];
         })};
         const places = placesOf(stage), count = Math.ceil(stage.reveal * places.length);
         const dots = [{E: moment.E}, ...places].slice(0, layers.has("another place") ? 1 + count : 0)
           .map(({E}, k) => [PLACES_FROM + k / places.length * (PLACES_TO - PLACES_FROM), E]);
+        const elsewhere = places.slice(0, count).map(({E}) => energyText(E)).join(", ");
+        const there = count ? ` In other places it is ${elsewhere}.` : "";
         const most = Math.max(...shapes.points.map(p => p[1]), ...places.map(({E}) => E));
         chart.draw({
           x: [-.08, PLACES_TO + .15], y: [MIN_E, most * 2], log: true, yName: "E, px²",
           xTicks: [[0, "same pose"], [SHAPE_END, "different"]],
         }, [
-          {points: layers.has("another shape") ? shapes.points : [], role: "learner", name: "another shape", named: Math.round(.45 * SHAPES)},
-          {points: dots, role: "demonstrator", line: false, name: count ? "another place" : "", named: Math.min(2, dots.length - 1)},
-        ], `E grows from ${energyText(shapes.points[0][1])} to ${energyText(moment.E)} px² with another shape.${count ? ` In other places it is ${places.slice(0, count).map(({E}) => energyText(E)).join(", ")}.` : ""}`);
+          {points: layers.has("another shape") ? shapes.points : [], role: "learner", name: "another shape",
+            named: Math.round(.45 * SHAPES)},
+          {points: dots, role: "demonstrator", line: false, name: count ? "another place" : "",
+            named: Math.min(2, dots.length - 1)},
+        ], `E grows from ${energyText(shapes.points[0][1])} to ${energyText(moment.E)} px² in another pose.${there}`);
       },
     };
   },

@@ -31,13 +31,15 @@ const SWINGS = 4; // last postures of which a gain that never arrives shows the 
 function seenInL({world}, hulls, theta) {
   const frames = world.arms.learner.linkFrames(theta), camera = world.pairs.learner[0];
   return {
-    hulls: hulls.map(({link, vertices}) => silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
+    hulls: hulls.map(({link, vertices}) =>
+      silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
     bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
   };
 }
 
 /** A point's path in L. @param {Run} run @param {number} point @param {number} [upTo] how many steps */
-const pathOf = ({images}, point, upTo = images.length - 1) => images.slice(0, upTo + 1).map(all => [all[4 * point], all[4 * point + 1]]);
+const pathOf = ({images}, point, upTo = images.length - 1) => images.slice(0, upTo + 1)
+  .map(all => [all[4 * point], all[4 * point + 1]]);
 
 /** @type {FigureKind} */
 export const threeGains = {
@@ -53,7 +55,8 @@ class Gains {
     this.box.className = "draw-gains";
     this.hulls = outermost(stage.page.hulls);
     this.panels = GAINS.map((gain, k) => {
-      const panel = this.box.appendChild(document.createElement("div")), title = panel.appendChild(document.createElement("p"));
+      const panel = this.box.appendChild(document.createElement("div"));
+      const title = panel.appendChild(document.createElement("p"));
       const drawing = panel.appendChild(document.createElement("div"));
       drawing.className = "draw-gain";
       return {gain, k, title, plane: new Plane(drawing)};
@@ -67,22 +70,32 @@ class Gains {
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
     const runs = gainRuns(stage), steps = layers.has("paths") ? Math.round(stage.reveal * GAIN_STEPS) : 0;
-    const goal = seenInL(stage, this.hulls, stage.state.demonstrator), start = seenInL(stage, this.hulls, stage.state.start);
+    const goal = seenInL(stage, this.hulls, stage.state.demonstrator);
+    const start = seenInL(stage, this.hulls, stage.state.start);
     const spans = around([...goal.hulls, ...start.hulls].flat());
     for (const {gain, k, title, plane} of this.panels) {
-      const run = runs[k], arrived = stepsTo(run, THERE_PX), now = Math.min(steps, Number.isFinite(arrived) ? Math.max(arrived, 1) : steps);
-      const arm = seenInL(stage, this.hulls, run.postures[now]), images = run.images[now], points = stage.world.body.length;
+      const run = runs[k], arrived = stepsTo(run, THERE_PX);
+      const now = Math.min(steps, Number.isFinite(arrived) ? Math.max(arrived, 1) : steps);
+      const arm = seenInL(stage, this.hulls, run.postures[now]), images = run.images[now];
+      const points = stage.world.body.length;
       const each = Array.from({length: points}, (_, i) => i);
       plane.aim(spans, {margin: [10, 10, 10, 10], glide: false});
-      const dots = (/** @type {Float64Array} */ of, /** @type {number} */ r) => each.map(i => disc(...plane.at([of[4 * i], of[4 * i + 1]]), r)).join("");
+      const dots = (/** @type {Float64Array} */ of, /** @type {number} */ r) => each
+        .map(i => disc(...plane.at([of[4 * i], of[4 * i + 1]]), r)).join("");
       const isDone = now === arrived && steps >= arrived;
-      let html = `<g class="draw-dim"><path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g><path class="vi-bone" d="${plane.path(arm.bones)}"/>`;
+      let html = `<g class="draw-dim">` +
+        `<path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g>` +
+        `<path class="vi-bone" d="${plane.path(arm.bones)}"/>`;
       if (layers.has("goal")) html += `<path class="draw-goal" d="${dots(run.goal, 4.6)}"/>`;
-      if (layers.has("paths") && now) html += `<path class="draw-trail draw-of-${ROLES[k]}" d="${each.map(i => plane.path(pathOf(run, i, now).slice(Number.isFinite(arrived) ? 0 : -SWINGS))).join("")}"/>`;
+      const since = Number.isFinite(arrived) ? 0 : -SWINGS;
+      const ways = each.map(i => plane.path(pathOf(run, i, now).slice(since)));
+      if (layers.has("paths") && now) html += `<path class="draw-trail draw-of-${ROLES[k]}" d="${ways.join("")}"/>`;
       html += `<path class="draw-own-dot" d="${dots(images, 3.6)}"/>`;
-      const said = !layers.has("paths") || !steps ? "" : isDone ? `${now} steps` : `step ${steps}: ${Math.round(run.errors[steps])} px`;
+      const said = !layers.has("paths") || !steps ? "" : isDone ? `${now} steps`
+        : `step ${steps}: ${Math.round(run.errors[steps])} px`;
       plane.show(html, `Gain ${gain}: ${said || "the start, and grey circles where the dots should go"}`);
-      title.innerHTML = `<b class="draw-name-${ROLES[k]}">gain ${gain}</b> <span class="${isDone ? "draw-done" : ""}">${said}</span>`;
+      title.innerHTML = `<b class="draw-name-${ROLES[k]}">gain ${gain}</b> ` +
+        `<span class="${isDone ? "draw-done" : ""}">${said}</span>`;
     }
   }
 }
@@ -108,34 +121,41 @@ class Turned {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    const {plane} = this, roll = stage.sliders.get("roll") ?? 90, {still, old, broyden} = turnedRuns(stage), point = turnedPoint(stage);
+    const {plane} = this, roll = stage.sliders.get("roll") ?? 90, {still, old, broyden} = turnedRuns(stage);
+    const point = turnedPoint(stage);
     const camera = stage.world.pairs.learner[0], turn = (/** @type {number[][]} */ points) => points.map(p => {
       const [a, b] = rolled(Float64Array.of(p[0], p[1]), roll * DEGREE, camera.principal);
       return [a, b];
     });
     const steps = Math.round(stage.reveal * TURNED_STEPS), goal = [old.goal[4 * point], old.goal[4 * point + 1]];
     const shown = /** @type {[string, string, number[][]][]} */ ([
-      ["not turned", ROLES[0], turn(pathOf(still, point, steps))], ["old Jacobian", ROLES[1], pathOf(old, point, steps)],
+      ["not turned", ROLES[0], turn(pathOf(still, point, steps))],
+        ["old Jacobian", ROLES[1], pathOf(old, point, steps)],
       ["Broyden", ROLES[2], pathOf(broyden, point, steps)],
     ]).filter(([layer]) => layers.has(layer));
     const whole = [pathOf(old, point), pathOf(broyden, point)].flat(), start = pathOf(old, point, 0)[0];
-    const [left, top, right, bottom] = around(stage.reveal > 0 ? [...whole, goal, start] : [goal, start, [2 * goal[0] - start[0], 2 * goal[1] - start[1]]]);
+    const [left, top, right, bottom] = around(stage.reveal > 0 ? [...whole, goal, start]
+      : [goal, start, [2 * goal[0] - start[0], 2 * goal[1] - start[1]]]);
     const reach = Math.max(REACH_PX, (right - left) * .12);
-    const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach], {margin: [20, 30, 20, 20], most: 14});
+    const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach],
+      {margin: [20, 30, 20, 20], most: 14});
     const arms = [[stage.state.demonstrator, "draw-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
       const {hulls} = seenInL(stage, this.hulls, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
     const names = new Names(plane.width, plane.height);
     const outline = (/** @type {number[][][]} */ hulls) => hulls.map(points => plane.path(points, true)).join("");
-    let html = arms.map(({hulls, kind}) => kind ? `<path class="${kind}" d="${outline(hulls)}"/>` : `<path class="vi-hull" d="${outline(hulls)}"/>`).join("");
+    let html = arms.map(({hulls, kind}) => kind ? `<path class="${kind}" d="${outline(hulls)}"/>`
+      : `<path class="vi-hull" d="${outline(hulls)}"/>`).join("");
     for (const [, role, points] of shown) {
       const at = points.map(p => plane.at(p));
       html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
-      if (role !== "plain") html += `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
+      if (role !== "plain") html +=
+        `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
       at.forEach((p, k) => { if (k) names.keepLine(at[k - 1], p, 4); });
     }
-    const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start), ring = plane.at(goal), from = plane.at(start);
+    const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
+    const ring = plane.at(goal), from = plane.at(start);
     names.keep(ring, 12);
     names.keep(from, 14);
     if (layers.has("goal")) html += `<path class="draw-goal" d="${disc(...ring, 9)}"/>`;
@@ -144,10 +164,14 @@ class Turned {
     if (layers.has("goal")) names.put("goal", ring, "vi-2nd", {away: 12, first: [1, -1]});
     names.put(stage.reveal > 0 ? "start" : "the dot", from, "vi-chosen", {away: 14, first: [-1, 1]});
     for (const [layer, role, points] of shown) if (stage.reveal === 1 && layer !== "not turned") {
-      const far = points.reduce((a, b) => Math.hypot(b[0] - goal[0], b[1] - goal[1]) > Math.hypot(a[0] - goal[0], a[1] - goal[1]) && layer === "Broyden" ? b : a, points[Math.min(3, points.length - 1)]);
+      const far = points.reduce((a, b) =>
+        Math.hypot(b[0] - goal[0], b[1] - goal[1]) > Math.hypot(a[0] - goal[0], a[1] - goal[1])
+        && layer === "Broyden" ? b : a, points[Math.min(3, points.length - 1)]);
       names.put(layer, plane.at(far), `draw-name-${role}`, {away: 10});
     }
-    plane.show(html + inset + names.html, `Image L of a camera turned by ${Math.round(roll)}°: one dot and its goal.${stage.reveal > 0 ? ` With the old Jacobian it is ${stepsText(old)}, with Broyden's update ${stepsText(broyden)}.` : ""}`);
+    const came = `With the old Jacobian it is ${stepsText(old)}, with Broyden’s update ${stepsText(broyden)}.`;
+    plane.show(html + inset + names.html,
+      `Image L of a camera turned by ${Math.round(roll)}°: one dot and its goal. ${stage.reveal > 0 ? came : ""}`);
     if (moves) plane.again(() => this.draw(stage, layers));
   }
 
@@ -165,19 +189,27 @@ class Turned {
     const turned = frame.map(p => [...rolled(Float64Array.from(p), roll * DEGREE, [cx, cy])]), span = around(turned);
     const most = Math.min(INSET * plane.width, INSET_MOST), size = [span[2] - span[0], span[3] - span[1]];
     const scale = most / Math.max(...size), [wide, high] = size.map(v => v * scale + 12);
-    const places = [[8, plane.height - high - 8], [plane.width - wide - 8, plane.height - high - 8], [plane.width - wide - 8, 8], [8, 34]];
-    const crowd = (/** @type {number[]} */ [x, y]) => names.taken.filter(([l, t, r, b]) => l < x + wide && r > x && t < y + high && b > y).length;
+    const places = [[8, plane.height - high - 8], [plane.width - wide - 8, plane.height - high - 8],
+      [plane.width - wide - 8, 8], [8, 34]];
+    const crowd = (/** @type {number[]} */ [x, y]) => names.taken
+      .filter(([l, t, r, b]) => l < x + wide && r > x && t < y + high && b > y).length;
     const [x, y] = places.reduce((a, b) => crowd(b) < crowd(a) ? b : a);
     names.keepBox([x, y, x + wide, y + high]);
-    const at = (/** @type {number[]} */ p) => [x + wide / 2 + (p[0] - cx) * scale, y + high / 2 + (p[1] - cy) * scale].map(px).join(" ");
+    const at = (/** @type {number[]} */ p) => [x + wide / 2 + (p[0] - cx) * scale, y + high / 2 + (p[1] - cy) * scale]
+      .map(px).join(" ");
     const path = (/** @type {number[][]} */ points) => `M${points.map(at).join("L")}z`;
-    const w = plane.window, view = [[0, 0], [plane.width, 0], [plane.width, plane.height], [0, plane.height]].map(([a, b]) => [a / w.scale + w.x, b / w.scale + w.y]);
+    const w = plane.window, view = [[0, 0], [plane.width, 0], [plane.width, plane.height], [0, plane.height]]
+      .map(([a, b]) => [a / w.scale + w.x, b / w.scale + w.y]);
     const up = [[cx, 10], [cx, -40]].map(p => [...rolled(Float64Array.from(p), roll * DEGREE, [cx, cy])]);
     const id = `inset-${Math.round(x)}-${Math.round(y)}-${Math.round(wide)}`;
-    return `<clipPath id="${id}"><rect x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/></clipPath><g clip-path="url(#${id})">
-<rect class="draw-inset" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>
-<path class="draw-frame" d="${path(turned)}"/>${arms.map(({hulls, kind}) => `<path class="${kind || "vi-hull"}" d="${hulls.map(path).join("")}"/>`).join("")}
-<path class="draw-up" d="M${up.map(at).join("L")}"/><path class="draw-window" d="${path(view)}"/></g><rect class="draw-inset-rim" x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"/>`;
+    const place = `x="${px(x)}" y="${px(y)}" width="${px(wide)}" height="${px(high)}" rx="5"`;
+    const bodies = arms.map(({hulls, kind}) =>
+      `<path class="${kind || "vi-hull"}" d="${hulls.map(path).join("")}"/>`).join("");
+    return `<clipPath id="${id}"><rect ${place}/></clipPath><g clip-path="url(#${id})">
+<rect class="draw-inset" ${place}/>
+<path class="draw-frame" d="${path(turned)}"/>${bodies}
+<path class="draw-up" d="M${up.map(at).join("L")}"/><path class="draw-window" d="${path(view)}"/></g>
+<rect class="draw-inset-rim" ${place}/>`;
   }
 }
 
@@ -203,7 +235,8 @@ export const dotToGoal = {
         const steps = layers.has("curves") ? Math.round(stage.reveal * last) : 0;
         const curves = runs.map((run, k) => {
           const arrived = stepsTo(run, THERE_PX), isThere = stage.reveal === 1 && layers.has("curves");
-          const most = run.errors.slice(0, steps + 1).reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
+          const most = run.errors.slice(0, steps + 1)
+            .reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
           const named = isTurned && k === 2 ? most : isTurned ? (k ? 9 : 4) : [8, 1, 6][k];
           return {
             points: run.errors.map((error, step) => [step, error]), role: ROLES[k], shown: steps + 1, named,

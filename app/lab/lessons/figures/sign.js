@@ -15,12 +15,13 @@
  * @property {number[]} offDeg of each joint at the end
  * @property {boolean} holds whether the claim is true
  * @property {number | null} certificate the probability that the learner gives its claim; null if it gives none
+ * @property {string} because one sentence on the claim
  * @property {number[]} own (4 N) px of the seen points at the end
  * @property {number[]} recovered (4 N) px
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {card, table} from "./cards.js";
+import {card, named, table} from "./cards.js";
 import {
   axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
 } from "./drawing.js";
@@ -34,7 +35,7 @@ export const CLAIM = {
   title: "",
   aspect: 1.2,
   create(box) {
-    box.classList.add("bare", "lesson-claim");
+    named(box, "lesson-claim", "The claim of a run, and what is known of it");
     let last = "";
     return {
       draw(stage, layers) {
@@ -74,6 +75,7 @@ export const E_HISTORY = {
       resize: () => drawing.measure(),
       draw(stage) {
         const {E, probes} = runOf(stage);
+        box.classList.toggle("lesson-gone", isOver(stage)); // all runs are listed then
         const last = E.length - 1;
         drawing.show(history(drawing, E, probes),
           `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`);
@@ -113,7 +115,7 @@ export const REVIEW_OF_RUNS = {
   title: "All runs",
   aspect: 1.6,
   create(box) {
-    box.classList.add("bare", "lesson-table");
+    named(box, "lesson-table", "All runs, your bets and the certificates");
     return {
       draw(stage) {
         box.innerHTML = isOver(stage) ? review(stage) : "";
@@ -162,11 +164,12 @@ function claimed(stage, layers) {
   ].map(([name, value]) => `<tr><th>${name}</th><td class="lesson-of-${name[0]}">${escaped(value)}</td></tr>`);
   const known = card("plain", "What the learner knows", "", `<table>${rows.join("")}</table>`);
   const off = run.offDeg.map((v, k) => `${fixed(v)}° off at the ${names[k]}`).join(", ");
-  const truth = card("truth", "The truth (hidden from the learner)", `${run.holds ? "True" : "False"}: ${off}.`);
+  const outcome = `${run.holds ? "True" : "False"}: ${off}.`, because = `<p>${escaped(run.because)}</p>`;
+  const truth = card("truth", "The truth (hidden from the learner)", outcome, because);
   const head = `Run ${stage.run + 1} of ${runsOf(stage).length}: the claim`;
   const claim = card("learner", head, "“Both joints are within 1° of the demonstrator's.”");
   const isTrueShown = layers.has("truth") && !stage.truthHidden;
-  return claim + (isTrueShown ? truth : "") + (layers.has("learner knows") ? known : "");
+  return claim + (isTrueShown ? truth : "") + (layers.has("learner knows") && !isOver(stage) ? known : "");
 }
 
 /**
@@ -214,7 +217,8 @@ function bars({width, height}, stage) {
     svg += text(middle, bottom + 15, String(k + 1), k === stage.run ? "vi-b vi-mid" : "vi-2nd vi-mid");
     if (cost === null) return;
     svg += rectangle("lesson-bet", middle - wide / 2, top, wide, bottom - top, 2);
-    if (each > 27) svg += text(middle, top - 4, fixed(cost, 2), "vi-2nd vi-mid vi-halo");
+    const label = Math.abs(top - 8 - y(quarter)) < 9 ? y(quarter) - 4 : top - 4; // not on the dashed line
+    if (each > 27) svg += text(middle, label, fixed(cost, 2), "vi-2nd vi-mid vi-halo");
   });
   return svg;
 }

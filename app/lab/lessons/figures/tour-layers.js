@@ -1,6 +1,6 @@
 /**
- * Layers of the four images for the first lessons: pencils of lines by hand, a point that can be dragged, the ghost with
- * its lines and the way to it, and goals of single points.
+ * Layers of the four images for the first lessons: pencils of lines by hand, a point that can be dragged, the ghost
+ * with its lines and the way to it, and goals of single points.
  *
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("./view-layers.js").Frame} Frame
@@ -8,11 +8,11 @@
  */
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
-import {arrow, clipped, diamond, disc, Names} from "./plane.js";
+import {arrow, diamond, disc, Names} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
 const NEAR_PX = 2, LITTLE = 3; // px of a way that is none; drawing units of an arrow that is not drawn
-const HANDLE = 13, NUMBER = 13; // drawing units
+const HANDLE = 13, NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
 
 /** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
 const learnerIn = (frame, {world}, theta) => {
@@ -52,7 +52,8 @@ const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
 function ways(frame, stage) {
-  const {moment, world} = stage, k = 2 * frame.side, own = moment.views.own, goal = world.look("learner", moment.thetaDemo).images;
+  const {moment, world} = stage, k = 2 * frame.side, own = moment.views.own;
+  const goal = world.look("learner", moment.thetaDemo).images;
   const found = stage.recovered();
   return moment.usable.map(i => {
     const from = [own[4 * i + k], own[4 * i + k + 1]], to = [goal[4 * i + k], goal[4 * i + k + 1]];
@@ -77,8 +78,10 @@ function nameOfLine(frame, stage, eye) {
   if (!ends) return null;
   const other = eye && frame.layers.has("line from l") ? nameOfLine(frame, stage, 0) : null;
   const points = [...residuals(frame, stage).flat(), ...other ? [other.at] : []];
-  const places = SHARES[eye].map(share => ({share, at: [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]))}));
-  const room = (/** @type {{at: number[]}} */ {at: [x, y]}) => Math.min(CLEAR, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
+  const places = SHARES[eye]
+    .map(share => ({share, at: [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]))}));
+  const room = (/** @type {{at: number[]}} */ {at: [x, y]}) =>
+    Math.min(CLEAR, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
   return places.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
 }
 
@@ -97,13 +100,16 @@ export const TOUR_LAYERS = {
     if (frame.isDemo || truthHidden) return "";
     const outline = frame.outlines.of(world, "learner", moment.thetaDemo, "ghost")[frame.side];
     const at = learnerIn(frame, stage, moment.thetaDemo), names = namesOver(frame, stage);
-    const hand = outline.hulls[outline.hulls.length - 1].map(frame.at), own = frame.outlines.of(world, "learner", moment.theta, "own")[frame.side];
-    const off = (/** @type {number[]} */ p) => Math.min(...own.bones.map(frame.at).map(q => Math.hypot(p[0] - q[0], p[1] - q[1])));
+    const hand = outline.hulls[outline.hulls.length - 1].map(frame.at);
+    const own = frame.outlines.of(world, "learner", moment.theta, "own")[frame.side];
+    const off = (/** @type {number[]} */ p) =>
+      Math.min(...own.bones.map(frame.at).map(q => Math.hypot(p[0] - q[0], p[1] - q[1])));
     const tip = hand.reduce((a, b) => off(b) > off(a) ? b : a);
     outline.hulls.flat().map(frame.at).forEach(p => names.keep(p, 6));
     if (Math.hypot(...moment.theta.map((v, k) => v - moment.thetaDemo[k])) > .05)
       names.put("ghost", tip, "vi-2nd", {away: 9, first: [0, 1]});
-    return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(frame.shown.map(at), 4.4, "vi-goal-ring") + names.html;
+    return arm(outline, frame, "vi-goal", "vi-goal-bone") + rings(frame.shown.map(at), 4.4, "vi-goal-ring")
+      + names.html;
   },
   "ghost lines": (frame, stage) => {
     if (frame.isDemo || stage.truthHidden) return "";
@@ -116,13 +122,15 @@ export const TOUR_LAYERS = {
     if (frame.isDemo || stage.truthHidden) return "";
     const all = ways(frame, stage), names = namesOver(frame, stage);
     all.forEach(({from, to}) => names.keepLine(from, to, 4));
-    const long = all.filter(({way}) => way > NEAR_PX).sort((a, b) => b.way / (b.residual + 1) - a.way / (a.residual + 1))[0];
+    const long = all.filter(({way}) => way > NEAR_PX)
+      .sort((a, b) => b.way / (b.residual + 1) - a.way / (a.residual + 1))[0];
     const still = all.filter(({way}) => way < NEAR_PX).sort((a, b) => b.residual - a.residual)[0];
     for (const {from, way, residual} of [long, still].filter(Boolean)) {
       const [first, second] = [`${Math.round(residual)} px arrow,`, `${Math.round(way)} px to go`];
       if (frame.width > 260) names.put(`${first} ${second}`, from, "vi-of-E", {away: 10});
     }
-    const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE).map(({from, to}) => arrow(from, to, 9));
+    const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE)
+      .map(({from, to}) => arrow(from, to, 9));
     const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));
     return `<path class="draw-way" d="${paths[0]}"/><path class="draw-way-tip" d="${paths[1]}"/>${names.html}`;
   },
@@ -148,14 +156,16 @@ export const TOUR_LAYERS = {
       if (ends) names.keepLine(ends[0], ends[1], 3);
     }
     const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
-    places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own", {size: NUMBER, away: 10}));
+    places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own",
+      {size: NUMBER, away: 10}));
     return `<path class="${frame.isDemo ? "vi-seen" : "draw-own-dot"}" d="${marks}"/>${names.html}`;
   },
   "chosen": (frame, stage) => {
     const {images, isDemo, shown} = frame, {chosen} = stage;
     if (!shown.includes(chosen)) return "";
     const [x, y] = frame.of(images, chosen);
-    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>` : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
+    const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>`
+      : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
     return frame.layers.has("draggable") ? mark : mark + rings([[x, y]], 11, "vi-ring");
   },
   "draggable": (frame, stage) => {
@@ -168,19 +178,37 @@ export const TOUR_LAYERS = {
     const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
     return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
   },
+  "crossing": (frame, stage) => {
+    const {chosen, moment, mark} = stage, found = stage.recovered();
+    if (frame.isDemo || !moment.usable.includes(chosen)) return "";
+    const at = frame.of(found, chosen), names = namesOver(frame, stage), [x, y] = at;
+    names.keep(at, 10);
+    if (mark && stage.step.ask.figure === frame.name) {
+      const own = frame.at(mark);
+      names.keep(own, 20);
+      names.keepLine(own, at, 16);
+      names.keepBox([own[0] - MARK_WIDE, own[1] - 12, own[0] + MARK_WIDE, own[1] + 12]);
+    }
+    const words = frame.width > 230 ? "where the lines cross" : "crossing";
+    if (x > 0 && y > 0 && x < frame.width && y < frame.height) names.put(words, at, "vi-of-found", {away: 13});
+    return `<path class="vi-found" d="${diamond(x, y, 6)}"/>${rings([at], 11, "vi-ring")}${names.html}`;
+  },
   "predicted": (frame, {rounds}) => {
     if (frame.isDemo || !rounds.length) return "";
-    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at), last = rounds[rounds.length - 1];
-    const off = clipped(frame.at(last.mark), frame.at(last.to), [0, 0, frame.width, frame.height]);
-    const [x, y] = frame.at(last.mark), cross = `M${px(x - 6)} ${px(y - 6)}l12 12m0-12l-12 12`;
-    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>
-<path class="draw-apart" d="${off.length ? `M${off.map(p => p.map(px).join(" ")).join("L")}` : ""}"/><path class="draw-said" d="${cross}"/>`;
+    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
+    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>`;
   },
 };
 
+/** @param {number} wide @param {string} marks */
+const sample = (wide, marks) => `<svg viewBox="0 0 ${wide} 12" class="vi">${marks}</svg>`;
+
 /** What their marks mean. @type {Record<string, string>} */
 export const TOUR_LEGEND = {
-  "needed displacement": '<svg viewBox="0 0 34 12" class="vi"><path class="draw-way" d="M2 6h24"/><path class="draw-way-tip" d="M33 6l-9-4.5v9z"/></svg>the way to the ghost, which the learner cannot see',
-  "left over": '<svg viewBox="0 0 34 12" class="vi"><path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/></svg>how far a point is from its line',
-  "goal": '<svg viewBox="0 0 14 12" class="vi"><path class="draw-goal" d="M2.5 6a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z"/></svg>where a dot should go',
+  "needed displacement":
+    `${sample(34, '<path class="draw-way" d="M2 6h24"/><path class="draw-way-tip" d="M33 6l-9-4.5v9z"/>')}\
+the way to the ghost, which the learner cannot see`,
+  "left over": `${sample(34, '<path class="vi-e" d="M2 6h25"/><path class="vi-tip" d="M33 6l-8-4v8z"/>')}\
+how far a point is from its line`,
+  "goal": `${sample(14, `<path class="draw-goal" d="${disc(7, 6, 4.5)}"/>`)}where a dot should go`,
 };

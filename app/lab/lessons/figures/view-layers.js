@@ -152,6 +152,6 @@ export const OWN_LEGEND = {
   "recovered points": `${mark('<path class="vi-found" d="M-5 0l5-5 5 5-5 5z"/>')}where the lines put it`,
   "arrows": `${arrow("vi-e")}arrow: the disagreement`,
   "skeleton": `${mark('<path class="vi-bone vi-found" d="M-12 3l12-6 12 6"/>', 13)}arm by the lines`,
-  "ghost": `${mark('<rect class="vi-goal" x="-7" y="-6" width="14" height="12" rx="4"/><circle class="vi-goal-ring" r="3.4"/>')}learner in the demonstrator’s pose`,
+  "ghost": `${mark('<rect class="vi-goal" x="-7" y="-6" width="14" height="12" rx="4"/><circle class="vi-goal-ring" r="3.4"/>')}ghost: the learner in the demonstrator’s pose`,
   "guessed": `${mark('<rect class="vi-guess" x="-7" y="-6" width="14" height="12" rx="4"/>')}your guess`,
 };

@@ -1,0 +1,146 @@
+"""Figures of the lessons: those that lessons name exist, names in them do not cover each other, and hands move them."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+import tomllib
+import typescript
+from viewimit.app.lab.lessons.page import lesson_page
+from viewimit.app.lab.lessons.source import shipped
+
+LESSONS = Path(__file__).parents[2] / "app" / "lab" / "lessons"
+SIZES = {"phone": (390, 844), "laptop": (1280, 720), "projector": (1920, 1080)}
+FAULTS = Path(__file__).with_name("faults.js").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def page_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("figures") / "lessons.html"
+    path.write_text(lesson_page(shipped()), "utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser, page_file):
+    """A step of a lesson, in a tab of a size."""
+    tabs = []
+
+    def open_step(lesson, step, size="laptop"):
+        width, height = SIZES[size]
+        page = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
+        tabs.append(page)
+        page.faults = []
+        page.on("pageerror", lambda error: page.faults.append(str(error)))
+        page.on("console", lambda message: page.faults.append(message.text) if message.type == "error" else None)
+        page.goto(f"{page_file.as_uri()}#lesson={lesson}&step={step}&seed=5")
+        page.wait_for_selector(".drawing [aria-label]")
+        return page
+
+    yield open_step
+    for page in tabs:
+        page.close()
+
+
+def test_every_figure_layer_and_measure_that_lessons_name_is_there():
+    command = [typescript.node(), str(Path(__file__).parent / "registered.mjs"), str(LESSONS)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    named = tomllib.loads((LESSONS / "figures" / "layers.toml").read_text("utf-8"))
+    assert set(found["figures"]) == set(named)
+    missing = {name: sorted(set(use["layers"]) - set(found["figures"][name])) for name, use in named.items()}
+    assert not {name: layers for name, layers in missing.items() if layers}
+    browser = tomllib.loads((LESSONS / "measures.toml").read_text("utf-8"))["browser"]
+    assert sorted(set(browser) - set(found["measures"])) == []
+
+
+def _steps(lesson):
+    return [step.id for step in shipped()[lesson].step]
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("lesson", shipped())
+def test_no_name_covers_another_before_or_after_the_answer(opened, lesson, size):
+    first, *others = _steps(lesson)
+    page = opened(lesson, first, size)
+    faults = []
+    for step in (first, *others):
+        page.evaluate("step => { location.hash = step; }", f"lesson={lesson}&step={step}&seed=5")
+        page.wait_for_timeout(350)
+        faults += [f"{step}, before: {fault}" for fault in page.evaluate(FAULTS)]
+        for _ in range(2):
+            show = page.get_by_role("button", name="Show me")
+            if show.count() and show.first.is_visible():
+                show.first.click()
+        page.wait_for_timeout(700)
+        faults += [f"{step}, after: {fault}" for fault in page.evaluate(FAULTS)]
+    assert not faults
+    assert not page.faults
+
+
+def _middle(page, selector):
+    box = page.locator(selector).first.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def _line(page):
+    return page.locator(".figure-L .vi-line:not(.vi-from-right)").first.get_attribute("d")
+
+
+@pytest.mark.browser
+def test_a_point_of_l_is_dragged_and_its_line_goes_along(opened):
+    page = opened("ray", "two")
+    before, (x, y) = _line(page), _middle(page, ".figure-l .draw-handle")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 10, y - 25, steps=4)
+    page.mouse.up()
+    page.wait_for_timeout(100)
+    dragged = _line(page)
+    assert dragged != before
+    page.locator(".figure-l .drawing").focus()
+    page.keyboard.press("ArrowDown")
+    page.wait_for_timeout(100)
+    assert _line(page) not in (before, dragged)
+    assert not page.faults
+
+
+@pytest.mark.browser
+def test_pencils_follow_their_sliders_until_every_point_is_on_its_line(opened):
+    page = opened("ray", "pencil")
+    for slider, angle in zip(page.locator(".slider input").all(), ("34", "163")):
+        slider.fill(angle)
+        slider.dispatch_event("change")
+    page.wait_for_function("document.querySelector('.say')", timeout=10_000)  # the goal is reached
+    assert not page.faults
+
+
+@pytest.mark.browser
+def test_the_epipole_leaves_the_picture_as_the_cameras_move_back(opened):
+    page = opened("ray", "far")
+    page.keyboard.press("2")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".figure-2 .draw-hole")
+    slider = page.locator(".slider input").first
+    slider.fill(slider.get_attribute("max"))
+    page.wait_for_selector(".figure-2 .draw-beyond")
+    assert "px that way" in page.locator(".figure-2 svg").first.text_content()
+    assert not page.faults
+
+
+@pytest.mark.browser
+def test_a_turned_camera_makes_another_way(opened):
+    page = opened("jacobian", "turned")
+    page.keyboard.press("2")
+    page.keyboard.press("Enter")
+    way = ".figure-turned-picture .draw-track.draw-of-learner"
+    page.wait_for_selector(way, state="attached")
+    page.wait_for_timeout(500)
+    before = page.locator(way).get_attribute("d")
+    page.locator(".slider input").first.fill("0")
+    page.wait_for_timeout(500)
+    assert page.locator(way).get_attribute("d") != before
+    assert not page.faults

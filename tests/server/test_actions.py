@@ -1,0 +1,126 @@
+"""Clicks in drawings come by the page's own connection: each once and in order, and nothing else is taken for one."""
+
+import re
+from functools import partial
+
+import msgspec
+import pytest
+from protocol import Client
+from serving import Server, browser_of
+from viewimit.app.control.actions import LABEL, MAX_ACTIONS, MAX_CHARS, Actions
+from viewimit.app.control.commands.command import Command
+from viewimit.app.control.queue import CommandQueue
+from waiting import stays, wait_until
+
+
+def message(*acts, load="a") -> str:
+    return msgspec.json.encode({"load": load, "acts": acts}).decode()
+
+
+class Taken:
+    """What was put into a queue, by control."""
+
+    def __init__(self):
+        self.values = []
+        self.actions = Actions(CommandQueue(), {control: partial(self._take, control) for control in ("point", "link")})
+
+    def _take(self, control: str, value: str) -> Command:
+        self.values.append((control, value))
+        return Command()
+
+
+def test_each_action_is_taken_once_and_in_order_however_often_it_is_sent():
+    taken = Taken()
+    taken.actions.take(message((1, "point", "3")))
+    taken.actions.take(message((1, "point", "3"), (2, "link", "x")))
+    taken.actions.take(message((2, "link", "x"), (3, "point", "4")))
+    assert taken.values == [("point", "3"), ("link", "x"), ("point", "4")] and taken.actions.last == 3
+
+
+def test_a_page_that_is_loaded_anew_counts_from_one():
+    taken = Taken()
+    taken.actions.take(message((7, "point", "3")))
+    taken.actions.take(message((1, "point", "4"), load="b"))
+    assert taken.values == [("point", "3"), ("point", "4")] and taken.actions.last == 1
+
+
+def test_an_unknown_action_is_counted_too_or_it_would_come_for_ever():
+    taken = Taken()
+    taken.actions.take(message((1, "nothing", "3"), (2, "point", "4")))
+    assert taken.values == [("point", "4")] and taken.actions.last == 2
+
+
+class Tab(Client):
+    def __init__(self, url: str):
+        super().__init__(url, cookie=browser_of(url))
+        self.ready()
+
+    @property
+    def chosen(self) -> int | None:
+        """The point that its images ring."""
+        found = [re.search(r">point (\d+), its<", html) for html in list(self.html.values())]
+        return next((int(one[1]) for one in found if one), None)
+
+
+@pytest.fixture(scope="module")
+def server():
+    server = Server()
+    yield server
+    assert server.stop() == 0
+
+
+@pytest.fixture
+def tab(server):
+    with Tab(server.url) as tab:
+        yield tab
+
+
+def test_a_click_reaches_its_page_and_is_acknowledged(tab):
+    tab.act("point", 7)
+    wait_until(lambda: tab.chosen == 7 and tab.value(LABEL) == "1")
+    tab.act("point", 7)
+    wait_until(lambda: tab.chosen is None and tab.value(LABEL) == "2")
+
+
+def test_a_value_that_cannot_be_is_refused_on_the_page_as_a_sliders_is(tab):
+    tab.act("point", 99)
+    wait_until(lambda: "no point 99" in tab.status)
+    for value in ("-,.", "nan", "1e999"):
+        tab.act("point", value)
+        wait_until(lambda value=value: value in tab.status and "is not a number" in tab.status)
+    tab.act("nothing")
+    wait_until(lambda: "no 'nothing'" in tab.status.replace("&#x27;", "'"))
+
+
+REFUSED = {
+    "no JSON": "{",
+    "no list": '{"load":"a","acts":1}',
+    "a number below one": message((0, "point", "1")),
+    "a number that is none": message(("1", "point", "1")),
+    "a value that is no text": message((1, "point", 1)),
+    "a long control": message((1, "p" * 21, "1")),
+    "a long value": message((1, "link", "1" * 6001)),
+    "another field": '{"load":"a","acts":[],"more":1}',
+    "a long name of the load": message(load="a" * 41),
+    "too many": message(*((k + 1, "point", "1") for k in range(MAX_ACTIONS + 1))),
+    "too long": " " * MAX_CHARS + message(),
+    "deep": "[" * 15_000,
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_no_page_sends_is_refused_with_one_line(server, tab, what):
+    with server.says("refused"):
+        tab.put(LABEL, REFUSED[what])
+    tab.act("point", 2)
+    wait_until(lambda: tab.chosen == 2)
+
+
+def test_a_flood_holds_nobody_else_up(server, tab):
+    with Tab(server.url) as bystander:
+        for k in range(200):
+            tab.act("point", k % 10)
+        bystander.act("point", 2)
+        wait_until(lambda: bystander.chosen == 2)
+        wait_until(lambda: tab.value(LABEL) == "200")
+        stays(lambda: bystander.chosen == 2, 0.2)

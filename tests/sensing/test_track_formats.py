@@ -86,7 +86,7 @@ def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
     [
         (("bodyparts", "parts"), "its first lines must begin with scorer, bodyparts, coords or scorer, individuals"),
         (("tip,tip,tip", "tip,tip,top"), None),
-        (("coords,x", "coords,z"), "body part 'tip' needs columns x and y"),
+        (("coords,x,y", "coords,likelihood,y"), "two columns are likelihood of 'tip'"),
         (("\n1,", "\nframe one,"), "line 5, column 1: 'frame one' is neither a whole number from 0 nor a picture"),
         (("\n1,", "\n0,"), "frame 0 stands in two rows"),
     ],

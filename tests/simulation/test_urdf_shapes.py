@@ -144,7 +144,7 @@ def test_packages_are_found_above_the_file_and_along_ros_package_path(package, m
         == mesh_path(package, f"file://{package.parent}/ball.stl")
         == package.parent / "ball.stl"
     )
-    with pytest.raises(NotFound, match="no folder far above .* nor in ROS_PACKAGE_PATH"):
+    with pytest.raises(NotFound, match="no folder far above .* nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"):
         mesh_path(package, "package://far/ball.stl")
     far = package.parents[3] / "elsewhere"
     export(BALL, far / "far/ball.stl")

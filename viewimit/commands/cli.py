@@ -48,6 +48,9 @@ MODULES = {"class": "class_"}  # where a command's name cannot be a module's
 def main(argv: list[str] | None = None) -> int:
     """Run one command and return its exit status. `viewimit` alone serves the page."""
     limit_blas_threads()
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed, as by daemons, or of a program without a console
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console of another encoding, or a file, may lack ≤ and −

@@ -79,13 +79,18 @@ def run(args: argparse.Namespace) -> int:
 
     rows: dict[str, list[Row]] = {}
     counts = {}
+    sizes: dict[tuple[int, ...], str] = {}  # of pictures, and a view of each
     for view, paths in files.items():
         rows[view], frames = [], 0
         with naming(option(VIEW_NAMES[view])):
             for picture in (picture for path in paths for picture in read_pictures(path)):
                 rows[view] += [(frames, *point) for point in detect(picture)]
                 frames += 1
+                sizes.setdefault(picture.shape[1::-1], VIEW_NAMES[view])
         counts[VIEW_NAMES[view]] = {"frames": frames, "points_a_frame": len(rows[view]) / frames}
+    if len(sizes) > 1:
+        named = ", ".join(f"{width} x {height} px in {view}" for (width, height), view in sizes.items())
+        print(f"viewimit detect: pictures of different sizes, {named}: points are in pixels of each", file=sys.stderr)
     markers = len(names) or len({point for each in rows.values() for _, point, *_ in each})
     with naming("--out"):
         write_tidy(args.out, rows)

@@ -20,6 +20,7 @@ from PIL import Image
 
 from .files import MEGABYTE, require_file
 
+SEVERAL = (".tif", ".tiff", ".webp")  # which may hold several pictures
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 MAX_BYTES = 65_536 * MEGABYTE  # of a video
 MAX_PIXELS = 25_000_000  # of a picture: a dozen floats each
@@ -126,10 +127,13 @@ def read_pictures(path: Path) -> Iterator[Picture]:
     require_file(path, MAX_BYTES)
     if path.suffix.lower() in PICTURES:
         _require_size(path)
-        picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
-        if picture is None:
-            raise ValueError(f"{path}: not a picture that OpenCV reads")
-        yield np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
+        pages = max(cv2.imcount(str(path), cv2.IMREAD_COLOR), 1) if path.suffix.lower() in SEVERAL else 1
+        for page in range(pages):
+            read_all, found = cv2.imreadmulti(str(path), page, 1, flags=cv2.IMREAD_COLOR) if pages > 1 else (True, ())
+            picture = found[0] if pages > 1 and read_all and len(found) else cv2.imread(str(path), cv2.IMREAD_COLOR)
+            if picture is None:
+                raise ValueError(f"{path}: not a picture that OpenCV reads")
+            yield np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
         return
     video, count = cv2.VideoCapture(str(path)), 0
     _require_pixels(path, int(video.get(cv2.CAP_PROP_FRAME_WIDTH)), int(video.get(cv2.CAP_PROP_FRAME_HEIGHT)))

@@ -132,6 +132,7 @@ def open_hdf5(path: Path) -> Iterator[Any]:
         raise ValueError(f"{path}: not an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
+            _require_own_data(path, file)
             yield file
     except KeyError as error:
         raise ValueError(f"{path}: it lacks what files of its kind have: {error.args[0]}") from None
@@ -139,6 +140,20 @@ def open_hdf5(path: Path) -> Iterator[Any]:
         if isinstance(error, ValueError) and str(error).startswith(f"{path}:"):
             raise
         raise ValueError(f"{path}: damaged, or no file of its kind: {error}; export it again, or as CSV") from None
+
+
+def _require_own_data(path: Path, group: Any) -> None:
+    """Raise ValueError for links and for data in other files, which could be anybody's."""
+    import h5py
+
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"{path}: {group.name}: {name!r} is a link, which is not followed: export it again")
+        one = group[name]
+        if isinstance(one, h5py.Dataset) and (one.external or one.is_virtual):
+            raise ValueError(f"{path}: {one.name} has its data in other files, which are not read: export it again")
+        if isinstance(one, h5py.Group):
+            _require_own_data(path, one)
 
 
 def read_dataset(dataset: Any) -> NDArray[Any]:

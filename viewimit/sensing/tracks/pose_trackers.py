@@ -35,6 +35,7 @@ from .track import CERTAIN, Rows, Track, choose_individual, require_cells
 
 LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
 Heading = tuple[str, str, str]  # individual ("" if there is one), body part, coordinate
+COORDINATES = ("x", "y", "likelihood")  # of a body part in one picture
 SINGLE = "single"  # DeepLabCut's individual for points that belong to none
 EXPORT_CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
 
@@ -60,7 +61,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     headings = list(zip(several[first:], parts[first:], head[-1][1][first:]))
     frames, numbers = [], []
     for line, cells in lines:
-        table.require_count(line, cells, len(parts))
+        cells = table.filled(line, cells, len(parts))
         frames.append(frame_of(f"{path}: line {line}, column 1", cells[:first]))
         numbers.append(
             [
@@ -83,6 +84,10 @@ def track_of(
         raise ValueError(f"{where}: two columns are {name} of {part!r}: keep those of one scorer")
     columns = {(part, name): k for k, (one, part, name) in enumerate(headings) if one == chosen}
     parts = list(dict.fromkeys(part for part, _ in columns))
+    for part, name in columns:
+        if name not in COORDINATES:
+            what = "points in space: take the table of each picture" if name == "z" else "which is not understood"
+            raise ValueError(f"{where}: body part {part!r} has a column {name!r}, {what}")
     for part in parts:
         if not {(part, "x"), (part, "y")} <= columns.keys():
             raise ValueError(f"{where}: body part {part!r} needs columns x and y, and likelihood if it is known")
@@ -212,9 +217,7 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     _, heading = next(lines)
     nodes = [name.removesuffix(X) for name in heading if name.endswith(X) and name.removesuffix(X) + Y in heading]
     at = {name: k for k, name in enumerate(heading)}
-    read = list(lines)
-    for line, cells in read:
-        table.require_count(line, cells, len(heading))
+    read = [(line, table.filled(line, cells, len(heading))) for line, cells in lines]
     tracks = [cells[at[TRACK]].strip() if TRACK in at else "" for _, cells in read]
     chosen = choose_individual(str(path), list(dict.fromkeys(filter(None, tracks))), individual)
     rows = Rows()

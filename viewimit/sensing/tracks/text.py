@@ -6,6 +6,7 @@ fault is named by file, line and column. COLMAP's text files are refused with a 
 
 import csv
 import math
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -21,6 +22,9 @@ MAX_FRAME = 2**53
 MAX_LINE = 1 << 20  # characters
 MAX_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
 SEPARATORS = ",;\t"
+SAID_SEPARATOR = re.compile(r'"?sep=(,|;|\t|\\t)"?', re.IGNORECASE)  # a first line of spreadsheets
+MISSING = ("nan", "na", "n/a", "null", "none")  # of a number that is not there
+WHOLE = re.compile(r"\.0*$")  # behind a whole number, as pandas writes one
 COLUMNS = ("frame", "view", "point", "x", "y", "confidence")  # of a table of all four views
 HEADINGS = {  # of a table of one view, in lower case without punctuation
     "frame": ("frame", "frameidx", "frameindex", "frameid", "framenumber", "image", "imageid", "imageidx", "t"),
@@ -49,6 +53,7 @@ class Table:
     def __init__(self, path: Path):
         require_file(path, MAX_BYTES)
         self.path = path
+        self._says_separator = False  # in a first line of its own, sep=;
         self._separator = self._detect_separator()
         self._decimal: str | None = None  # "," or ".", once an ambiguous number has been read
 
@@ -58,12 +63,20 @@ class Table:
             with self.path.open(newline="", encoding="utf-8-sig") as file:
                 reader = csv.reader(self._bounded_lines(file), strict=True, delimiter=self._separator)
                 for cells in reader:
+                    if self._says_separator and reader.line_num == 1:
+                        continue
                     if cells and (cells[0] or any(map(str.strip, cells))):
                         yield reader.line_num, cells
         except UnicodeDecodeError:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         except csv.Error as error:
             raise ValueError(f"{self.path}: line {reader.line_num}: {error}") from None
+
+    def filled(self, line: int, cells: list[str], columns: int) -> list[str]:
+        """Return a line with the empty cells that were cut at its end. Raise ValueError for one that has too many."""
+        cells = cells + [""] * (columns - len(cells))
+        self.require_count(line, cells, columns)
+        return cells
 
     def require_count(self, line: int, cells: list[str], columns: int) -> None:
         """Raise ValueError for a line that has another number of cells."""
@@ -82,7 +95,7 @@ class Table:
         text = text.strip()
         if not text:
             return empty
-        if text.lower() == "nan":
+        if text.lower() in MISSING:
             return math.nan
         if self._separator != "," and ("," in text or "." in text):
             value = self._with_decimal(line, column, text)
@@ -93,8 +106,9 @@ class Table:
 
     def whole(self, line: int, column: str, text: str) -> int:
         """Return a whole number, such as a frame's."""
-        if not (text.isdecimal() or text.strip().isdecimal()) or int(text) > MAX_FRAME:
-            fault = f"{text.strip()!r} is not a whole number from 0"
+        text = WHOLE.sub("", text.strip())
+        if not text.isdecimal() or int(text) > MAX_FRAME:
+            fault = f"{text!r} is not a whole number from 0"
             raise ValueError(f"{self.path}: line {line}, column {column}: {fault}")
         return int(text)
 
@@ -127,6 +141,10 @@ class Table:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         if not first:
             raise ValueError(f"{self.path}: the file is empty")
+        said = SAID_SEPARATOR.fullmatch(first.strip("\r\n"))
+        if said is not None:
+            self._says_separator = True
+            return "\t" if said[1] == "\\t" else said[1]
         count = Counter(first)
         return max(SEPARATORS, key=lambda separator: count[separator])
 

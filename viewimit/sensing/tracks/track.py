@@ -14,6 +14,7 @@ from ..frames import is_missing_value
 
 MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
+PERCENT, OWN_GRID = 100, 256  # px: a picture that is no larger is rare
 CERTAIN = 1.0  # confidence where a file gives none
 MAX_CONFIDENCE = 2.0  # some trackers' peaks are a little above 1; COCO writes 2 for visible
 BODIES = (VIEWS[:2], VIEWS[2:])  # the views of each body
@@ -97,6 +98,19 @@ class TrackedPoints:
     def n_image_points(self) -> int:
         """Count the points of any confidence in all frames and views, without missing values."""
         return sum(int(self._present(view).sum()) for view in VIEWS)
+
+    def doubtful_units(self) -> str | None:
+        """Return what coordinates look like that may be no pixels of the pictures; None for all others."""
+        shown = [self.image[view][self._present(view)] for view in VIEWS]
+        if not all(map(len, shown)) or min(image.min() for image in shown) < 0:
+            return None
+        widest = max(float(image.max()) for image in shown)
+        if widest <= PERCENT:
+            return f"all x and y are in 0 … {PERCENT}: if these are percent, multiply by the picture's size in pixels"
+        if widest <= OWN_GRID:
+            grid = f"in 0 … {OWN_GRID}: if this is the grid of a tracker such as TAPIR"
+            return f"all x and y are {grid}, scale them to the picture's size"
+        return None
 
     def _present(self, view: str) -> NDArray[np.bool_]:
         return np.asarray(np.isfinite(self.image[view]).all(-1) & ~is_missing_value(self.image[view]))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .tree import REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
+from .tree import KINDS, REST_MARGIN, SLIDING, TURNING, Tree, TreeJoint
 
 FINGER = re.compile(
     r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE
@@ -39,6 +39,8 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
             raise ValueError(f"{tree.path}: no link {link!r}; its links are {', '.join(sorted(tree.links))}")
     parents = {joint.parent for joint in tree.joints}
     tips = [tip] if tip else [link for link in by_child if link not in parents]
+    if by_child and not tips:
+        raise ValueError(f"{tree.path}: its links form a loop at {next(iter(by_child))!r}")
     chains = [_path_to(tree, by_child, end, base) for end in tips]
     arms = [arm if tip else _without_fingers(tree, arm) for arm in chains if arm is not None]
     if tip and not arms:
@@ -51,6 +53,11 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
         held = (
             "; joints that slide are held, and do not count" if slides else "" if tree.joints else "; it has no joint"
         )
+        unknown = next((joint for joint in tree.joints if joint.kind not in KINDS), None)
+        if unknown is not None:
+            meant = unknown.kind.lower()
+            held += f"; joint {unknown.name!r} has the type {unknown.kind!r}: "
+            held += f"write {meant!r}" if meant in KINDS else f"there are {', '.join(KINDS)}"
         raise ValueError(f"{tree.path}: no revolute joint between {start} and {tip or 'any tip'}{held}")
     for joint in arm:
         if joint.kind in TURNING and joint.lower > joint.upper:

@@ -1,13 +1,16 @@
 """Find, read, simplify and shade the mesh files of a URDF.
 
-Relative paths start at the URDF's folder. `package://name/…` is looked for in the folders above it, in those of that
-name, and along ROS_PACKAGE_PATH. Files elsewhere and addresses on a network are refused. trimesh reads triangles
-only: no materials, no pictures, and no other file that a mesh names.
+Relative paths start at the URDF's folder. `package://name/…` and `model://name/…` are looked for in the folders above
+it, in those of that name, and along ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Files elsewhere and addresses on a network
+are refused. trimesh reads triangles only: no materials, no pictures, and no other file that a mesh names.
 """
 
+import contextlib
 import io
+import logging
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -20,6 +23,8 @@ from ...sensing.files import read_bytes
 FORMATS = ("stl", "obj", "dae", "glb", "ply", "off")
 MAX_BYTES = 50_000_000
 MAX_LENGTH = 1e6  # in the unit of the file
+STL_HEAD, STL_TRIANGLE = 84, 50  # bytes of a binary STL; the last four of its head are the number of triangles
+MAX_SNIFFED = 1000  # bytes of an ASCII STL, among which the first facet is
 PACKAGE_SUBFOLDERS = ("urdf", "urdfs", "robots", "robot", "model", "models", "xacro", "description")  # of URDFs
 PACKAGE_FILE = "package.xml"
 MAX_FILE_FACES, MAX_LINK_FACES = 1500, 6000  # of one file, and of all shapes that one joint moves
@@ -44,10 +49,13 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
         raise NotFound(f"{error}: simplify it, or leave it out") from None
     if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content):
         raise NotFound(f"{path.name} defines entities, and is not read: take them out")
+    if kind == "stl":
+        content = _whole_stl(path, content)
     if kind == "dae" and content.startswith(b"PK"):
         raise NotFound(f"{path.name} is an archive, and is not read: unpack it")
     try:
-        loaded = trimesh.load(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
+        with _quiet():  # of materials, which are not read
+            loaded = trimesh.load(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
         mesh = loaded.to_mesh() if isinstance(loaded, trimesh.Scene) else loaded
     except Exception as error:  # readers of broken files raise anything
         raise NotFound(f"{path.name} does not load: {error or type(error).__name__}".splitlines()[0]) from None
@@ -58,6 +66,30 @@ def load_mesh(path: Path) -> trimesh.Trimesh:
     if not mesh.area > 0:  # invisible, and without room for body points
         raise NotFound(f"{path.name} has triangles without an area alone")
     return trimesh.Trimesh(mesh.vertices * _unit_m(content, kind), mesh.faces, process=False)
+
+
+def _whole_stl(path: Path, content: bytes) -> bytes:
+    """A binary STL without what many exporters write after its last triangle. Raises NotFound for one that is cut."""
+    if len(content) < STL_HEAD or content.lstrip()[:5] == b"solid" and b"facet" in content[:MAX_SNIFFED]:
+        return content
+    count = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
+    end = STL_HEAD + STL_TRIANGLE * count
+    if end > len(content):
+        there = (len(content) - STL_HEAD) // STL_TRIANGLE
+        raise NotFound(f"{path.name} is cut off: it has {there} of {count} triangles")
+    return content[:end]
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Let trimesh log nothing inside: its warnings are of what is not read here."""
+    logger = logging.getLogger("trimesh")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def _unit_m(content: bytes, kind: str) -> float:
@@ -75,12 +107,16 @@ def mesh_path(urdf: Path, name: str) -> Path:
     if not name:
         raise NotFound("a mesh without a filename")
     scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
-    if scheme == "package":
+    if name.startswith("file:"):  # file:/a, file:///a, file://localhost/a
+        scheme, rest = "file", re.sub(r"^file:(//(localhost)?(?=/)|//)?", "", name)
+    if scheme in ("package", "model"):
         return _in_package(urdf, *unquote(rest).partition("/")[::2])
     if scheme not in ("", "file"):
         raise NotFound(f"{name} is not fetched: put the file beside the URDF")
     path = Path(unquote(rest) if scheme else rest.replace("\\", "/"))
     found = (urdf.parent / path).resolve()
+    if not found.is_file() and "%" in rest:
+        found = (urdf.parent / unquote(rest)).resolve()
     allowed = [package_root(urdf), *_ros_folders()]
     if not any(found.is_relative_to(folder) for folder in allowed):
         raise NotFound(f"{name} lies outside {allowed[0]} and is not read: move it there")
@@ -107,7 +143,7 @@ def _in_package(urdf: Path, package: str, rest: str) -> Path:
         if path.is_file():
             return path
     if not folders:
-        raise NotFound(f"no folder {package} above {urdf.parent or '.'} nor in ROS_PACKAGE_PATH")
+        raise NotFound(f"no folder {package} above {urdf.parent or '.'} nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH")
     return _require_file(folders[0] / rest, str(folders[0] / rest))
 
 
@@ -118,7 +154,10 @@ def _package_folders(urdf: Path, package: str) -> list[Path]:
 
 
 def _ros_folders() -> list[Path]:
-    return [Path(folder).resolve() for folder in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if folder]
+    """Where ROS 1 and ROS 2 look for packages."""
+    folders = [Path(folder) for folder in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if folder]
+    prefixes = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if prefix]
+    return [folder.resolve() for folder in (*folders, *(prefix / "share" for prefix in prefixes))]
 
 
 def _require_file(path: Path, name: str) -> Path:

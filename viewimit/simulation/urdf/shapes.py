@@ -29,6 +29,7 @@ from .reference import Reference
 from .tree import Shape, Tree, read_tree
 
 CYLINDER_SIDES = 24
+MAX_SIZE_RATIO = 50  # of meshes and of the distances between joints; those in mm are a thousand times as large
 MAX_LISTED_FAULTS = 3
 ROD_RADIUS = 0.035  # of the arm's length, as the next two
 MIN_ROD = 0.05  # nearer joints have no rod between them
@@ -46,7 +47,7 @@ class Shapes:
     """The meshes of an arm."""
 
     meshes: Meshes  # 0 = base, each in its link's frame [m]
-    faults: tuple[str, ...]  # messages about shapes that are not drawn
+    faults: tuple[str, ...]  # messages about what is not drawn, not understood, or looks wrong
 
 
 def shapes_of(reference: Reference) -> Shapes:
@@ -68,9 +69,27 @@ def load_shapes(tree: Tree, reference: Reference) -> Shapes:
         if key:
             _store_cached(key, *found)
     meshes, missing = found
+    implausible = _implausible_size(tree, reference, meshes)
     more = len(missing) - MAX_LISTED_FAULTS
     lines = [f"{tree.path}: not drawn: {fault}" for fault in missing[:MAX_LISTED_FAULTS]]
-    return Shapes(meshes, (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else [])))
+    return Shapes(
+        meshes, (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else []), *implausible)
+    )
+
+
+def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[str]:
+    """A message about meshes that are far larger or smaller than the distances between the joints."""
+    if not any(shape.kind == "mesh" for shapes in tree.shapes.values() for shape in shapes):
+        return []
+    arm = find_arm(tree, reference.base, reference.tip)
+    length = sum(float(np.linalg.norm(joint.T_parent_joint[:3, 3])) for joint in arm.joints)
+    extent = max((float(np.ptp(mesh.vertices, axis=0).max()) for mesh in meshes.values()), default=0.0)
+    if not length > 0 or 1 / MAX_SIZE_RATIO < extent / length < MAX_SIZE_RATIO:
+        return []
+    return [
+        f"{tree.path}: its meshes are {extent:.3g} m large and its joints {length:.3g} m apart in all: if the meshes "
+        'are in mm, add scale="0.001 0.001 0.001" to each <mesh>'
+    ]
 
 
 def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
@@ -82,7 +101,11 @@ def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
     bare: set[int] = set()  # links with a shape that is not drawn
     files: dict[str, trimesh.Trimesh] = {}
     for link, shapes in tree.shapes.items():
-        carrier, T_carrier_link = frames.get(link, (0, np.eye(4)))
+        if link not in frames:
+            if shapes:
+                missing[f"link {link!r} hangs on nothing that the arm hangs on: add a joint, or take it out"] = None
+            continue
+        carrier, T_carrier_link = frames[link]
         for shape in shapes:
             try:
                 mesh = _shape_mesh(tree, shape, files)
@@ -117,6 +140,10 @@ def _shape_mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> 
         return None
     if shape.kind == "box":
         return trimesh.creation.box(shape.size)
+    if shape.kind == "capsule":
+        mesh = trimesh.creation.capsule(height=shape.size[1], radius=shape.size[0], count=[CYLINDER_SIDES, 12])
+        mesh.apply_translation(-mesh.bounds.mean(0))
+        return mesh
     if shape.kind == "cylinder":
         return trimesh.creation.cylinder(shape.size[0], shape.size[1], sections=CYLINDER_SIDES)
     return trimesh.creation.icosphere(2, shape.size[0])

@@ -1,6 +1,7 @@
 """Read a URDF file into plain data: all of its joints and the shapes of its links."""
 
 import hashlib
+import re
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -21,8 +22,22 @@ SHAPES = {  # attributes of their size, with defaults
     "mesh": {"scale": "1 1 1"},
     "box": {"size": "0 0 0"},
     "cylinder": {"radius": "0", "length": "0"},
+    "capsule": {"radius": "0", "length": "0"},  # length between the centres of its ends
     "sphere": {"radius": "0"},
 }
+ATTRIBUTES = {  # of joints and what is in them: those that are read, or that change nothing here
+    "joint": {"name", "type"},
+    "origin": {"xyz", "rpy", "quat_xyzw"},
+    "axis": {"xyz"},
+    "parent": {"link"},
+    "child": {"link"},
+    "limit": {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"},
+    "mimic": {"joint", "multiplier", "offset"},
+}
+VERSIONS = (None, "1", "1.0", "1.1", "1.2")
+MAX_PLAUSIBLE_LIMIT = 8 * np.pi  # rad: four turns; more are degrees, or no limit at all
+NO_LIMIT = 1e4  # rad, from which on exporters mean that there is none
+MIN_QUATERNION = 1e-6  # its length
 MAX_JOINTS, MAX_SHAPES = 500, 5_000
 MAX_LENGTH = 1e6  # m or rad, of all numbers but limits
 MAX_LIMIT = 1e18  # some exporters write such limits for joints that have none
@@ -91,7 +106,7 @@ class Tree:
     path: Path
     joints: tuple[TreeJoint, ...]
     shapes: Mapping[str, tuple[Shape, ...]]  # visual shapes by link; collision shapes if no link has visual ones
-    faults: tuple[str, ...]  # messages about shapes that are left out
+    faults: tuple[str, ...]  # messages about what is not understood, left out, or looks wrong
     digest: str  # of the content
 
     @property
@@ -127,22 +142,24 @@ def read_tree(path: Path) -> Tree:
 def _parsed(path: Path, content: bytes) -> Tree:
     if not content.strip():
         raise ValueError(f"{path}: the file is empty")
+    faults: list[str] = []
     try:
-        root = ElementTree.fromstring(content)
+        root = _parsed_xml(path, content, faults)
     except (ElementTree.ParseError, LookupError, ValueError) as error:  # LookupError: an unknown encoding
         raise ValueError(f"{path}: not a URDF that parses: {error}") from None
     require_urdf_content(path, root)
+    if root.get("version") not in VERSIONS:
+        faults.append(f"{path}: it is of version {_short(root.get('version', ''))!r}: what is new in it is not read")
     count = len(root.findall("joint"))
     if count > MAX_JOINTS:
         raise ValueError(f"{path}: it has {count} joints, more than {MAX_JOINTS}: keep those of the robot only")
-    joints = _with_leaders(tuple(_read_joint(path, element) for element in root.findall("joint")))
+    joints = _with_leaders(tuple(_read_joint(path, element, faults) for element in root.findall("joint")))
     links = root.findall("link")
     _require_one_each(path, "joints", [joint.name for joint in joints])
     _require_one_each(path, "links", [link.get("name", "?") for link in links])
     _require_tree(path, joints)
     _require_links(path, joints, {link.get("name", "?") for link in links})
     shapes: dict[str, tuple[Shape, ...]] = {}
-    faults: list[str] = []
     for tag in ("visual", "collision"):
         count = sum(len(link.findall(tag)) for link in links)
         if count > MAX_SHAPES:
@@ -151,6 +168,24 @@ def _parsed(path: Path, content: bytes) -> Tree:
         if any(shapes.values()):
             break
     return Tree(path, joints, shapes, tuple(faults), hashlib.sha256(content).hexdigest())
+
+
+def _parsed_xml(path: Path, content: bytes, faults: list[str]) -> ElementTree.Element:
+    """The root element. Prefixes that are not declared, as of old Gazebo tags, are read as if they were."""
+    try:
+        return ElementTree.fromstring(content)
+    except ElementTree.ParseError as error:
+        if "unbound prefix" not in str(error):
+            raise
+    known = set(re.findall(rb"xmlns:([\w.-]+)\s*=", content)) | {b"xml", b"xmlns"}
+    used = re.findall(rb"<\s*/?\s*([A-Za-z_][\w.-]*):[A-Za-z_]|\s([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*\s*=", content)
+    unbound = sorted({name for names in used for name in names if name} - known)
+    declared = b"".join(b' xmlns:%s="%s"' % (name, name) for name in unbound)
+    root = ElementTree.fromstring(re.sub(rb"<robot\b", lambda found: found[0] + declared, content, count=1))
+    faults.append(
+        f"{path}: the prefixes {', '.join(name.decode() for name in unbound)} are not declared; read all the same"
+    )
+    return root
 
 
 def _with_leaders(joints: tuple[TreeJoint, ...]) -> tuple[TreeJoint, ...]:
@@ -198,9 +233,11 @@ def _require_links(path: Path, joints: tuple[TreeJoint, ...], links: set[str]) -
                 )
 
 
-def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
+def _read_joint(path: Path, element: ElementTree.Element, faults: list[str]) -> TreeJoint:
     name, kind = element.get("name", "?"), element.get("type", "")
     where = f"joint {name!r}"
+    for part in (element, *element):
+        _report_unknown(path, where, part, faults)
 
     def numbers(tag: str, attribute: str, default: str) -> NDArray[np.float64]:
         return _numbers(path, where, element.find(tag), attribute, default)
@@ -216,6 +253,13 @@ def _read_joint(path: Path, element: ElementTree.Element) -> TreeJoint:
     if kind in TURNING + SLIDING and not np.linalg.norm(axis) >= MIN_AXIS_LENGTH:
         raise ValueError(f"{path}: {where}: its axis is zero")
     endless, follows = kind == "continuous", element.find("mimic")
+    if (
+        kind == "revolute"
+        and MAX_PLAUSIBLE_LIMIT
+        < max(widest := [abs(numbers("limit", side, "0")[0]) for side in ("lower", "upper")])
+        < NO_LIMIT
+    ):
+        faults.append(f"{path}: {where}: a limit of {max(widest):g} rad: if these are degrees, write radians")
     return TreeJoint(
         name,
         kind,
@@ -240,6 +284,9 @@ def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[s
         geometry = drawn.find("geometry")
         element = None if geometry is None else next((child for child in geometry if child.tag in SHAPES), None)
         if element is None:
+            kinds = [] if geometry is None else [str(child.tag) for child in geometry if isinstance(child.tag, str)]
+            what = f"<{_short(kinds[0])}> is none of {', '.join(SHAPES)}" if kinds else f"a <{tag}> without a shape"
+            faults.append(f"{path}: {where}: {what}: not drawn")
             continue
         defaults = SHAPES[element.tag]
         try:
@@ -254,7 +301,24 @@ def _read_shapes(path: Path, link: ElementTree.Element, tag: str, faults: list[s
 def _origin(path: Path, where: str, element: ElementTree.Element) -> NDArray[np.float64]:
     origin = element.find("origin")
     rpy, xyz = (_numbers(path, where, origin, name, "0 0 0") for name in ("rpy", "xyz"))
-    return rigid_transform(rotation_from_rpy(rpy), xyz)
+    if origin is None or origin.get("quat_xyzw") is None:
+        return rigid_transform(rotation_from_rpy(rpy), xyz)
+    if origin.get("rpy") is not None:
+        raise ValueError(f"{path}: {where}: <origin> has rpy and quat_xyzw: leave one of them out")
+    quaternion = _numbers(path, where, origin, "quat_xyzw", "0 0 0 1")
+    length = float(np.linalg.norm(quaternion))
+    if length < MIN_QUATERNION:
+        raise ValueError(f"{path}: {where}: <origin quat_xyzw={_short(origin.get('quat_xyzw', ''))!r}> is no rotation")
+    axis, angle = quaternion[:3], 2 * np.arctan2(np.linalg.norm(quaternion[:3]), quaternion[3])
+    turns = np.linalg.norm(axis) > MIN_QUATERNION * length
+    return rigid_transform(rotation_about_axis(axis, angle) if turns else np.eye(3), xyz)
+
+
+def _report_unknown(path: Path, where: str, element: ElementTree.Element, faults: list[str]) -> None:
+    """Report attributes that are not read, and could change what the joint does."""
+    known = ATTRIBUTES.get(element.tag)
+    for name in sorted(set(element.attrib) - known) if known else ():
+        faults.append(f"{path}: {where}: <{element.tag} {_short(name)}=…> is not understood, and left out")
 
 
 def _numbers(

@@ -39,6 +39,7 @@ CASES = {
     "sign": ("sign/sign", {}, {"scores": BETS}),
 }
 NEAR_DEG = 0.01  # of a posture with the smallest E
+NO_CLAIM_BET = 0.5
 
 
 def _step(path):
@@ -148,8 +149,8 @@ def test_bets_cost_what_brier_says(found):
     runs = sign.runs_record()
     bet = [k for k, each in enumerate(BETS) if each is not None]
     holds = [runs[k]["holds"] for k in bet]
-    own = [runs[k]["certificate"] if runs[k]["certificate"] is not None else sign.NO_CLAIM_BET for k in bet]
+    own = [runs[k]["certificate"] if runs[k]["certificate"] is not None else NO_CLAIM_BET for k in bet]
     scores = found["sign"]["scores"]
-    assert scores["yours"] == pytest.approx(sign.brier([BETS[k] / 100 for k in bet], holds))
-    assert scores["certificate"] == pytest.approx(sign.brier(own, holds))
+    assert scores["yours"] == pytest.approx(oracles.brier([BETS[k] / 100 for k in bet], holds))
+    assert scores["certificate"] == pytest.approx(oracles.brier(own, holds))
     assert scores["costs"][BETS.index(None)] is None

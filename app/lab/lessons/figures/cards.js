@@ -6,6 +6,13 @@ const ICONS = {
   truth: '<svg viewBox="0 0 16 16" aria-hidden="true"><path d="M8 1l7 7-7 7-7-7z"/></svg>',
 };
 
+/** Name a box of words and numbers. @param {HTMLElement} box @param {string} kind its class @param {string} name */
+export function named(box, kind, name) {
+  box.classList.add("bare", kind);
+  box.setAttribute("role", "group");
+  box.setAttribute("aria-label", name);
+}
+
 /**
  * A card with a small head.
  *

@@ -10,7 +10,7 @@
  * @typedef {{scene: number, what: string, yours: number, pages: number}} Result
  */
 import {px} from "../../view/svg.js";
-import {table} from "./cards.js";
+import {named, table} from "./cards.js";
 import {axis, diamonds, dots, Drawing, legend, path, polyline, text} from "./drawing.js";
 import {part} from "./panels.js";
 import {short} from "../measured.js";
@@ -44,7 +44,7 @@ export const RESULTS = {
   title: "Your results so far",
   aspect: 2,
   create(box) {
-    box.classList.add("bare", "lesson-table");
+    named(box, "lesson-table", "Your results so far");
     return {
       draw(stage) {
         const rows = resultsOf(stage).slice(-MOST_SHOWN).reverse().map(({scene, what, yours, pages}) =>

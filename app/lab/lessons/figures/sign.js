@@ -21,7 +21,7 @@
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {card, table} from "./cards.js";
+import {card, named, table} from "./cards.js";
 import {
   axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
 } from "./drawing.js";
@@ -35,7 +35,7 @@ export const CLAIM = {
   title: "",
   aspect: 1.2,
   create(box) {
-    box.classList.add("bare", "lesson-claim");
+    named(box, "lesson-claim", "The claim of a run, and what is known of it");
     let last = "";
     return {
       draw(stage, layers) {
@@ -115,7 +115,7 @@ export const REVIEW_OF_RUNS = {
   title: "All runs",
   aspect: 1.6,
   create(box) {
-    box.classList.add("bare", "lesson-table");
+    named(box, "lesson-table", "All runs, your bets and the certificates");
     return {
       draw(stage) {
         box.innerHTML = isOver(stage) ? review(stage) : "";

@@ -9,7 +9,7 @@
  * @property {number[][]} swapped pairs of points that the learner takes to bear each other's names
  */
 import {energyText, fixed} from "../../view/svg.js";
-import {card} from "./cards.js";
+import {card, named} from "./cards.js";
 import {escaped} from "./drawing.js";
 
 const ENDINGS = new Map([
@@ -24,7 +24,7 @@ export const VERDICT = {
   title: "What the learner says",
   aspect: 4,
   create(box) {
-    box.classList.add("bare", "lesson-verdict");
+    named(box, "lesson-verdict", "What the learner says of itself, and what is true");
     let last = "";
     return {
       draw(stage, layers) {

@@ -235,6 +235,12 @@ def perspective_differs() -> bool:
     return oracles.without_depth(alike) < 1e-9 < alike.start.E
 
 
+def toed_in_with_different_lenses() -> bool:
+    head = state("limits/toed-in").scene.head
+    left, right = head.lens(head.left), head.lens(head.right)
+    return head.toe_in_deg > 0 and left.focal != right.focal and left.centre != right.centre
+
+
 def early(key: str) -> Followed:
     return carried(state(key)).early
 
@@ -582,6 +588,7 @@ STATEMENTS: Statements = {
     "limits/toed-in": {
         "title": DEFINITION,
         "text": {
+            "These eyes are turned inwards, have different lenses": toed_in_with_different_lenses,
             "perspective distorts their two pictures in different ways": perspective_differs,
             "the lowest **E** is far from the demonstrator": lambda: fact("limits/toed-in", "off as seen") > 10,
         },
@@ -685,7 +692,10 @@ STATEMENTS: Statements = {
             "With noise and few points, its three further numbers cost accuracy": projective_scatters_most,
         },
         "reason 2": DEFINITION,
-        "because 2": {"no average removes their bias": lambda: million_frames_fall_on() == 1},
+        "because 2": {
+            "That is true of the transfers for far cameras": projective_scatters_most,
+            "no average removes their bias": lambda: million_frames_fall_on() == 1,
+        },
         "reason 3": DEFINITION,
         "because 3": {
             "That helps only while steps are short": steps_are_short_of_the_gradient_law,

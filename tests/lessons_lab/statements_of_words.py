@@ -1,6 +1,7 @@
 """Statements of the glossary."""
 
 from functools import cache
+from unittest import mock
 
 import numpy as np
 import oracles
@@ -14,6 +15,7 @@ from viewimit.app.lab.lessons.situation import Situation
 from viewimit import Session, Settings
 from viewimit.analysis.landscape import conflict_at
 from viewimit.drawing.glossary import glossary
+from viewimit.estimation.transfers import TRANSFERS, projective
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.loop.settings import FIELDS
 from viewimit.servo.gradient import PAPER
@@ -69,6 +71,14 @@ def basin() -> float:
 def joints_are_free(points: str) -> bool:
     fields = {"five": {"points": 5}, "forearm": {"scene": "panda-forearm", "start_deg": (-50, 60)}}[points]
     return str(Session(Settings(**fields)).run(60).status) == "unobservable"
+
+
+def a_large_price_makes_it_linear() -> bool:
+    views = state("tour/feel").start.views
+    with mock.patch.object(projective, "PRIOR", 1e6):
+        found = TRANSFERS["projective"](views).conflict(views)
+    linear, exact = (TRANSFERS[name](views).conflict(views) for name in ("linear", "projective"))
+    return abs(found / linear - 1) < 1e-3 and abs(exact / linear - 1) > 1e-3
 
 
 def residuals_are_hundreds_at_first() -> bool:
@@ -189,9 +199,12 @@ STATEMENTS: Statements = {
         "bad": {"1, where images are noisy": lambda: FIELDS["frames"].bounds[0] == 1},
     },
     "glossary/lambda": {
-        "sentence": DEFINITION,
+        "sentence": {"the nearer this transfer comes to the linear one": a_large_price_makes_it_linear},
         "good": {"1 px², against hundreds of px² of residuals at first": residuals_are_hundreds_at_first},
-        "bad": DEFINITION,
+        "bad": {
+            "the transfer is then the linear one": a_large_price_makes_it_linear,
+            "with its bias": lambda: records.bias_deg(state("limits/minimum"), "linear") > 1,
+        },
     },
     "glossary/Q": {
         "sentence": {"Near its least value E is a bowl": geometry.one_bowl},
@@ -213,7 +226,11 @@ STATEMENTS: Statements = {
     "glossary/own_views": {
         "sentence": {"They stay close to the dots and follow them": servoing.marks_stay_near_the_own_points}
     },
-    "glossary/demo_views": {"sentence": {"l": geometry.only_the_demonstrator_s_pictures_change}},
+    "glossary/demo_views": {
+        "sentence": {
+            "That and L, R are all that the learner has": lambda: failures.learner_sees_images_only("motion/alike")
+        }
+    },
     "glossary/transfer": {
         "sentence": {
             "from matched points alone: no calibration, no 3-D": lambda: geometry.lines_come_from_images_alone(

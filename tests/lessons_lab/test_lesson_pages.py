@@ -4,10 +4,15 @@ import asyncio
 import base64
 import json
 import re
+import threading
+import time
 import zlib
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
+from serving import Server
 from viewimit.app.lab.lessons import page, source, step_data
 from viewimit.app.lab.lessons.checks import figure_kinds, measure_table, measure_units
 from viewimit.app.lab.lessons.facts import FACTS
@@ -202,3 +207,30 @@ def test_a_command_writes_several_lessons_into_one_file(tmp_path, capsys):
 def test_figures_of_the_table_are_all_used():
     used = {figure.figure for lesson in LESSONS.values() for step in lesson.step for figure in (*step.main, *step.side)}
     assert used == set(figure_kinds())
+
+
+def test_viewimit_serves_each_lesson_and_answers_meanwhile(tmp_path):
+    """Also a lecturer's own, with links to the shipped ones."""
+    mine = tmp_path / "mine.toml"
+    mine.write_text(
+        (source.FOLDER / "ray.toml").read_text("utf-8").replace("The ray and its shadow", "Mine", 1), "utf-8"
+    )
+    server = Server("--lesson", str(mine))
+    try:
+        answers: list[bytes] = []
+        asking = threading.Thread(target=lambda: answers.append(urlopen(f"{server.url}/lab/tour").read()))
+        asking.start()
+        while asking.is_alive():
+            begun = time.monotonic()
+            assert urlopen(f"{server.url}/health").status == 200
+            assert time.monotonic() - begun < 5  # other tests may run beside
+            asking.join(0.2)
+        found = data_in(answers[0].decode())
+        names = [one["name"] for one in found["catalogue"]]
+        assert names[0].startswith("mine-") and names[1:] == list(LESSONS)
+        own = data_in(urlopen(f"{server.url}/lab/{names[0]}").read().decode())
+        assert own["lessons"][0]["title"] == "Mine"
+        with pytest.raises(HTTPError, match="404"):
+            urlopen(f"{server.url}/lab/nothing")
+    finally:
+        server.stop()

@@ -15,7 +15,7 @@
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
 import {inline, isTouched, make, plain, touched, track} from "./dom.js";
-import {energy, measure} from "./measures.js";
+import {energy, fill, measure} from "./measures.js";
 import {short} from "./measured.js";
 
 const BET_STEP = 5, SCALE_STEPS = 200;
@@ -26,7 +26,7 @@ const KINDS = {choice, place, pose, number, do: task, select, predict, bet};
 /** @param {Stage} stage @param {Host} host */
 export function askOf(stage, host) {
   const {ask} = stage.step, asked = KINDS[ask.kind](stage, host), {glossary} = stage.page;
-  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(ask.question, glossary)}), asked.element);
+  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(fill(ask.question, stage), glossary)}), asked.element);
   return {...asked, element};
 }
 
@@ -89,7 +89,7 @@ function number(stage, host) {
   const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
   const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
   const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step : Number(value.toPrecision(2));
-  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(question)});
+  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(fill(question, stage))});
   const output = make("output", {class: "large-number"});
   input.addEventListener("input", () => {
     const value = Number(input.value);

@@ -134,7 +134,7 @@ def least_minutes(lesson: Lesson) -> float:
 
 
 def _read(step: Step) -> Iterator[str]:
-    """All that somebody reads who answers; of a question's replies, the longest."""
+    """The texts that a reader reads; of the replies to a question, the longest."""
     ask = step.ask
     yield from (step.title, step.text, step.after, step.say, ask.question, *(slider.label for slider in step.sliders))
     if step.told is not None:

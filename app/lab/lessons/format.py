@@ -81,7 +81,7 @@ class Number(msgspec.Struct, tag="number", tag_field="kind", **FIELDS):
     close: str
     far: str
     step: float | None = None
-    factor: float | None = None  # a guess up to so many times too large or too small is close
+    factor: float | None = None  # a guess that is too large or too small by this factor at most is close
     within: float | None = None  # or one that differs by this at most
     less: str | None = None  # the reply to a guess that is too small, instead of `far`
     logarithmic: bool = False
@@ -123,7 +123,7 @@ class Bet(msgspec.Struct, tag="bet", tag_field="kind", **FIELDS):
 
     question: str
     truth: str  # a measure: 1 if the claim holds, else 0
-    times: int = 1  # the step is asked so many times, each time with the next of its records
+    times: int = 1  # rounds, each with the next of the step's records
 
 
 class Value(msgspec.Struct, **FIELDS):
@@ -172,7 +172,7 @@ class Slider(msgspec.Struct, **FIELDS):
 
 
 class Range(msgspec.Struct, **FIELDS):
-    """What is dealt at random besides the postures, evenly from low to high.
+    """Something that is dealt at random besides the postures, evenly from low to high.
 
     Its name is a field of `Settings`, or `head distance` (m), `head baseline` (m), `head toe-in` (degrees).
     """

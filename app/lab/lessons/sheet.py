@@ -132,7 +132,7 @@ class PdfCanvas:
     def circle(self, at, radius, stroke=INK, width=0.25, fill="") -> None:
         with self._pdf.new_path() as path:
             self._paint(path, stroke, width, fill)
-            path.circle(*at, radius)
+            path.circle(at[0], at[1], radius)
 
     @staticmethod
     def _paint(path, stroke: str, width: float, fill: str) -> None:
@@ -143,7 +143,7 @@ class PdfCanvas:
     def text(self, at, words, size, bold=False, colour=INK) -> None:
         self._pdf.set_font("Inter", "B" if bold else "", size)
         self._pdf.set_text_color(colour)
-        self._pdf.text(*at, words)
+        self._pdf.text(at[0], at[1], words)
 
     def finish(self, title: str) -> bytes:
         """Return the file."""

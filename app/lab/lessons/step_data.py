@@ -164,7 +164,7 @@ def _moved_cameras(situation: Situation, slider: str, value: float) -> list[dict
 
 
 def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
-    """Cameras so many times as far from what they look at, with focal lengths so many times as long.
+    """Move cameras away from what they look at, and multiply their focal lengths by the same factor.
 
     Each pair moves by itself, which no head does: the step is about two cameras that look at one body.
     """

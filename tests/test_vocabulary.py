@@ -17,7 +17,7 @@ TEXTS = sorted(
     path
     for folder in ("viewimit", "docs/reference")
     for path in (ROOT / folder).rglob("*")
-    if path.suffix in (".py", ".md", ".js", ".css", ".html") and path.parent.name not in ("lessons", "classroom")
+    if path.suffix in (".py", ".md", ".js", ".css", ".html")
 ) + [ROOT / "README.md"]
 READ = {  # earlier words that files and links of users may have, and that are still read
     "viewimit/servo/status.py": {"untold"},

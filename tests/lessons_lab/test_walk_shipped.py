@@ -77,7 +77,7 @@ class Keys:
 
     def go_on(self):
         primary = self.page.inner_text(".primary")
-        self.press("Enter" if "Enter" in primary else "ArrowRight" if "→" in primary else "Tab")
+        self.press("Enter" if "↵" in primary else "ArrowRight" if "→" in primary else "Tab")
 
 
 class Mouse:

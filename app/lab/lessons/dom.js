@@ -31,7 +31,7 @@ export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap")
 /** Words with **bold**; a bold term of the glossary explains itself. @param {string} words @param {Record<string, string>} [glossary] */
 export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g, (_, bold) => {
   const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase() || `${term.toLowerCase()}s` === bold.toLowerCase());
-  return key ? `<button type="button" class="term" data-term="${key}" aria-expanded="false"><b>${bold}</b></button>` : `<b>${bold}</b>`;
+  return key ? `<b class="term" role="button" tabindex="0" data-term="${key}" aria-expanded="false">${bold}</b>` : `<b>${bold}</b>`;
 });
 
 /** Words without marks, to be read aloud. @param {string} words */

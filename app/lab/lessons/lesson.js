@@ -442,8 +442,8 @@ function begin(data) {
     redraw();
   };
   $("scheme").addEventListener("click", recolour);
-  $("body").addEventListener("click", (/** @type {Event} */ event) => {
-    const term = event.target instanceof Element ? event.target.closest(".term") : null;
+  /** Show what a term of the glossary means, or no longer. @param {Element | null} term */
+  const explain = term => {
     if (!(term instanceof HTMLElement)) return;
     const isOpen = term.getAttribute("aria-expanded") === "true", holder = /** @type {HTMLElement} */ (term.closest("p, div"));
     document.querySelectorAll(".definition").forEach(one => one.remove());
@@ -451,7 +451,8 @@ function begin(data) {
     if (isOpen) return;
     term.setAttribute("aria-expanded", "true");
     holder.after(make("p", {class: "definition", role: "note", html: inline(data.glossary?.[term.dataset.term ?? ""] ?? "")}));
-  });
+  };
+  $("body").addEventListener("click", (/** @type {Event} */ event) => explain(event.target instanceof Element ? event.target.closest(".term") : null));
 
   document.addEventListener("keydown", event => {
     const {target, key} = event;
@@ -461,6 +462,7 @@ function begin(data) {
     if (target.matches("canvas") && key.startsWith("Arrow")) return;
     const isChosen = target.matches(".option.chosen");
     const take = () => {
+      if (target.matches(".term") && (key === "Enter" || key === " ")) return explain(target);
       if (key === "Escape") return leave();
       if (!isLocked() && screen?.key(event)) return;
       if (key === "Enter" && isButton && !isChosen && !target.matches(".option[aria-disabled=true], #progress button")) return false;

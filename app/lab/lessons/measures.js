@@ -76,7 +76,7 @@ export const MEASURES = {
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
   "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN], stage.moment.thetaDemo), "°", 1),
   "off": stage => told(degreesApart(stage.moment.theta, stage.moment.thetaDemo), "°", 1),
-  "your error": stage => told(degreesApart(stage.motions[stage.motions.length - 1].theta, stage.moment.thetaDemo), "°", 1),
+  "your error": stage => told(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
   "moved": stage => told(degreesApart(stage.moment.thetaDemo, stage.state.demonstrator), "°", 0),
   "your motions": stage => told(stage.motions.length - 1, "", 0),
   "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal) : told(NaN),

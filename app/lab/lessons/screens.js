@@ -43,7 +43,7 @@ export class HomeScreen {
 
   /** @returns {Button} */
   primary() {
-    return {words: this.words, key: "Enter", filled: true, act: this.start};
+    return {words: this.words, key: "↵", filled: true, act: this.start};
   }
 
   skip() {
@@ -88,7 +88,7 @@ export class QuestionScreen {
   /** @returns {Button} */
   primary() {
     const isReady = this.now.answer !== null && this.now.sure !== null;
-    return {words: "Next", key: isReady ? "Enter" : undefined, filled: isReady, disabled: !isReady, act: () => this.acts.go(1)};
+    return {words: "Next", key: isReady ? "↵" : undefined, filled: isReady, disabled: !isReady, act: () => this.acts.go(1)};
   }
 
   /** @returns {Button} */
@@ -134,7 +134,7 @@ export class EndScreen {
 
   /** @returns {Button} */
   primary() {
-    return {words: "All lessons", key: "Enter", filled: true, act: this.leave};
+    return {words: "All lessons", key: "↵", filled: true, act: this.leave};
   }
 
   skip() {

@@ -211,6 +211,10 @@ export class Stage {
     /** @type {Motion[]} made by hand, the start first */
     this.motions = carried && carried.motions.length > 1 ? carried.motions : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
     if (carried && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
+    else if (carried?.step.ask.kind === "do" && carried.goal !== null) { // it was not done: where a servo brings it
+      const race = carried.race("broyden");
+      if (race) this.observe(race.postures[race.postures.length - 1]);
+    }
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);

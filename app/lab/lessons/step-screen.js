@@ -291,9 +291,9 @@ export class StepScreen {
     if (stage.isRevealed && stage.step.ask.kind === "bet" && stage.run + 1 < stage.runs) return {words: "Next run", key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
     if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(), act: () => { this.stop?.(); course.go(1); }};
     if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
-    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "Enter", filled: true, disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
+    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "↵", filled: true, disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
     const isReady = isAnswered(stage) && stage.step.ask.kind !== "predict";
-    return {words: "Show me", key: isReady ? "Enter" : undefined, filled: isReady, disabled: course.isLocked() || Boolean(this.stop), act: () => this.show()};
+    return {words: "Show me", key: isReady ? "↵" : undefined, filled: isReady, disabled: course.isLocked() || Boolean(this.stop), act: () => this.show()};
   }
 
   /** @returns {Button | null} */

@@ -75,15 +75,16 @@ function gripPoint(lab, event) {
 /** A dot of the map, or any place on it. @param {Lab} lab @param {PointerEvent} event */
 function gripDot(lab, event) {
   if (!lab.isOpen) return null;
-  const {map} = lab.view, {theta, thetaDemo} = lab.experiment.now, at = map.under(event);
+  const {map} = lab.view, {theta, thetaDemo} = lab.experiment.now, box = $("map").getBoundingClientRect();
+  const at = map.under(event, box); // the box stays the same: to ask again would lay out the page in every frame
   const away = (/** @type {number[]} */ of) => Math.hypot(...map.place(of).map((v, k) => v - at[k]));
   const isFinger = event.pointerType === "touch", near = isFinger ? FINGER_PX : POINTER_PX, isOwn = away(theta) < near;
   const isDemo = away(thetaDemo) < near && away(theta) > BESIDE_PX;
   $("map").focus({preventScroll: true});
   if (isFinger && !isDemo && !isOwn) return null; // a tap places the learner, a swipe scrolls
-  if (!isDemo) lab.place(map.postureAt(event));
+  if (!isDemo) lab.place(map.postureAt(event, box));
   return (/** @type {PointerEvent} */ moved) =>
-    isDemo ? lab.pose(map.postureAt(moved)) : lab.place(map.postureAt(moved));
+    isDemo ? lab.pose(map.postureAt(moved, box)) : lab.place(map.postureAt(moved, box));
 }
 
 /** An arm in the scene. @param {Lab} lab @param {PointerEvent} event */

@@ -6,6 +6,8 @@ import {add, drawingUnit, px, set} from "./svg.js";
  * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
 
+/** @typedef {{clientX: number, clientY: number}} Pointer */
+
 const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
@@ -94,15 +96,14 @@ export class EnergyMap {
     return [PAD.left, PAD.top, this.width - PAD.right, this.height - PAD.bottom];
   }
 
-  /** The place under a pointer, in the drawing's units. @param {{clientX: number, clientY: number}} pointer */
-  under({clientX, clientY}) {
-    const {left, top} = this.box.getBoundingClientRect();
+  /** The place under a pointer, in the drawing's units. @param {Pointer} pointer @param {DOMRect} [box] if it is known */
+  under({clientX, clientY}, {left, top} = this.box.getBoundingClientRect()) {
     return [(clientX - left) / this.unit, (clientY - top) / this.unit];
   }
 
-  /** The posture under a pointer, within the limits. @param {PointerEvent} event */
-  postureAt(event) {
-    const [x, y] = this.under(event);
+  /** The posture under a pointer, within the limits. @param {Pointer} pointer @param {DOMRect} [box] */
+  postureAt(pointer, box) {
+    const [x, y] = this.under(pointer, box);
     return this.posture(x, y);
   }
 

@@ -144,3 +144,30 @@ def test_a_turned_camera_makes_another_way(opened):
     page.wait_for_timeout(500)
     assert page.locator(way).get_attribute("d") != before
     assert not page.faults
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(
+    "step, figure, described",
+    [
+        ("minimum", "landscape", "Map of E"),
+        ("minimum", "biases", "times the distance 0.067°"),
+        ("crossing-angle", "crossing", "the lines from l and from r cross at 17.8°"),
+        ("four-points", "matches", "10 matches: one minimum"),
+    ],
+)
+def test_a_slider_moves_what_is_drawn(opened, step, figure, described):
+    page = opened("limits", step)
+    labels = f".figure-{figure} [aria-label]"
+    page.evaluate("lesson.reveal()")
+    page.wait_for_selector(".slider input")
+    page.wait_for_timeout(300)
+    heard = lambda: [one.get_attribute("aria-label") for one in page.locator(labels).all()]
+    before = heard()
+    slider = page.locator(".slider input").first
+    slider.focus()
+    page.keyboard.press("End")
+    page.wait_for_timeout(600)
+    assert heard() != before
+    assert any(described in one for one in heard())
+    assert not page.faults

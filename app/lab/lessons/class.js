@@ -186,7 +186,7 @@ class Classroom {
       tab.set("session", message.session);
       this.#welcome(true);
       this.dialog.close();
-      this.#follow(this.orders);
+      this.#beginAsLecturer();
     } else if (kind === "student") {
       tab.set("session", null);
       location.reload();
@@ -220,8 +220,17 @@ class Classroom {
     this.isLecturer = isLecturer;
     this.lastAt = this.lastScreen = "";
     document.body.classList.toggle("lecturer", isLecturer);
-    if (isLecturer) for (const lock of ["freeze", "hold"]) this.lesson[lock](false);
+    if (isLecturer) this.lesson.freeze(false);
     else this.#sendWhere();
+  }
+
+  /** What this page did as a student's ends: the orders are followed again, as a lecturer's page does. */
+  #beginAsLecturer() {
+    const {orders} = this;
+    this.lesson.lead(null);
+    this.#takeBack();
+    this.orders = NOTHING;
+    this.#follow(orders);
   }
 
   /** @param {Orders} orders */
@@ -229,7 +238,7 @@ class Classroom {
     const before = this.orders, {lesson, isLecturer} = this;
     this.orders = orders;
     lesson.hideTruth(orders.hidden);
-    if (!isLecturer) lesson.freeze(orders.frozen);
+    if (!isLecturer) lesson.freeze(orders.frozen && !orders.asked); // a question is for all to answer
     this.#takeQuestion(before.asked, orders.asked);
     if (!isLecturer && orders.lead && !orders.asked) this.#putAside();
     else if (before.lead && !orders.lead && !isLecturer) {

@@ -8,7 +8,7 @@ import {symmetricEigen} from "../engine/algebra.js";
 import {World} from "../engine/engine.js";
 import {placed, told} from "./measured.js";
 import {
-  angleBetween, camerasOf, crossing, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
+  angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
   rayLine, seenFromOutside, targetOf, twoCameras,
 } from "./rays.js";
 import {projectPoint} from "../engine/camera.js";
@@ -87,9 +87,5 @@ export const RAY_MEASURES = {
   "px from the first line": stage => {
     const line = stage.line(0), {mark} = stage;
     return told(mark && line ? Math.abs(line.a * mark[0] + line.b * mark[1] + line.c) : NaN, " px", 1);
-  },
-  "crossing of both lines": stage => {
-    const [first, second] = both(stage);
-    return placed(first && second ? crossing(first, second) : [NaN, NaN]);
   },
 };

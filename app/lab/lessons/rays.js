@@ -88,12 +88,6 @@ export function through(p, q) {
   return {a, b, c: -(a * p[0] + b * p[1])};
 }
 
-/** Where two lines cross. @param {Line} first @param {Line} second @returns {[number, number]} px */
-export function crossing(first, second) {
-  const det = first.a * second.b - second.a * first.b;
-  return [(first.b * second.c - second.b * first.c) / det, (second.a * first.c - first.a * second.c) / det];
-}
-
 /** The angle between two lines, rad, at most a right one. @param {Line} first @param {Line} second */
 export const angleBetween = (first, second) =>
   Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));

@@ -91,10 +91,8 @@ const lineFrom = (eye, kind) => (frame, stage) => {
   return name ? lineThrough(frame, stage.line(eye, frame.side), kind, words, name.share) : "";
 };
 
-/** @type {Record<string, Layer>} */
-export const TOUR_LAYERS = {
-  "line from l": lineFrom(0, "vi-line vi-line-large"),
-  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
+/** Layers beneath the arm's points and arrows. @type {Record<string, Layer>} */
+export const TOUR_LAYERS_BELOW = {
   "ghost": (frame, stage) => {
     const {moment, truthHidden, world} = stage;
     if (frame.isDemo || truthHidden) return "";
@@ -118,6 +116,26 @@ export const TOUR_LAYERS = {
     return lines.map((line, eye) => lineThrough(frame, line, `draw-ghost-line${eye ? " vi-from-right" : ""}`)).join("")
       + rings([at], 6, "vi-goal-ring");
   },
+  "pencil": (frame, stage) => {
+    const found = pencilOf(stage), lines = frame.isDemo ? found.first : found.second;
+    return lines.map(line => lineHere(frame, line)).join("");
+  },
+  "line from l": lineFrom(0, "vi-line vi-line-large"),
+  "line from r": lineFrom(1, "vi-line vi-line-large vi-from-right"),
+  "goal": (frame, stage) => {
+    if (frame.isDemo) return "";
+    const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
+    return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
+  },
+  "predicted": (frame, {rounds}) => {
+    if (frame.isDemo || !rounds.length) return "";
+    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
+    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>`;
+  },
+};
+
+/** Layers over them. @type {Record<string, Layer>} */
+export const TOUR_LAYERS_ABOVE = {
   "needed displacement": (frame, stage) => {
     if (frame.isDemo || stage.truthHidden) return "";
     const all = ways(frame, stage), names = namesOver(frame, stage);
@@ -133,10 +151,6 @@ export const TOUR_LAYERS = {
       .map(({from, to}) => arrow(from, to, 9));
     const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));
     return `<path class="draw-way" d="${paths[0]}"/><path class="draw-way-tip" d="${paths[1]}"/>${names.html}`;
-  },
-  "pencil": (frame, stage) => {
-    const found = pencilOf(stage), lines = frame.isDemo ? found.first : found.second;
-    return lines.map(line => lineHere(frame, line)).join("");
   },
   "left over": (frame, stage) => {
     if (frame.isDemo) return "";
@@ -173,11 +187,6 @@ export const TOUR_LAYERS = {
     const at = stage.pointed().subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
     return `<g class="draw-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
   },
-  "goal": (frame, stage) => {
-    if (frame.isDemo) return "";
-    const at = learnerIn(frame, stage, stage.moment.thetaDemo), {chosen} = stage;
-    return rings(frame.shown.map(at), 5, "draw-goal") + rings([at(chosen)], 12, "draw-goal draw-goal-ringed");
-  },
   "crossing": (frame, stage) => {
     const {chosen, moment, mark} = stage, found = stage.recovered();
     if (frame.isDemo || !moment.usable.includes(chosen)) return "";
@@ -192,11 +201,6 @@ export const TOUR_LAYERS = {
     const words = frame.width > 230 ? "where the lines cross" : "crossing";
     if (x > 0 && y > 0 && x < frame.width && y < frame.height) names.put(words, at, "vi-of-found", {away: 13});
     return `<path class="vi-found" d="${diamond(x, y, 6)}"/>${rings([at], 11, "vi-ring")}${names.html}`;
-  },
-  "predicted": (frame, {rounds}) => {
-    if (frame.isDemo || !rounds.length) return "";
-    const way = [rounds[0].from, ...rounds.map(({to}) => to)].map(frame.at);
-    return `<path class="draw-went" d="M${way.map(p => p.map(px).join(" ")).join("L")}"/>`;
   },
 };
 

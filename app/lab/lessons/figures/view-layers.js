@@ -24,7 +24,6 @@
 import {px} from "../../view/svg.js";
 
 const HEAD = 7.5; // drawing units of an arrow's tip
-const NAMED_AT = [.8, .2]; // of a line's way through the drawing, where its name stands
 
 /** @param {number[][]} points in drawing units @param {string} kind */
 export const dots = (points, kind) => `<path class="${kind}" d="${points.map(([x, y]) => `M${px(x)} ${px(y)}h0`).join("")}"/>`;
@@ -79,12 +78,6 @@ export function arm(outline, {at}, hull, bone) {
   return `<path class="${hull}" d="${closed}"/>${polyline(outline.bones.map(at), bone)}`;
 }
 
-/** A point with its name beside it, on the side where there is room. @param {Frame} frame @param {number[]} at @param {string[]} lines @param {string} kind */
-export function label({width}, [x, y], lines, kind) {
-  const isLeft = x > width * .62, side = isLeft ? -14 : 14;
-  return lines.map((line, k) => words(x + side, y - 3 + 15 * k, line, `${k ? "vi-2nd" : kind} vi-halo${isLeft ? " vi-end" : ""}`)).join("");
-}
-
 /** @param {Frame} frame @param {Stage} stage @returns {[number, number][]} recovered points, then own ones */
 function pairs({side, at}, {moment}, found = new Float64Array(0)) {
   return /** @type {[number, number][]} */ (/** @type {unknown} */ (moment.usable.map(i => [at([found[4 * i + 2 * side], found[4 * i + 2 * side + 1]]), at([moment.views.own[4 * i + 2 * side], moment.views.own[4 * i + 2 * side + 1]])])));
@@ -105,8 +98,6 @@ const pointsIn = ({of, shown}, {world}, theta) => {
 /** @type {Record<string, Layer>} */
 export const OWN_LAYERS = {
   "framed": () => "",
-  "ghost": (frame, stage) => frame.isDemo || stage.truthHidden ? "" : arm(elsewhere(frame, stage, stage.moment.thetaDemo, "ghost"), frame, "vi-goal", "vi-goal-bone")
-    + rings(pointsIn(frame, stage, stage.moment.thetaDemo), 4.4, "vi-goal-ring"),
   "guessed": (frame, stage) => frame.isDemo ? "" : arm(elsewhere(frame, stage, stage.guessed, "guess"), frame, "vi-guess", "vi-guess-bone"),
   "guessed arrows": (frame, stage) => {
     if (frame.isDemo) return "";
@@ -120,25 +111,15 @@ export const OWN_LAYERS = {
     const found = fitted.recover(Float64Array.from(left.bones.flatMap((p, i) => [p[0], p[1], right.bones[i][0], right.bones[i][1]])));
     return polyline(left.bones.map((_, i) => frame.of(found, i)), "vi-bone vi-found");
   },
-  "line from l": (frame, stage) => frame.isDemo ? "" : lineThrough(frame, stage.line(0, frame.side), "vi-line vi-line-large", "line from l", NAMED_AT[0]),
-  "line from r": (frame, stage) => frame.isDemo ? "" : lineThrough(frame, stage.line(1, frame.side), "vi-line vi-line-large vi-from-right", "line from r", NAMED_AT[1]),
   "points": frame => frame.isDemo ? diamonds(frame.shown.map(i => frame.of(frame.images, i)), 4.6, "vi-seen") : "",
   "arrows": (frame, stage) => frame.isDemo ? "" : arrows(residuals(frame, stage), "vi-e", "vi-tip"),
   "own points": (frame, stage) => frame.isDemo ? "" : dots(residuals(frame, stage).map(([, own]) => own), "vi-own vi-own-large"),
   "recovered points": (frame, stage) => frame.isDemo ? "" : diamonds(residuals(frame, stage).map(([found]) => found), 5, "vi-found"),
-  "chosen": ({isDemo, of, images, shown}, {chosen}) => isDemo && shown.includes(chosen)
-    ? diamonds([of(images, chosen)], 5.4, "vi-seen") + rings([of(images, chosen)], 11, "vi-ring") : "",
   "own chosen": ({isDemo, of, images, shown}, {chosen}) => !isDemo && shown.includes(chosen)
     ? dots([of(images, chosen)], "vi-own vi-own-large") + rings([of(images, chosen)], 11, "vi-ring") : "",
   "arrow": (frame, stage) => {
     const k = stage.moment.usable.indexOf(stage.chosen);
     return frame.isDemo || k < 0 ? "" : arrows([residuals(frame, stage)[k]], "vi-e", "vi-tip");
-  },
-  "crossing": (frame, stage) => {
-    const k = stage.moment.usable.indexOf(stage.chosen);
-    if (frame.isDemo || k < 0) return "";
-    const at = residuals(frame, stage)[k][0];
-    return diamonds([at], 6, "vi-found") + rings([at], 11, "vi-ring") + label(frame, Array.from(at), ["where the lines cross"], "vi-of-found");
   },
 };
 

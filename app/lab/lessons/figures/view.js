@@ -9,14 +9,14 @@ import {Outlines} from "../../view/images.js";
 import {add, drawingUnit, set} from "../../view/svg.js";
 import {LIMITS_LAYERS} from "./limits-layers.js";
 import {draggedIn} from "./dragging.js";
-import {TOUR_LAYERS, TOUR_LEGEND} from "./tour-layers.js";
+import {TOUR_LAYERS_ABOVE, TOUR_LAYERS_BELOW, TOUR_LEGEND} from "./tour-layers.js";
 import {arm, OWN_LAYERS, OWN_LEGEND} from "./view-layers.js";
 
 const VIEWS = "lrLR", MARGIN = 14; // drawing units around the arm
 const CAPTIONS = {l: "left eye, demonstrator", r: "right eye, demonstrator", L: "left eye, own arm", R: "right eye, own arm"};
 
 /** Every owner adds layers here. @type {Record<string, Layer>} */
-export const VIEW_LAYERS = {...OWN_LAYERS, ...TOUR_LAYERS, ...LIMITS_LAYERS};
+export const VIEW_LAYERS = {...TOUR_LAYERS_BELOW, ...OWN_LAYERS, ...LIMITS_LAYERS, ...TOUR_LAYERS_ABOVE};
 
 /** What their marks mean. @type {Record<string, string>} */
 const LEGEND = {...OWN_LEGEND, ...TOUR_LEGEND};

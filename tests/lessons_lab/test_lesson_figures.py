@@ -154,3 +154,30 @@ def test_a_click_from_outside_is_where_it_is_drawn(opened):
     page.wait_for_selector(".say:not(:empty)")
     assert "That is where the mark is already" in page.text_content("body")
     assert not page.faults
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(
+    "step, figure, described",
+    [
+        ("minimum", "landscape", "Map of E"),
+        ("minimum", "biases", "times the distance 0.067°"),
+        ("crossing-angle", "crossing", "the lines from l and from r cross at 17.8°"),
+        ("four-points", "matches", "10 matches: one minimum"),
+    ],
+)
+def test_a_slider_moves_what_is_drawn(opened, step, figure, described):
+    page = opened("limits", step)
+    labels = f".figure-{figure} [aria-label]"
+    page.evaluate("lesson.reveal()")
+    page.wait_for_selector(".slider input")
+    page.wait_for_timeout(300)
+    heard = lambda: [one.get_attribute("aria-label") for one in page.locator(labels).all()]
+    before = heard()
+    slider = page.locator(".slider input").first
+    slider.focus()
+    page.keyboard.press("End")
+    page.wait_for_timeout(600)
+    assert heard() != before
+    assert any(described in one for one in heard())
+    assert not page.faults

@@ -46,16 +46,6 @@ def shading(grid: Grid, E: NDArray[np.float64], box: tuple[float, float, float, 
     return "".join(parts)
 
 
-def shades(E: NDArray[np.float64], shape: tuple[int, int]) -> bytes:
-    """Shade a coarser grid: a byte per posture, row by row, from 0 for the valley to 255; 0 where E is unknown."""
-    rows, columns = (np.rint(np.linspace(0, count - 1, few)).astype(int) for count, few in zip(E.shape, shape))
-    coarse = E[np.ix_(rows, columns)]
-    if np.isnan(coarse).all():
-        return bytes(coarse.size)
-    alpha, _ = _alpha(coarse)
-    return np.rint(alpha).astype(np.uint8).tobytes()
-
-
 def _alpha(E: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the opacity, 0 … 255, and where E is unknown."""
     top = np.nanmax(E)

@@ -9,8 +9,9 @@
 import {Landscape, TRANSFERS, World, residual, conflict, select} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
-const COARSE_DEG = 6; // of the first grid
-const AROUND = 1.5, FINER = 9, ROUNDS = 8; // its steps to both sides of its lowest posture, postures a joint, and again
+const AROUND = 1.5, FINER = 9; // steps of a grid to both sides of its lowest posture, postures a joint
+const FINEST_DEG = .005; // step of a grid that is fine enough
+const MOVING_DEG = 3; // of maps that a slider of the eyes makes anew
 const WORST_CONDITION = 1e6;
 export const MAP_DEG = 2;
 
@@ -74,41 +75,42 @@ const minima = new WeakMap();
  * @param {World} world
  * @param {string} transfer
  * @param {Look} demo
+ * @param {number} [stepDeg] of the map where the search begins
  * @returns {number[] | null} rad
  */
-export function smallest(world, transfer, demo) {
+export function smallest(world, transfer, demo, stepDeg = MAP_DEG) {
   const key = seenBy(transfer, demo), known = minima.get(world);
   if (known?.key === key) return known.theta;
-  const theta = lowest(world.scene, at => energyAt(world, transfer, demo, at));
+  const {landscape} = mapOf(world, transfer, demo, stepDeg);
+  const theta = lowest(landscape, at => energyAt(world, transfer, demo, at));
   minima.set(world, {key, theta});
   return theta;
 }
 
 /**
- * The posture within the limits where a function of it is smallest: on a coarse grid, then on ever finer ones about the
- * lowest; null where it is nowhere known.
+ * The posture within the limits where a function of it is smallest, on ever finer grids about the lowest posture of its
+ * map; null where it is nowhere known.
  *
- * @param {{lower: number[], upper: number[]}} limits rad
+ * @param {Landscape} map
  * @param {(theta: number[]) => number} of
  * @returns {number[] | null} rad
  */
-export function lowest({lower, upper}, of) {
-  const counts = lower.map((v, k) => Math.round((upper[k] - v) / DEGREE / COARSE_DEG) + 1);
-  let best = leastWithin(of, lower, upper, counts), step = COARSE_DEG * DEGREE;
-  for (let round = 0; best && round < ROUNDS; round++) {
+export function lowest(map, of) {
+  const {lower, upper} = map.world.scene;
+  let best = map.minimum?.theta ?? null;
+  for (let step = map.stepDeg * DEGREE; best && step > FINEST_DEG * DEGREE; step *= 2 * AROUND / (FINER - 1)) {
     const [low, high] = [-1, 1].map(side => /** @type {number[]} */ (best).map((v, k) =>
       Math.min(Math.max(v + side * AROUND * step, lower[k]), upper[k])));
-    best = leastWithin(of, low, high, [FINER, FINER]);
-    step *= 2 * AROUND / (FINER - 1);
+    best = leastWithin(of, low, high);
   }
   return best;
 }
 
-/** @param {(theta: number[]) => number} of @param {number[]} low @param {number[]} high @param {number[]} counts */
-function leastWithin(of, low, high, counts) {
+/** @param {(theta: number[]) => number} of @param {number[]} low @param {number[]} high */
+function leastWithin(of, low, high) {
   let least = Infinity, best = null;
-  for (let i = 0; i < counts[0]; i++) for (let j = 0; j < counts[1]; j++) {
-    const theta = [i, j].map((step, k) => low[k] + (high[k] - low[k]) * step / (counts[k] - 1)), value = of(theta);
+  for (let i = 0; i < FINER; i++) for (let j = 0; j < FINER; j++) {
+    const theta = [i, j].map((step, k) => low[k] + (high[k] - low[k]) * step / (FINER - 1)), value = of(theta);
     if (value < least) [least, best] = [value, theta];
   }
   return best;
@@ -167,13 +169,13 @@ export function medianCondition(world, transfer, demo, stepDeg) {
 }
 
 /** What is seen of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */
-export function demoLook(stage) {
+function demoLook(stage) {
   const look = stage.session.observer.demo(stage.moment.thetaDemo), swapped = stage.records.swapped ?? [];
   return swapped.length ? exchanged(look, swapped) : look;
 }
 
 /** A look whose points bear each other's names. @param {Look} look @param {number[][]} pairs @returns {Look} */
-export function exchanged({images, seen}, pairs) {
+function exchanged({images, seen}, pairs) {
   const order = Array.from({length: seen.length / 2}, (_, i) => i);
   for (const [i, j] of pairs) [order[i], order[j]] = [order[j], order[i]];
   const from = new Float64Array(images.length), shown = new Uint8Array(seen.length);
@@ -184,9 +186,13 @@ export function exchanged({images, seen}, pairs) {
   return {images: from, seen: shown};
 }
 
+/** A coarser map where the eyes can be moved, so that it keeps up with the slider. @param {Stage} stage */
+const stepOf = ({step}) => Object.keys(step.variants ?? {}).length ? MOVING_DEG : MAP_DEG;
+
 /** The map of a step. @param {Stage} stage @param {number} [stepDeg] */
-export const stageMap = (stage, stepDeg = MAP_DEG) =>
+export const stageMap = (stage, stepDeg = stepOf(stage)) =>
   mapOf(stage.world, stage.session.settings.transfer, demoLook(stage), stepDeg);
 
 /** Where the map of a step is lowest, between the postures of its grid too, rad. @param {Stage} stage */
-export const stageSmallest = stage => smallest(stage.world, stage.session.settings.transfer, demoLook(stage));
+export const stageSmallest = stage =>
+  smallest(stage.world, stage.session.settings.transfer, demoLook(stage), stepOf(stage));

@@ -12,12 +12,10 @@ from ...simulation.appearance import Bodies, Silhouettes, arm_image_points, reac
 from ...simulation.disturbances import ArmDisturbance
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
-from .. import relief
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
 TOO_FEW = "fewer than five points are seen in all four images"
-SHADES = 12, 24  # rows and columns of a coarse landscape
 COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time
 START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # settings without influence on E
 
@@ -58,7 +56,6 @@ class MadeLandscape:
     picture: LandscapePicture
     E_true: float | None  # px², with the learner in the demonstrator's posture
     to_refine: Snapshot | None = None  # of a coarse landscape: the snapshot from which a finer one can be computed
-    shades: bytes = b""  # of SHADES, as `relief.shades` returns them; b"" without a landscape
 
 
 def landscape_key(snapshot: Snapshot, ignored: tuple[str, ...] = ()) -> tuple:
@@ -88,8 +85,7 @@ def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG)
     E_true = float(conflict_at(*seen, theta[:, None])[0, 0])
     picture = LandscapePicture(found, world.scene, snapshot, TOO_FEW, joint_uncertainty(*seen, theta))
     coarse = found is not None and step_deg > FINE_DEG
-    shades = b"" if found is None else relief.shades(found.E, SHADES)
-    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None, shades)
+    return MadeLandscape(world, picture, E_true if np.isfinite(E_true) else None, snapshot if coarse else None)
 
 
 def largest_residual(moment: Snapshot) -> int | None:

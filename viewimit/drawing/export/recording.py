@@ -207,7 +207,9 @@ class _Maps:
             if std_per_px is None:
                 return found | {"says": TOO_FEW}
             bars = draw_observability(world.scene.moving_joints, std_per_px)
-            return found | {"bars": f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}">{bars}</svg>'}
+            return found | {
+                "bars": f'<svg class="vi" viewBox="0 0 {WIDTH} {HEIGHT}" preserveAspectRatio="xMinYMin">{bars}</svg>'
+            }
         return found | _grid(landscape)
 
 

@@ -12,7 +12,7 @@
  */
 import {stageMap, stageSmallest} from "../maps.js";
 import {EnergyMap} from "../../view/map.js";
-import {add, fixed} from "../../view/svg.js";
+import {add, fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, Names, path, polyline, text} from "./drawing.js";
 
 const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
@@ -69,7 +69,7 @@ const markOf = ({step: {ask}, mark}) => ask.kind === "place" && ask.figure === "
 function marks(map, stage, layers) {
   const place = (/** @type {ArrayLike<number>} */ theta) => map.place([theta[0], theta[1]]);
   const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
-  const demo = layers.has("demonstrator") ? place(stage.moment.thetaDemo) : null;
+  const demo = layers.has("demonstrator") && !stage.truthHidden ? place(stage.moment.thetaDemo) : null;
   const cross = lowest && place(lowest), ways = waysOf(stage, layers), names = new Names(...map.plot);
   for (const each of [cross, demo]) if (each) names.takePoint(each, 9);
   if (mark) takeMark(names, place(mark), stage.isRevealed ? cross : null);
@@ -81,6 +81,12 @@ function marks(map, stage, layers) {
   }
   if (cross) above += path("lesson-cross-case", crosses([cross], 8)) + path("vi-cross", crosses([cross], 8));
   if (demo) above += path("vi-seen", diamonds([demo], 6.5));
+  const now = layers.has("paths") && turnsOwn(stage) ? place(stage.moment.theta) : null;
+  if (now) {
+    names.takePoint(now, 9);
+    above += `<circle class="vi-now" cx="${px(now[0])}" cy="${px(now[1])}" r="6.5"/>`;
+    above += names.beside(now, "now", "vi-of-own");
+  }
   for (const way of ways)
     above += names.beside(place(way.postures[way.best]), way.name, `lesson-way-${way.role}-words`, {reach: 3});
   if (demo) above += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
@@ -92,6 +98,10 @@ function marks(map, stage, layers) {
   }
   return below + above;
 }
+
+/** Whether sliders turn the learner's arm freely. @param {Stage} stage */
+const turnsOwn = ({step: {ask, sliders}, isRevealed}) =>
+  isRevealed && ask.kind !== "do" && (sliders ?? []).some(({name}) => name.startsWith("own "));
 
 /**
  * Leave the visitor's mark free, its name, and the pill between it and the truth.
@@ -133,7 +143,7 @@ const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
   return race ? [/** @type {const} */ ([servo, race])] : [];
 });
 
-/** The visitor's own way and those of servos, as far as shown. @param {Stage} stage @param {Set<string>} layers */
+/** The visitor's own way and those of servos, up to what is shown. @param {Stage} stage @param {Set<string>} layers */
 function waysOf(stage, layers) {
   /** @type {Way[]} */
   const ways = [];
@@ -164,7 +174,9 @@ function described(stage, layers) {
   if (!layers.has("relief")) words.push("it is empty");
   const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
   if (lowest) words.push(`E is smallest at ${at(lowest)}`);
-  if (layers.has("demonstrator")) words.push(`the demonstrator is at ${at(stage.moment.thetaDemo)}`);
+  if (layers.has("demonstrator") && !stage.truthHidden)
+    words.push(`the demonstrator is at ${at(stage.moment.thetaDemo)}`);
+  if (layers.has("paths") && turnsOwn(stage)) words.push(`the learner is at ${at(stage.moment.theta)}`);
   if (mark) words.push(`your mark is at ${at(mark)}`);
   for (const {name, postures, best} of waysOf(stage, layers))
     words.push(`the way of ${name} ends at ${at(postures[best])}`);

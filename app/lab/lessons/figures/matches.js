@@ -32,7 +32,8 @@ export const MATCHES = {
       },
       draw(stage, layers) {
         const {scene} = stage.world, shown = matchesShown(stage), whole = mapOfFirst(stage, total(stage));
-        const demonstrator = stage.moment.thetaDemo, hidden = {map: null, demonstrator: null, lowest: []};
+        const demonstrator = stage.truthHidden ? null : stage.moment.thetaDemo;
+        const hidden = {map: null, demonstrator: null, lowest: []};
         all.box.hidden = !layers.has("all");
         few.box.hidden = !layers.has("few");
         plane.box.style.visibility = layers.has("plane") ? "" : "hidden";
@@ -180,11 +181,11 @@ const average = (points, k) => points.reduce((sum, p) => sum + p[k], 0) / points
 /** The largest E, px². @param {Landscape} map */
 const largest = ({E}) => E.reduce((most, v) => v > most ? v : most, 0);
 
-/** Whether E is zero everywhere, but for rounding. @param {Landscape} map @param {Landscape} like one that is not */
+/** Whether E is zero everywhere, up to rounding. @param {Landscape} map @param {Landscape} like one that is not */
 const isFlat = (map, like) => largest(map) < FLAT * largest(like);
 
 /** The postures below all their neighbours, rad, the lowest first. @param {Landscape} map */
-export function localMinima(map) {
+function localMinima(map) {
   const rows = map.axes[0].length, columns = map.axes[1].length, {E} = map, found = [];
   for (let i = 0; i < rows; i++) for (let j = 0; j < columns; j++) {
     const here = E[i * columns + j];

@@ -38,7 +38,8 @@ export const MENDED = {
           const {map, least} = layer === "rectified" ? mappedRectified(stage) : mappedAsSeen(stage);
           const words = least ? `${fixed(farthest(least, demonstrator))}° off` : "";
           const lowest = least ? [least] : [], {scene} = stage.world;
-          panels[k].draw({title: TITLES[k], words, map, demonstrator, lowest, apart: true}, scene);
+          const shown = stage.truthHidden ? {words: "", demonstrator: null} : {words, demonstrator};
+          panels[k].draw({title: TITLES[k], ...shown, map, lowest, apart: true}, scene);
         });
       },
     };
@@ -97,7 +98,7 @@ export function mappedRectified({world, session: {settings: {transfer}}, moment,
   };
   const landscape = new Landscape(world, MAP_DEG);
   for (let g = 0; g < landscape.count; g++) landscape.E[g] = energyAt(landscape.posture(g));
-  const mapped = {map: {landscape, key: "rectified"}, least: lowest(world.scene, energyAt)};
+  const mapped = {map: {landscape, key: "rectified"}, least: lowest(landscape, energyAt)};
   known.set(world, mapped);
   return mapped;
 }

@@ -34,6 +34,12 @@ FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
 OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}  # its policy is in the page
+LAB_WITHIN = 3.0  # s until a page that is still computed is promised; websockets ends handshakes after 10
+LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>viewimit</title>
+<meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
+<style>body{font:1.1rem/1.5 system-ui,sans-serif;max-width:34em;margin:20vh auto;padding:0 1em}</style></head><body>
+<p role="status">This lesson is computed for the first time, which takes up to a minute. It opens by itself.</p>
+<script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
@@ -58,7 +64,7 @@ class AccessControl:
         listening: socket.socket | None = None,
         lab: Callable[[str], str | None] = lambda lesson: None,
     ):
-        self._lab = lab
+        self._lab, self._computing = lab, dict[str, asyncio.Future[str | None]]()
         self.limits, self._origins = limits, frozenset(origins)
         self._counts, self._own, self._listening = counts, counts.rows[worker], listening
         self._server: ViserServer | None = None
@@ -145,10 +151,7 @@ class AccessControl:
         if path == "/health":
             return self._tell_health()
         if path == "/lab" or path.startswith("/lab/"):
-            page = await asyncio.to_thread(self._lab, path[5:])  # the first time, some seconds of another process
-            if page is None:
-                return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
-            return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
+            return await self._answer_lab(path[5:])
         try:
             answer = viser_answers(connection, request)
         except (OSError, ValueError):  # a path that no file can have
@@ -172,6 +175,19 @@ class AccessControl:
                 answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
         return answer
+
+    async def _answer_lab(self, name: str) -> Response:
+        """The page of the lab or a lesson; while it is still computed, one that asks again by itself."""
+        if name not in self._computing:
+            self._computing[name] = asyncio.ensure_future(asyncio.to_thread(self._lab, name))
+        computing = self._computing[name]
+        if not (await asyncio.wait([computing], timeout=LAB_WITHIN))[0]:
+            return plain_response(http.HTTPStatus.ACCEPTED, LAB_SOON, "text/html", **LAB_HEADERS)
+        self._computing.pop(name, None)  # its result is kept by who computes it, and a failure is tried again
+        page = computing.result()
+        if page is None:
+            return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
+        return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
 
     def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers.get("Host", "")

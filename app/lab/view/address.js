@@ -29,7 +29,7 @@ import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 const DEGREE = Math.PI / 180, MAX_STEPS = 3000;
-const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps"];
+const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps", "back"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {

@@ -89,7 +89,7 @@ def items_with_facts(items: Iterable[Item]) -> list[dict[str, Any]]:
     for item in plain:
         for answer in item["answers"]:
             for name in measures_in(answer["because"]):
-                answer["because"] = answer["because"].replace(f"{{{name}}}", found.get(name, {"text": "–"})["text"])
+                answer["because"] = answer["because"].replace(f"{{{name}}}", found[name]["text"])
     return plain
 
 

@@ -378,3 +378,15 @@ def test_dark_has_its_own_colours(opened):
     page.keyboard.press("d")
     settled(page)
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != dark
+
+
+def test_a_glossary_term_is_explained_by_a_key(opened):
+    page = opened("choice")
+    page.focus(".term")
+    press(page, "Enter")
+    assert page.locator(".definition").is_visible() and not at(page)["revealed"]
+
+
+def test_a_step_that_goes_on_from_a_skipped_one_begins_where_that_could_have_ended(opened):
+    page = opened("bowl")
+    assert page.evaluate("lesson.stage().moment.E") < 30 and page.evaluate("lesson.stage().motions.length") == 1

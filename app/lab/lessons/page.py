@@ -145,21 +145,30 @@ class LabPages:
             return None
         with self._locks[name]:
             if name not in self._pages:
-                self._pages[name] = _in_another_process(
+                self._pages[name] = in_another_process(
                     partial(lesson_page, {name: self.lessons[name]}, others=self.lessons, **self._how)
                 )
             return self._pages[name]
 
 
-def _in_another_process(make: Callable[[], str]) -> str:
-    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _stand_back) as pool:
+def in_another_process(make: Callable[[], str]) -> str:
+    """Return what a function makes in a process of its own, while the server goes on."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin) as pool:
         return pool.submit(make).result()
 
 
-def _stand_back() -> None:
-    """Leave the processor to the server. Windows has no niceness."""
+def _begin() -> None:
+    """Leave the processor to the server, and end with it, even if it is killed. Windows has no niceness."""
     if sys.platform != "win32":
         os.nice(5)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 @cache

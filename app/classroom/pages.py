@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import sys
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -44,11 +45,19 @@ def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
 
 def _in_another_process(page: Callable[[], str]) -> str:
     """The server goes on meanwhile."""
-    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _stand_back) as pool:
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin) as pool:
         return pool.submit(page).result()
 
 
-def _stand_back() -> None:
-    """Leave the processor to the server. Windows has no niceness."""
+def _begin() -> None:
+    """Leave the processor to the server, and end with it, even if it is killed. Windows has no niceness."""
     if sys.platform != "win32":
         os.nice(5)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -147,6 +147,16 @@ def test_a_turned_camera_makes_another_way(opened):
 
 
 @pytest.mark.browser
+def test_a_click_from_outside_is_where_it_is_drawn(opened):
+    page = opened("ray", "shadow", "phone")
+    page.mouse.click(*_middle(page, ".figure-outside .draw-mark-dot"))
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".say:not(:empty)")
+    assert "That is where the mark is already" in page.text_content("body")
+    assert not page.faults
+
+
+@pytest.mark.browser
 @pytest.mark.parametrize(
     "step, figure, described",
     [

@@ -103,10 +103,17 @@ def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
     situation, origin, scenes = situation_of(lesson, step), _origin(lesson, step), Scenes()
     data = _of_situation(step, situation, scenes)
     if origin.deal:
-        count = SCENE_DEALS if origin.dealt else DEALS
-        dealt = facts.deals(situation, origin.id, count, DEAL_SEED)
-        data["deals"] = [_of_situation(step, one, scenes) for one in dealt]
+        data["deals"] = [_of_situation(step, one, scenes) for one in dealt_situations(lesson, step)]
     return scenes, data
+
+
+def dealt_situations(lesson: Lesson, step: Step) -> list[Situation]:
+    """Return the states that are dealt in a step, or in the one that it carries on; none for others."""
+    origin = _origin(lesson, step)
+    if not origin.deal:
+        return []
+    count = SCENE_DEALS if origin.dealt else DEALS
+    return facts.deals(situation_of(lesson, step), origin.id, count, DEAL_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:

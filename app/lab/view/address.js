@@ -34,7 +34,8 @@ const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise",
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {
   const {name, points, transfer, servo, noisePx, missing, seed} = preset;
-  return {preset: name, points, transfer, servo, noisePx, missing, seed, demonstrator: scene.demonstrator, start: scene.start, steps: 0};
+  const {demonstrator, start} = scene;
+  return {preset: name, points, transfer, servo, noisePx, missing, seed, demonstrator, start, steps: 0};
 }
 
 /**
@@ -47,7 +48,8 @@ export function beginning(preset, scene) {
  * @returns {State}
  */
 export function fromAddress(hash, presets, scenes, wrong = []) {
-  const asked = new URLSearchParams(hash.replace(/^#/, "")), preset = presets.find(({name}) => name === asked.get("preset")) ?? presets[0];
+  const asked = new URLSearchParams(hash.replace(/^#/, ""));
+  const preset = presets.find(({name}) => name === asked.get("preset")) ?? presets[0];
   const scene = scenes[preset.scene], state = beginning(preset, scene);
   const checked = (/** @type {string} */ name, /** @type {boolean} */ isRight) => {
     if (asked.has(name) && !isRight) wrong.push(`${name}=${asked.get(name)}`);
@@ -55,7 +57,8 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
   };
   for (const name of asked.keys()) if (name && !FIELDS.includes(name)) checked(name, false);
   checked("preset", preset.name === asked.get("preset"));
-  const number = (/** @type {string} */ name, /** @type {number} */ usual, /** @type {number} */ low, /** @type {number} */ high) => {
+  /** @param {string} name @param {number} usual @param {number} low @param {number} high */
+  const number = (name, usual, low, high) => {
     const value = Number(asked.get(name) || NaN);
     return checked(name, value >= low && value <= high) || Number.isFinite(value) ? clamp(value, low, high) : usual;
   };
@@ -90,7 +93,8 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
  * @param {import("../engine/world.js").Scene} scene
  */
 export function toAddress(state, preset, scene) {
-  const usual = beginning(preset, scene), degrees = (/** @type {number[]} */ angles) => angles.map(v => String(Number((v / DEGREE).toFixed(2)))).join();
+  const usual = beginning(preset, scene);
+  const degrees = (/** @type {number[]} */ angles) => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
   const parts = [`preset=${state.preset}`, `demo=${degrees(state.demonstrator)}`, `start=${degrees(state.start)}`];
   if (state.servo !== usual.servo) parts.push(`law=${state.servo}`);
   if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);

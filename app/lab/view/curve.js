@@ -120,7 +120,8 @@ export class Angles extends Plot {
       const end = y(history[history.length - 1].theta[j]);
       const isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);
       if (isFree) taken.push(end);
-      const name = isFree ? `<text class="vi-of-own" x="${px(xs[xs.length - 1] + 6)}" y="${px(end + 4)}">${symbol}</text>` : "";
+      const place = `x="${px(xs[xs.length - 1] + 6)}" y="${px(end + 4)}"`;
+      const name = isFree ? `<text class="vi-of-own" ${place}>${symbol}</text>` : "";
       return line("vi-line-demo", one => one.thetaDemo[j]) + line("vi-line-own vi-later", one => one.theta[j], at)
         + line("vi-line-own", one => one.theta[j], 0, at) + name
         + `<path class="vi-dot-own" d="M${px(xs[at])} ${px(y(now.theta[j]))}h0"/>`;

@@ -4,15 +4,19 @@
 
 /**
  * @param {HTMLElement | SVGElement} element
- * @param {(event: PointerEvent) => ((event: PointerEvent) => void) | null} begin what follows the pointer from here, null for
- *   nothing
+ * @param {(event: PointerEvent) => ((event: PointerEvent) => void) | null} begin what follows the pointer from here,
+ *   null for nothing
  * @param {(held: boolean) => void} held
  */
 export function draggable(element, begin, held) {
   let isHeld = false;
-  element.addEventListener("touchstart", event => { if (isHeld) event.preventDefault(); }, {passive: false}); // it comes after
+  // It comes after the pointer went down, and would scroll; while the page still scrolls it cannot be refused
+  element.addEventListener("touchstart", event => {
+    if (isHeld && event.cancelable) event.preventDefault();
+  }, {passive: false});
   element.addEventListener("pointerdown", given => {
-    const event = /** @type {PointerEvent} */ (given), follow = event.isPrimary && event.button === 0 ? begin(event) : null;
+    const event = /** @type {PointerEvent} */ (given);
+    const follow = event.isPrimary && event.button === 0 ? begin(event) : null;
     isHeld = Boolean(follow);
     if (!follow) return;
     event.stopImmediatePropagation();

@@ -14,8 +14,9 @@ export function pageLink(state, scene, layouts) {
   const degrees = (/** @type {number[]} */ angles) => angles.map(v => Number((v / DEGREE).toFixed(6)));
   const points = layouts.includes(String(state.points)) ? state.points : Math.min(...layouts.map(Number));
   const settings = {
-    scene, points, demonstrator_deg: degrees(state.demonstrator), start_deg: degrees(state.start), transfer: state.transfer,
-    servo: state.servo, noise_px: state.noisePx, missing: state.missing, seed: state.seed, frames: 1, rectify: "off",
+    scene, points, demonstrator_deg: degrees(state.demonstrator), start_deg: degrees(state.start),
+    transfer: state.transfer, servo: state.servo, noise_px: state.noisePx,
+    missing: state.missing, seed: state.seed, frames: 1, rectify: "off",
   };
   const script = {settings, deeds: state.steps ? [["s", state.steps]] : []};
   const text = btoa(String.fromCharCode(...frame(packed({script}))));
@@ -41,7 +42,8 @@ function packed(value) {
   }
   if (Array.isArray(value)) return [0xdc, value.length >> 8, value.length & 255, ...value.flatMap(packed)];
   const entries = Object.entries(/** @type {object} */ (value));
-  return [0xde, entries.length >> 8, entries.length & 255, ...entries.flatMap(([name, each]) => [...packed(name), ...packed(each)])];
+  const fields = entries.flatMap(([name, each]) => [...packed(name), ...packed(each)]);
+  return [0xde, entries.length >> 8, entries.length & 255, ...fields];
 }
 
 /** A Zstandard frame (RFC 8878) of one block as it is. @param {number[]} bytes fewer than 64 kB */

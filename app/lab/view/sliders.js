@@ -2,6 +2,9 @@
 import {fixed, say} from "./svg.js";
 
 const DEGREE = Math.PI / 180;
+/** A slider of the learner, with its goal and the way there. */
+const RAIL = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="none" aria-hidden="true"><path/></svg>'
+  + '<input type="range"><s></s></span>';
 
 export class Sliders {
   /**
@@ -33,9 +36,10 @@ export class Sliders {
     this.rows = joints.map((name, k) => {
       const row = this.box.appendChild(document.createElement("label"));
       row.className = `joint of-${this.who}`;
-      const rail = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="none" aria-hidden="true"><path/></svg><input type="range"><s></s></span>';
-      row.innerHTML = `<span class="name"></span>${this.who === "learner" ? rail : '<input type="range">'}<b class="value"></b>`;
-      const input = /** @type {HTMLInputElement} */ (row.querySelector("input")), label = /** @type {HTMLElement} */ (row.querySelector(".name"));
+      const slider = this.who === "learner" ? RAIL : '<input type="range">';
+      row.innerHTML = `<span class="name"></span>${slider}<b class="value"></b>`;
+      const input = /** @type {HTMLInputElement} */ (row.querySelector("input"));
+      const [label, output] = [".name", ".value"].map(kind => /** @type {HTMLElement} */ (row.querySelector(kind)));
       const symbol = name.split(" ").pop() ?? "";
       label.textContent = name.slice(0, -symbol.length);
       label.appendChild(document.createElement("em")).textContent = symbol;
@@ -50,7 +54,7 @@ export class Sliders {
         this.busy = null;
         this.held(false);
       });
-      return {input, label, output: /** @type {HTMLElement} */ (row.querySelector(".value")), gap: row.querySelector("path")};
+      return {input, label, output, gap: row.querySelector("path")};
     });
   }
 
@@ -61,7 +65,9 @@ export class Sliders {
 
   /** @param {number[]} theta @param {number[]} goal */
   show(theta, goal) {
-    const {lower, upper} = this, share = (/** @type {number[]} */ angles, /** @type {number} */ k) => (angles[k] - lower[k]) / (upper[k] - lower[k]);
+    const {lower, upper} = this;
+    /** @param {number[]} angles @param {number} k */
+    const share = (angles, k) => (angles[k] - lower[k]) / (upper[k] - lower[k]);
     this.rows.forEach(({input, output, gap}, k) => {
       const text = `${fixed(theta[k] / DEGREE)}°`;
       if (this.busy !== input) input.value = String(theta[k] / DEGREE);

@@ -3,20 +3,39 @@ import {fixed} from "./svg.js";
 
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
-const DEGREE = Math.PI / 180, EXACT_DEG = 0.05, AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical residuals that count as agreement
+const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
+const AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical residuals that count as agreement
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const SERVO_WORDS = {
-  broyden: {title: "Broyden", says: "Learns how each joint moves its points, then goes where it expects the smallest E: 5 to 10 steps."},
-  "gradient-retuned": {title: "Retuned", says: "The paper’s law with larger but bounded steps. It learns only which way E falls: some hundred steps."},
-  gradient: {title: "Paper’s", says: "As printed in 2001. It learns only which way E falls, and its steps shrink with E, so it crawls."},
+  broyden: {
+    title: "Broyden",
+    says: "Learns how each joint moves its points, then goes where it expects the smallest E: 5 to 10 steps.",
+  },
+  "gradient-retuned": {
+    title: "Retuned",
+    says: "The paper’s law with larger but bounded steps. It learns only which way E falls: some hundred steps.",
+  },
+  gradient: {
+    title: "Paper’s",
+    says: "As printed in 2001. It learns only which way E falls, and its steps shrink with E, so it crawls.",
+  },
 };
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const TRANSFER_WORDS = {
-  epipolar: {title: "Epipolar", says: "The paper’s: each point lies where its lines cross. It neglects that near things look bigger."},
-  linear: {title: "Linear", says: "Without lines: each place in L or R is a weighted sum of the places in l and r."},
-  projective: {title: "Projective", says: "It also knows that near things look bigger. Exact if both cameras look the same way."},
+  epipolar: {
+    title: "Epipolar",
+    says: "The paper’s: each point lies where its lines cross. It neglects that near things look bigger.",
+  },
+  linear: {
+    title: "Linear",
+    says: "Without lines: each place in L or R is a weighted sum of the places in l and r.",
+  },
+  projective: {
+    title: "Projective",
+    says: "It also knows that near things look bigger. Exact if both cameras look the same way.",
+  },
 };
 
 /**
@@ -28,16 +47,24 @@ export const TRANSFER_WORDS = {
  */
 export function outcome(now, playing, points, isNoisy) {
   const apart = residualText(now.E), steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
-  if (now.status === "too-few-points") return {state: "stuck", text: "Too few points are visible in all four pictures: it needs five."};
-  if (points < 5) return {state: "stuck", text: "With four points, E is 0 in every pose: the pictures cannot disagree."};
+  const said = (/** @type {string} */ state, /** @type {string} */ text) => ({state, text});
+  if (now.status === "too-few-points")
+    return said("stuck", "Too few points are visible in all four pictures: it needs five.");
+  if (points < 5) return said("stuck", "With four points, E is 0 in every pose: the pictures cannot disagree.");
   const agrees = Math.sqrt(now.E) < (isNoisy ? AGREE_NOISY_PX : AGREE_PX);
-  if (now.status === "settled") return agrees
-    ? {state: "settled", text: `Converged after ${steps}: the pictures agree to ${apart}.${playing ? " Move the demonstrator, and it follows." : ""}`}
-    : {state: "stuck", text: `Stopped after ${steps} without success: no small turn lowers E, but the pictures still disagree by ${apart}.`};
-  if (now.status === "no-progress") return {state: "stuck", text: `No lower E found lately: after ${steps} the pictures still disagree by ${apart}.`};
-  if (playing) return {state: "moving", text: now.probe ? "A test move: it turns one joint to see how its pictures change." : "Copying: it goes where it expects a smaller E."};
-  if (now.motion) return {state: "moving", text: `After ${steps}, the pictures disagree by ${apart}.`};
-  return {state: "ready", text: agrees ? `Ready. The pictures already agree to ${apart}.` : `Ready. The pictures disagree by ${apart}. Press Play, or pose the demonstrator.`};
+  const still = `the pictures still disagree by ${apart}`;
+  if (now.status === "settled" && agrees) {
+    const next = playing ? " Move the demonstrator, and it follows." : "";
+    return said("settled", `Converged after ${steps}: the pictures agree to ${apart}.${next}`);
+  }
+  if (now.status === "settled")
+    return said("stuck", `Stopped after ${steps} without success: no small turn lowers E, but ${still}.`);
+  if (now.status === "no-progress") return said("stuck", `No lower E found lately: after ${steps} ${still}.`);
+  if (playing && now.probe) return said("moving", "A test move: it turns one joint to see how its pictures change.");
+  if (playing) return said("moving", "Copying: it goes where it expects a smaller E.");
+  if (now.motion) return said("moving", `After ${steps}, the pictures disagree by ${apart}.`);
+  if (agrees) return said("ready", `Ready. The pictures already agree to ${apart}.`);
+  return said("ready", `Ready. The pictures disagree by ${apart}. Press Play, or pose the demonstrator.`);
 }
 
 /**

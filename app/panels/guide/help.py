@@ -9,9 +9,11 @@ PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
      "its own arm (L, R), and knows nothing but points in these four images: no model of an arm, no calibration."),
     ("Two views give a line.", "Click a point, or press N: where it lies in l puts it on a line in L; r gives "
-     "a second line. They cross where the demonstrator's point would be in the learner's own view: a hollow diamond."),
-    ("A wrong posture makes a conflict.", "The lines were learned from two different postures, so recovered and own "
-     "points disagree. The arrows are the residuals e; E is their mean square."),
+     "a second line. The lines are computed as if both arms were in the same posture; a hollow diamond, where they "
+     "cross, is where the point would be if that were true."),
+    ("A wrong posture makes a conflict.", "Where the postures differ, no lines can fit all points. The misfit that "
+     "remains, the arrows e from diamonds to dots, is the conflict; E is their mean square. An arrow is a "
+     "contradiction, not a signpost: only at the right posture do dots and diamonds agree."),
     ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
      "E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch yourself first:"
      " it goes through 12 postures with nobody to imitate, and needs no probes then."),
@@ -30,8 +32,7 @@ PARAGRAPHS = (
      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Show it to a class.", "P, or <code>?present</code> in the address: larger letters, no controls, a ring about the "
-     "pointer. What is true is hidden until T. A lesson goes on by the arrows or a remote's Page Down, back by Page Up,"
-     " and shows what is true though nobody here has answered."),
+     "pointer. What is true is hidden until T. For lessons with a class, start <code>viewimit class</code>."),
     ("Repeat the paper.", "The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, judges them by the "
      "paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab Motions;"
      " See it shows both arms as it was imitated."),

@@ -55,12 +55,6 @@ export class Drawing {
     set(this.svg, {"aria-label": label});
     if (inside !== this.last) this.svg.innerHTML = this.last = inside;
   }
-
-  /** Where a pointer is, in units. @param {{clientX: number, clientY: number}} event @returns {Place} */
-  under(event) {
-    const {left, top} = this.svg.getBoundingClientRect();
-    return [(event.clientX - left) / this.unit, (event.clientY - top) / this.unit];
-  }
 }
 
 /** Occupied rectangles of a drawing: a name goes where nothing is yet. */

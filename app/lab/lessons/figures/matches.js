@@ -96,7 +96,7 @@ const orders = new WeakMap();
 
 /**
  * The points as they are added: the four whose shape is the least flat, by the third singular value, then one after the
- * other whichever makes it least flat.
+ * other the one that makes it least flat.
  *
  * @param {Stage} stage
  * @returns {number[]}

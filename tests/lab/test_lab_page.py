@@ -237,16 +237,19 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
     swipe(page, (scene["x"] + 60, scene["y"] + scene["height"] - 20), (0, -150))  # takes hold of nothing, and scrolls
     wait_until(lambda: page.evaluate("scrollY") > 50)
     assert now(page) == before
+    page.wait_for_timeout(800)
     for name in ("l", "r", "L", "map"):  # of these, only a dot or the chosen point is held
         page.evaluate(f"scrollTo(0, document.querySelector('#{name}').getBoundingClientRect().top + scrollY - 250)")
         box, top = page.locator(f"#{name}").bounding_box(), page.evaluate("scrollY")
         swipe(page, (box["x"] + 0.75 * box["width"], box["y"] + 0.6 * box["height"]), (0, -150))
+        page.wait_for_timeout(800)
         wait_until(lambda top=top: page.evaluate("scrollY") > top + 50)
         assert now(page) == before
     page.evaluate("scrollTo(0, document.querySelector('#map').getBoundingClientRect().top + scrollY - 200)")
     box = page.locator("#map").bounding_box()
     x, y = page.evaluate("lab.map.place(lab.session().now.theta).map(v => v * lab.map.unit)")
-    top = page.evaluate("scrollY")
+    page.wait_for_timeout(800)  # until nothing scrolls any more
+    box, top = page.locator("#map").bounding_box(), page.evaluate("scrollY")
     swipe(page, (box["x"] + x, box["y"] + y), (10, -60))  # takes hold of the learner's dot
     assert degrees(now(page)["theta"]) != degrees(before["theta"]) and page.evaluate("scrollY") == top
 

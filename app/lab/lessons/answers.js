@@ -14,7 +14,8 @@ export function isAnswered({step: {ask}, answer, rounds, mark}) {
   if (ask.kind === "place") return Boolean(mark);
   if (ask.kind === "pose") return Boolean(answer.pose);
   if (ask.kind === "number") return answer.number !== undefined;
-  if (ask.kind === "select") return answer.selected?.length === ask.fields?.length && Math.min(...answer.selected ?? []) >= 0
+  if (ask.kind === "select") return answer.selected?.length === ask.fields?.length
+    && Math.min(...answer.selected ?? []) >= 0
     && (!ask.reasons?.length || answer.reason !== undefined);
   if (ask.kind === "bet") return answer.bet !== undefined;
   if (ask.kind === "predict") return rounds.length > 0;
@@ -32,15 +33,20 @@ export function rightChoice(stage) {
 /** Whether what has to be reached is. @param {Stage} stage */
 export function isReached(stage) {
   const {ask: {measure: name, below, above}} = stage.step, value = Number(measure(stage, name ?? "").value);
-  return below !== null && below !== undefined && value < below || above !== null && above !== undefined && value > above;
+  return below !== null && below !== undefined && value < below || above !== null && above !== undefined
+    && value > above;
 }
 
 /** @param {Ask} ask @param {number} number @param {number} truth */
 export function isNear({factor, within}, number, truth) {
-  return factor ? truth > 0 && number / truth <= factor && truth / number <= factor : Math.abs(number - truth) <= (within ?? 0);
+  return factor ? truth > 0 && number / truth <= factor && truth / number <= factor
+    : Math.abs(number - truth) <= (within ?? 0);
 }
 
-/** Whether the answer is right, or near enough to be called so; null without one, or where none is. @param {Stage} stage */
+/**
+ * Whether the answer is right, or near enough to be called so; null without one, or where none is.
+ * @param {Stage} stage
+ */
 export function isRight(stage) {
   const {step: {ask}, answer} = stage;
   if (!isAnswered(stage) || answer.shown) return null;
@@ -49,7 +55,8 @@ export function isRight(stage) {
     const off = Number(measure(stage, "px apart").value);
     return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
   }
-  if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number), Number(measure(stage, ask.truth ?? "").value));
+  if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number),
+    Number(measure(stage, ask.truth ?? "").value));
   if (ask.kind === "do") return true;
   if (ask.kind === "predict") return isReached(stage);
   if (ask.kind === "bet") {

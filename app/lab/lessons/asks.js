@@ -26,7 +26,8 @@ const KINDS = {choice, place, pose, number, do: task, select, predict, bet};
 /** @param {Stage} stage @param {Host} host */
 export function askOf(stage, host) {
   const {ask} = stage.step, asked = KINDS[ask.kind](stage, host), {glossary} = stage.page;
-  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"}, make("p", {class: "question", html: inline(fill(ask.question, stage), glossary)}), asked.element);
+  const element = make("section", {class: `ask ask-${ask.kind}`, "aria-label": "Question"},
+    make("p", {class: "question", html: inline(fill(ask.question, stage), glossary)}), asked.element);
   return {...asked, element};
 }
 
@@ -39,7 +40,9 @@ function choice(stage, host) {
     host.answered();
   };
   const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {}, String(k + 1)), make("span", {html: inline(text)}), make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}), make("small", {class: "count"})));
+    make("kbd", {}, String(k + 1)), make("span", {html: inline(text)}),
+      make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}),
+      make("small", {class: "count"})));
   return {
     element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
     update() {
@@ -50,8 +53,10 @@ function choice(stage, host) {
         option.disabled = host.isLocked() && !stage.isRevealed;
         option.setAttribute("aria-disabled", String(stage.isRevealed));
         option.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
-        option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : "" : "");
-        option.setAttribute("aria-label", `${k + 1}: ${plain(answers[k].text)}${stage.isRevealed ? k === right ? " (right)" : isChosen ? " (your answer, not right)" : "" : ""}`);
+        option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
+          : "");
+        option.setAttribute("aria-label",
+          `${k + 1}: ${plain(answers[k].text)}${stage.isRevealed ? k === right ? " (right)" : isChosen ? " (your answer, not right)" : "" : ""}`);
         option.style.setProperty("--share", bar ? String(bar.share) : "0");
         option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });
@@ -72,7 +77,8 @@ function place(stage) {
     element: hint,
     update() {
       hint.hidden = stage.isRevealed;
-      hint.textContent = stage.mark ? isTouched() ? "Tap again to move your mark." : "Click again to move your mark, or use the arrow keys."
+      hint.textContent = stage.mark ? isTouched() ? "Tap again to move your mark."
+        : "Click again to move your mark, or use the arrow keys."
         : isTouched() ? "Tap in the framed picture." : "Click in the framed picture, or use the arrow keys.";
     },
   };
@@ -88,8 +94,11 @@ function pose(stage) {
 function number(stage, host) {
   const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
   const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
-  const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step : Number(value.toPrecision(2));
-  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2), "aria-label": plain(fill(question, stage))});
+  const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step
+    : Number(value.toPrecision(2));
+  const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step
+    : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2),
+    "aria-label": plain(fill(question, stage))});
   const output = make("output", {class: "large-number"});
   input.addEventListener("input", () => {
     const value = Number(input.value);
@@ -97,9 +106,12 @@ function number(stage, host) {
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, `${low}${unit}`), make("span", {}, `${high}${unit}`))),
+    element: make("div", {class: "number"}, output, input,
+      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, `${low}${unit}`),
+      make("span", {}, `${high}${unit}`))),
     update() {
-      const {number: value} = stage.answer, words = value === undefined ? "?" : `${short(value).replace(/\.0+$/, "")}${unit}`;
+      const {number: value} = stage.answer, words = value === undefined ? "?"
+        : `${short(value).replace(/\.0+$/, "")}${unit}`;
       output.textContent = words;
       input.disabled = stage.isRevealed || host.isLocked();
       if (value !== undefined && document.activeElement !== input) input.value = String(even(value));
@@ -118,7 +130,8 @@ function task(stage, host) {
   const start = Math.max(ask.measure === "E" ? stage.motions[0].E : first, goal * 1.01);
   const text = (/** @type {number} */ value) => ask.measure === "E" ? energy(value).text : `${short(value)}${unit}`;
   return {
-    element: make("div", {class: "task"}, make("p", {class: "now"}, now, make("span", {class: "goal"}, ` goal: ${isBelow ? "below" : "above"} ${text(goal)}`)),
+    element: make("div", {class: "task"}, make("p", {class: "now"}, now,
+      make("span", {class: "goal"}, ` goal: ${isBelow ? "below" : "above"} ${text(goal)}`)),
       make("div", {class: "meter", "aria-hidden": true}, filled), make("p", {class: "steps-made"}, count, again)),
     update() {
       const {value, text: words} = measure(stage, ask.measure ?? ""), steps = stage.motions.length - 1;
@@ -148,9 +161,12 @@ function select(stage, host) {
       if (!stage.isRevealed) next.scrollIntoView({block: "nearest"});
     });
   };
-  const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)}, make("p", {class: "label", html: inline(label)}),
+  const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)},
+    make("p", {class: "label", html: inline(label)}),
     ...values.map(({text, says}, value) => {
-      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)}, make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}, says ? make("small", {class: "says-how", html: inline(says)}) : null));
+      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)},
+        make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}, says
+        ? make("small", {class: "says-how", html: inline(says)}) : null));
       buttons.push({button, field, value});
       return button;
     })));
@@ -159,8 +175,10 @@ function select(stage, host) {
     stage.answer = {...stage.answer, reason: k};
     host.answered();
   };
-  const whys = reasons.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => why(k)}, make("kbd", {}, String(buttons.length + k + 1)), make("span", {html: inline(text)})));
-  const reasonsBox = make("div", {role: "group", "aria-label": plain(reason)}, make("p", {class: "label question", html: inline(reason)}), ...whys);
+  const whys = reasons.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => why(k)},
+    make("kbd", {}, String(buttons.length + k + 1)), make("span", {html: inline(text)})));
+  const reasonsBox = make("div", {role: "group", "aria-label": plain(reason)},
+    make("p", {class: "label question", html: inline(reason)}), ...whys);
   return {
     element: make("div", {class: "options fields"}, ...sets, reasonsBox),
     update() {
@@ -199,28 +217,35 @@ function predict(stage) {
     update() {
       const last = stage.rounds[stage.rounds.length - 1], {measure: name = "", below} = stage.step.ask;
       hint.hidden = stage.isRevealed || isSet(stage);
-      hint.textContent = !isSet(stage) ? touched(stage.mark ? "Now set a knob." : "Set a knob, then click where the ringed dot will go.") : "";
+      hint.textContent = !isSet(stage) ? touched(stage.mark ? "Now set a knob."
+        : "Set a knob, then click where the ringed dot will go.") : "";
       if (!last) return void says.replaceChildren();
-      const off = Math.hypot(last.mark[0] - last.to[0], last.mark[1] - last.to[1]), far = Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]);
-      says.replaceChildren(`Your prediction was `, make("b", {}, `${short(off)} px`), ` off; the dot moved ${short(far)} px. `,
+      const off = Math.hypot(last.mark[0] - last.to[0], last.mark[1] - last.to[1]),
+        far = Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]);
+      says.replaceChildren(`Your prediction was `, make("b", {}, `${short(off)} px`),
+        ` off; the dot moved ${short(far)} px. `,
         `To the goal: ${measure(stage, name ?? "").text}${below ? ` (goal: below ${below})` : ""}.`);
     },
   };
 }
 
 /** Whether a knob and the mark are set, so that the arm may turn. @param {Stage} stage */
-export const isSet = stage => Boolean(stage.mark) && [...stage.sliders].some(([name, value]) => name.startsWith("knob ") && Math.abs(value) > 1e-6);
+export const isSet = stage => Boolean(stage.mark) && [...stage.sliders].some(([name, value]) =>
+  name.startsWith("knob ") && Math.abs(value) > 1e-6);
 
 /** @param {Stage} stage @param {Host} host @returns {Asked} */
 function bet(stage, host) {
-  const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50, "aria-label": "How sure you are that it is true"});
+  const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50,
+    "aria-label": "How sure you are that it is true"});
   const output = make("output", {class: "large-number"}), which = make("p", {class: "hint"});
   input.addEventListener("input", () => {
     stage.answer = {bet: Number(input.value)};
     host.answered();
   });
   return {
-    element: make("div", {class: "number"}, which, output, input, make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"), make("span", {}, "surely true"))),
+    element: make("div", {class: "number"}, which, output, input,
+      make("div", {class: "ends", "aria-hidden": true}, make("span", {}, "surely false"), make("span", {}, "no idea"),
+      make("span", {}, "surely true"))),
     update() {
       const words = isAnswered(stage) && stage.answer.bet !== undefined ? `${stage.answer.bet} %` : "?";
       output.textContent = words;

@@ -25,7 +25,8 @@ export class Card {
     this.after = make("p", {class: "after"});
     this.say = make("div", {class: "say"});
     this.glossary = page.glossary ?? {};
-    box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.told, this.reply, this.after, this.say);
+    box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.told,
+      this.reply, this.after, this.say);
     /** @type {Map<HTMLElement, string>} */
     this.last = new Map();
   }
@@ -34,13 +35,15 @@ export class Card {
     const {stage} = this, {step, answer} = stage, isShown = stage.isRevealed;
     this.#write(this.words, isShown ? "" : inline(fill(step.text, stage), this.glossary));
     this.ask.update();
-    this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind) || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
+    this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind)
+      || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
     this.#write(this.told, isShown ? this.#told() : "");
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
     const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of what was not done
     this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(step.after, stage), this.glossary) : "");
-    this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}` : "");
+    this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}`
+      : "");
     this.box.classList.toggle("revealed", isShown);
   }
 
@@ -48,20 +51,24 @@ export class Card {
   #told() {
     const {step: {told, ask}} = this.stage;
     if (!told || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
-    const {text} = measure(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/) ?? ["", text, ""];
+    const {text} = measure(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
+      ?? ["", text, ""];
     const note = told.note ? `<small>${inline(fill(told.note, this.stage), this.glossary)}</small>` : "";
-    const isDegrees = unit.startsWith("°"), apart = told.measure.endsWith(" apart") ? `${isDegrees ? "" : `${unit} `}apart` : isDegrees ? "" : unit;
+    const isDegrees = unit.startsWith("°"), apart = told.measure.endsWith(" apart")
+      ? `${isDegrees ? "" : `${unit} `}apart` : isDegrees ? "" : unit;
     return `<span>${inline(fill(told.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${apart}</i></strong>${note}`;
   }
 
   /** What is read aloud as it becomes known, and not the whole card. */
   spoken() {
     const {stage} = this, {step} = stage;
-    if (!stage.isRevealed) return step.ask.kind === "do" ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
+    if (!stage.isRevealed) return step.ask.kind === "do"
+      ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
     const verdict = {true: "Right.", false: "Not quite.", null: ""}[String(isRight(stage))] ?? "";
     const number = step.told ? `${step.told.label}: ${measure(stage, step.told.measure).text}.` : "";
     const replied = plain(fill(reply(stage), stage));
-    return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:", plain(fill(step.say, stage))].filter(Boolean).join(" ");
+    return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:",
+      plain(fill(step.say, stage))].filter(Boolean).join(" ");
   }
 
   /** @param {HTMLElement} element @param {string} html */

@@ -3,7 +3,8 @@
 /**
  * @template {keyof HTMLElementTagNameMap} K
  * @param {K} tag
- * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html` its inside
+ * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners,
+ *   `html` its inside
  * @param {...(Node | string | null | undefined | false)} children
  * @returns {HTMLElementTagNameMap[K]}
  */
@@ -15,23 +16,33 @@ export function make(tag, properties = {}, ...children) {
     else if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
     else made.setAttribute(name, value === true ? "" : String(value));
   }
-  made.append(...children.filter(child => child !== null && child !== undefined && child !== false).map(child => /** @type {Node | string} */ (child)));
+  made.append(...children.filter(child => child !== null && child !== undefined && child !== false).map(child =>
+    /** @type {Node | string} */ (child)));
   return made;
 }
 
 /** @param {string} text */
-export const escaped = text => text.replace(/[&<>"]/g, c => ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
+export const escaped = text => text.replace(/[&<>"]/g, c =>
+  ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
 
 /** Whether a finger is what points here. */
 export const isTouched = () => matchMedia("(pointer: coarse)").matches;
 
 /** "Tap" for "Click" where fingers point. @param {string} words */
-export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap").replace(/\bpress\b/g, "tap") : words;
+export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g,
+  "tap").replace(/\bpress\b/g, "tap") : words;
 
-/** Words with **bold**; a bold term of the glossary explains itself. @param {string} words @param {Record<string, string>} [glossary] */
-export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g, (_, bold) => {
-  const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase() || `${term.toLowerCase()}s` === bold.toLowerCase());
-  return key ? `<b class="term" role="button" tabindex="0" data-term="${key}" aria-expanded="false">${bold}</b>` : `<b>${bold}</b>`;
+/**
+ * Words with **bold**; a bold term of the glossary explains itself.
+ * @param {string} words
+ * @param {Record<string, string>} [glossary]
+ */
+export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g,
+  (_, bold) => {
+  const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase()
+    || `${term.toLowerCase()}s` === bold.toLowerCase());
+  return key ? `<b class="term" role="button" tabindex="0" data-term="${key}" aria-expanded="false">${bold}</b>`
+    : `<b>${bold}</b>`;
 });
 
 /** Words without marks, to be read aloud. @param {string} words */

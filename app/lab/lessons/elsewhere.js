@@ -8,7 +8,8 @@ const DEGREE = Math.PI / 180;
 /** @param {Stage} stage @returns {import("../view/address.js").State} */
 function stateOf({moment, session: {settings}, state}) {
   const {transfer, servo, noisePx = 0, missing = 0, seed = 7} = settings;
-  return {preset: "paper", demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo, noisePx, missing, seed, steps: 0};
+  return {preset: "paper", demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo,
+    noisePx, missing, seed, steps: 0};
 }
 
 /** Of the lab, with the way back. @param {Stage} stage @param {string} back */
@@ -19,4 +20,5 @@ export function labAddress(stage, back) {
 }
 
 /** Of viewimit's page; null where it has no such scene. @param {Stage} stage */
-export const viewimitAddress = stage => stage.scene.page ? `?s=${pageLink(stateOf(stage), stage.scene.page.scene, stage.scene.page.layouts)}` : null;
+export const viewimitAddress = stage => stage.scene.page
+  ? `?s=${pageLink(stateOf(stage), stage.scene.page.scene, stage.scene.page.layouts)}` : null;

@@ -17,7 +17,8 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @typedef {import("./stage.js").Answer} Answer
  * @typedef {import("./step-screen.js").Screen} Screen
  * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
- *   catalogue?: {name: string, title: string, short: string, about: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ *   catalogue?: {name: string, title: string, short: string, about: string, minutes: number,
+ *   here: boolean}[]}} Data catalogue: all
  *   lessons that are served, those here and others
  * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
  * @typedef {Object} Shown what a page shows, for others to follow
@@ -56,7 +57,9 @@ function begin(data) {
   let stage = null;
   /** @type {Others} */
   let others = null;
-  /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside */
+  /**
+   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside
+   */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, began = performance.now();
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
@@ -71,10 +74,12 @@ function begin(data) {
   /** @param {Lesson} of @returns {Place[]} */
   const placesOf = of => {
     const questions = (of.questions ?? []).map((_, k) => k);
-    return [...questions.map(k => /** @type {Place} */ ({kind: "before", k})), ...of.steps.map(({id}) => /** @type {Place} */ ({kind: "step", id})),
+    return [...questions.map(k => /** @type {Place} */ ({kind: "before", k})),
+      ...of.steps.map(({id}) => /** @type {Place} */ ({kind: "step", id})),
       ...questions.map(k => /** @type {Place} */ ({kind: "after", k})), {kind: "end"}];
   };
-  const nameOf = (/** @type {Place} */ of) => of.kind === "step" ? of.id : of.kind === "home" || of.kind === "end" ? of.kind : `${of.kind}-${of.k + 1}`;
+  const nameOf = (/** @type {Place} */ of) => of.kind === "step" ? of.id : of.kind === "home" || of.kind === "end"
+    ? of.kind : `${of.kind}-${of.k + 1}`;
   /** @param {Lesson} of @param {string} name @returns {Place} */
   const placeOf = (of, name) => placesOf(of).find(one => nameOf(one) === name) ?? {kind: "home"};
   const index = () => placesOf(lesson).findIndex(one => nameOf(one) === nameOf(place));
@@ -123,9 +128,11 @@ function begin(data) {
 
   /** @param {string} id @returns {Stage} */
   function stageOf(id) {
-    const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)), was = kept().steps[id];
+    const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)),
+      was = kept().steps[id];
     const carried = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
-    if (known && known.carried === carried && (!carried || known.motions === carried.motions || carried.motions.length < 2)) return known;
+    if (known && known.carried === carried && (!carried || known.motions === carried.motions
+      || carried.motions.length < 2)) return known;
     const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
     for (const {name, start} of slidersOf(made)) if (!made.sliders.has(name)) made.sliders.set(name, start);
@@ -143,7 +150,8 @@ function begin(data) {
     made.reveal = was.revealed ? 1 : 0;
     made.bets = was.bets ?? [];
     made.run = was.run ?? 0;
-    for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name) && !name.startsWith("knob ")) made.slide(name, value);
+    for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name)
+      && !name.startsWith("knob ")) made.slide(name, value);
     if (was.motions?.length > 1 && !made.carried) {
       made.motions = was.motions;
       made.observe(was.motions[was.motions.length - 1].theta);
@@ -154,8 +162,10 @@ function begin(data) {
   function keep() {
     if (!stage) return;
     const {answer, mark, seed, motions, rounds, step, carried, run, bets} = stage;
-    kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs, right: stage.isRevealed ? isRight(stage) : null, run, bets,
-      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders], seconds: kept().steps[step.id]?.seconds ?? 0};
+    kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs,
+      right: stage.isRevealed ? isRight(stage) : null, run, bets,
+      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders],
+        seconds: kept().steps[step.id]?.seconds ?? 0};
     store.save(lesson.name);
     hooks.onChange();
   }
@@ -171,7 +181,8 @@ function begin(data) {
     hooks.onChange();
   }
 
-  const isDealt = (/** @type {Stage} */ {step, carried}) => Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
+  const isDealt = (/** @type {Stage} */ {step, carried}) =>
+    Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
   function remember() {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
@@ -187,7 +198,8 @@ function begin(data) {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
     others: () => others && "counts" in others ? others : null,
-    links: now => isServed ? {lab: `../lab${labAddress(now, location.pathname.split("/").pop() + location.hash)}`, viewimit: instrument ? `../?s=${instrument}` : viewimitAddress(now) && `../${viewimitAddress(now)}`,
+    links: now => isServed ? {lab: `../lab${labAddress(now, location.pathname.split("/").pop() + location.hash)}`,
+      viewimit: instrument ? `../?s=${instrument}` : viewimitAddress(now) && `../${viewimitAddress(now)}`,
       words: instrument ? "Back to viewimit" : "Open in viewimit"} : null,
   };
 
@@ -210,11 +222,14 @@ function begin(data) {
           store.save(lesson.name);
           hooks.onQuestion(kind, id, given);
         },
-        go, redraw, skipAll: () => enter(lesson, kind === "before" ? placeOf(lesson, lesson.steps[0].id) : {kind: "end"}),
+        go, redraw, skipAll: () => enter(lesson, kind === "before" ? placeOf(lesson, lesson.steps[0].id)
+          : {kind: "end"}),
       });
-    } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo, () => enter(lesson, {kind: "home"}));
+    } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo, () =>
+      enter(lesson, {kind: "home"}));
     else screen = new HomeScreen($("body"), data.lessons, lesson, progressOf, {
-      start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)), step: (one, id) => enter(one, {kind: "step", id}),
+      start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)),
+        step: (one, id) => enter(one, {kind: "step", id}),
       forget: one => {
         store.forget(one.name);
         stages = new Map();
@@ -230,7 +245,8 @@ function begin(data) {
   /** Where somebody goes on. @param {Lesson} of @returns {Place} */
   function nextOf(of) {
     const {steps, before} = store.of(of.name), open = of.steps.find(({id}) => !steps[id]?.revealed);
-    if (of.questions?.length && !Object.keys(before).length && !Object.keys(steps).length) return {kind: "before", k: 0};
+    if (of.questions?.length && !Object.keys(before).length && !Object.keys(steps).length) return {kind: "before",
+      k: 0};
     return open ? {kind: "step", id: open.id} : {kind: "end"};
   }
   /** @param {Lesson} of */
@@ -241,8 +257,10 @@ function begin(data) {
 
   /** @param {string} target "lesson/step" */
   function linkTo(target) {
-    const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name), at = found?.steps.findIndex(step => step.id === id) ?? -1;
-    if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () => enter(found, {kind: "step", id})};
+    const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name),
+      at = found?.steps.findIndex(step => step.id === id) ?? -1;
+    if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () =>
+      enter(found, {kind: "step", id})};
     const other = data.catalogue?.find(one => one.name === name && !one.here);
     return other ? {words: `${other.short} →`, href: `${name}#lesson=${name}&step=${id}`, go: null} : null;
   }
@@ -266,48 +284,69 @@ function begin(data) {
   }
 
   function drawHead() {
-    const steps = lesson.steps, at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : -1;
-    const where = place.kind === "step" ? `${at + 1} of ${steps.length}` : place.kind === "before" ? `Question ${place.k + 1} of ${lesson.questions?.length}, before`
-      : place.kind === "after" ? `Question ${place.k + 1} of ${lesson.questions?.length}, after` : place.kind === "end" ? "Done" : "";
+    const steps = lesson.steps, at = place.kind === "step"
+      ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : -1;
+    const where = place.kind === "step" ? `${at + 1} of ${steps.length}` : place.kind === "before"
+      ? `Question ${place.k + 1} of ${lesson.questions?.length}, before`
+      : place.kind === "after" ? `Question ${place.k + 1} of ${lesson.questions?.length}, after`
+        : place.kind === "end" ? "Done" : "";
     $("home").textContent = place.kind === "home" ? "viewimit lessons" : lesson.short;
     $("where").textContent = where;
     $("left").textContent = left();
     $("leave").hidden = place.kind === "home" && !isServed;
-    $("leave").firstElementChild.textContent = place.kind !== "home" ? "Leave" : instrument ? "Back to viewimit" : "The lab";
-    const key = JSON.stringify([lesson.name, nameOf(place), steps.map(({id}) => kept().steps[id]?.revealed ?? false), isLocked()]);
+    $("leave").firstElementChild.textContent = place.kind !== "home" ? "Leave" : instrument ? "Back to viewimit"
+      : "The lab";
+    const key = JSON.stringify([lesson.name, nameOf(place), steps.map(({id}) => kept().steps[id]?.revealed ?? false),
+      isLocked()]);
     if ($("progress").dataset.key === key) return;
     $("progress").dataset.key = key;
     $("progress").hidden = place.kind === "home";
     $("progress").replaceChildren(...steps.map((step, k) => {
       const isDone = kept().steps[step.id]?.revealed ?? false, isHere = k === at;
-      return make("button", {type: "button", class: `${isDone ? "done" : ""}${isHere ? " here" : ""}`, title: `${k + 1}  ${plain(step.title)}`, disabled: isLocked(), "aria-current": isHere ? "step" : null,
-        "aria-label": `Step ${k + 1}: ${plain(step.title)}${isDone ? ", done" : ""}`, onclick: () => enter(lesson, {kind: "step", id: step.id})}, make("i", {}));
+      return make("button", {type: "button", class: `${isDone ? "done" : ""}${isHere ? " here" : ""}`,
+        title: `${k + 1}  ${plain(step.title)}`, disabled: isLocked(), "aria-current": isHere ? "step" : null,
+        "aria-label": `Step ${k + 1}: ${plain(step.title)}${isDone ? ", done" : ""}`, onclick: () =>
+          enter(lesson, {kind: "step", id: step.id})}, make("i", {}));
     }));
   }
 
   /** How long the rest takes, at one's own pace. */
   function left() {
     if (place.kind === "home" || place.kind === "end") return "";
-    const estimate = (/** @type {Step} */ {text, ask, say, after = ""}) => `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length / WORDS_A_MINUTE * 60 + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S);
+    const estimate = (/** @type {Step} */ {text, ask, say, after = ""}) =>
+      `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length / WORDS_A_MINUTE * 60
+      + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S);
     const {steps} = lesson, scale = 60 * lesson.minutes / steps.reduce((sum, step) => sum + estimate(step), 0);
-    const done = steps.filter(({id}) => kept().steps[id]?.revealed), spent = done.reduce((sum, {id}) => sum + Math.min(LONGEST_S, kept().steps[id].seconds), 0);
-    const usual = done.reduce((sum, step) => sum + scale * estimate(step), 0), pace = usual > 60 && spent > 30 ? Math.min(2, Math.max(.5, spent / usual)) : 1;
-    const at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id) : place.kind === "before" ? 0 : steps.length;
-    const count = lesson.questions?.length ?? 0, asked = place.kind === "before" ? 2 * count - place.k : place.kind === "after" ? count - place.k : count;
-    const seconds = steps.slice(at).reduce((sum, step) => sum + (kept().steps[step.id]?.revealed ? 0 : scale * pace * estimate(step)), 0) + QUESTION_S * (place.kind === "step" ? 0 : asked);
+    const done = steps.filter(({id}) => kept().steps[id]?.revealed),
+      spent = done.reduce((sum, {id}) => sum + Math.min(LONGEST_S, kept().steps[id].seconds), 0);
+    const usual = done.reduce((sum, step) => sum + scale * estimate(step), 0), pace = usual > 60 && spent > 30
+      ? Math.min(2, Math.max(.5, spent / usual)) : 1;
+    const at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id)
+      : place.kind === "before" ? 0 : steps.length;
+    const count = lesson.questions?.length ?? 0, asked = place.kind === "before" ? 2 * count - place.k
+      : place.kind === "after" ? count - place.k : count;
+    const seconds = steps.slice(at).reduce((sum, step) => sum
+      + (kept().steps[step.id]?.revealed ? 0 : scale * pace * estimate(step)), 0)
+      + QUESTION_S * (place.kind === "step" ? 0 : asked);
     const minutes = Math.round(seconds / 60);
     return minutes >= 1 ? `${minutes} min left` : "";
   }
 
   function drawFoot() {
-    const {words, key, filled, disabled, act} = screen?.primary() ?? {words: "", act: () => {}}, skip = screen?.skip() ?? null, isHome = place.kind === "home";
+    const {words, key, filled, disabled, act} = screen?.primary() ?? {words: "", act: () => {}}, skip = screen?.skip()
+      ?? null, isHome = place.kind === "home";
     const now = JSON.stringify([words, key, filled, disabled, skip?.words, skip?.disabled, isHome, isLocked()]);
     if ($("foot").dataset.key === now && $("foot").childElementCount) return;
     $("foot").dataset.key = now;
-    const hadFocus = $("foot").contains(document.activeElement) && document.activeElement?.classList.contains("primary");
-    const back = make("button", {type: "button", class: "plain back", disabled: isLocked(), "aria-label": "Back", onclick: () => go(-1)}, make("kbd", {}, "←"), make("span", {}, "Back"));
-    const primary = make("button", {type: "button", class: `primary ${filled ? "filled" : "plain"}`, disabled, onclick: act}, words, key ? make("kbd", {}, key) : null);
-    $("foot").replaceChildren(...isHome ? [] : [back], ...skip ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: skip.act}, skip.words)] : [], ...isHome ? [] : [primary]);
+    const hadFocus = $("foot").contains(document.activeElement)
+      && document.activeElement?.classList.contains("primary");
+    const back = make("button", {type: "button", class: "plain back", disabled: isLocked(), "aria-label": "Back",
+      onclick: () => go(-1)}, make("kbd", {}, "←"), make("span", {}, "Back"));
+    const primary = make("button", {type: "button", class: `primary ${filled ? "filled" : "plain"}`, disabled,
+      onclick: () => { act(); drawFoot(); }}, words, key ? make("kbd", {}, key) : null);
+    $("foot").replaceChildren(...isHome ? [] : [back], ...skip
+      ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: skip.act}, skip.words)]
+      : [], ...isHome ? [] : [primary]);
     if (hadFocus) primary.focus({preventScroll: true});
   }
 
@@ -326,7 +365,8 @@ function begin(data) {
   /** @param {Shown} shown */
   function follow(shown) {
     const now = hooks.state();
-    if (now.lesson !== shown.lesson || now.step !== shown.step || now.seed !== shown.seed) hooks.goTo(shown.lesson, shown.step, shown.seed);
+    if (now.lesson !== shown.lesson || now.step !== shown.step || now.seed !== shown.seed) hooks.goTo(shown.lesson,
+      shown.step, shown.seed);
     else if (now.revealed && !shown.revealed) restart(shown.seed);
     if (!stage) return;
     const {moment} = stage;
@@ -339,7 +379,10 @@ function begin(data) {
   }
 
   const hooks = {
-    /** Called with every answer. @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
+    /**
+     * Called with every answer.
+     * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void}
+     */
     onAnswer: () => {},
     /** Called at every screen. @type {(step: string) => void} */
     onStep: () => {},
@@ -413,11 +456,15 @@ function begin(data) {
     /** The step as if nobody had answered it. */
     askAnew: () => { if (stage) restart(stage.seed); },
     /** @returns {Shown} */
-    state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
-      answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [], motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
+    state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed
+      ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
+      answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [],
+        motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
     /** How far one is, for a class's overview. */
-    summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length, answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,
-      right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage ? stage.motions.length - 1 : 0, E: stage ? stage.moment.E : null}),
+    summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length,
+      answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,
+      right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage ? stage.motions.length - 1
+        : 0, E: stage ? stage.moment.E : null}),
     /** The answer to the step on display; null for none yet. @returns {(Answer & {place?: Mark}) | null} */
     answer: () => stage && isAnswered(stage) ? {...stage.answer, ...stage.mark ? {place: stage.mark} : {}} : null,
     /** @returns {Stage | null} */
@@ -445,18 +492,22 @@ function begin(data) {
   /** Show what a term of the glossary means, or no longer. @param {Element | null} term */
   const explain = term => {
     if (!(term instanceof HTMLElement)) return;
-    const isOpen = term.getAttribute("aria-expanded") === "true", holder = /** @type {HTMLElement} */ (term.closest("p, div"));
+    const isOpen = term.getAttribute("aria-expanded") === "true",
+      holder = /** @type {HTMLElement} */ (term.closest("p, div"));
     document.querySelectorAll(".definition").forEach(one => one.remove());
     document.querySelectorAll(".term").forEach(one => one.setAttribute("aria-expanded", "false"));
     if (isOpen) return;
     term.setAttribute("aria-expanded", "true");
-    holder.after(make("p", {class: "definition", role: "note", html: inline(data.glossary?.[term.dataset.term ?? ""] ?? "")}));
+    holder.after(make("p", {class: "definition", role: "note",
+      html: inline(data.glossary?.[term.dataset.term ?? ""] ?? "")}));
   };
-  $("body").addEventListener("click", (/** @type {Event} */ event) => explain(event.target instanceof Element ? event.target.closest(".term") : null));
+  $("body").addEventListener("click", (/** @type {Event} */ event) =>
+    explain(event.target instanceof Element ? event.target.closest(".term") : null));
 
   document.addEventListener("keydown", event => {
     const {target, key} = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element) || target.matches("input[type=number], input[type=text], textarea, select")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element)
+      || target.matches("input[type=number], input[type=text], textarea, select")) return;
     const isRange = target.matches("input[type=range]"), isButton = target.matches("button, a, summary");
     if (isRange && (key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key))) return;
     if (target.matches("canvas") && key.startsWith("Arrow")) return;
@@ -465,10 +516,12 @@ function begin(data) {
       if (target.matches(".term") && (key === "Enter" || key === " ")) return explain(target);
       if (key === "Escape") return leave();
       if (!isLocked() && screen?.key(event)) return;
-      if (key === "Enter" && isButton && !isChosen && !target.matches(".option[aria-disabled=true], #progress button")) return false;
+      if (key === "Enter" && isButton && !isChosen
+        && !target.matches(".option[aria-disabled=true], #progress button")) return false;
       if (key === "Enter" || key === "ArrowRight") {
         const primary = screen?.primary();
-        if (primary && !primary.disabled && (key === "Enter" ? primary.filled : primary.key === "→")) return primary.act();
+        if (primary && !primary.disabled && (key === "Enter" ? primary.filled
+          : primary.key === "→")) return primary.act();
         return key === "Enter" ? undefined : false;
       }
       if (key === "ArrowLeft" && place.kind !== "home") return go(-1);
@@ -482,9 +535,14 @@ function begin(data) {
     if (take() !== false) event.preventDefault();
   });
   const arrive = () => {
-    const asked = new URLSearchParams(location.hash.slice(1)), found = data.lessons.find(({name}) => name === (asked.get("lesson") ?? data.start)), seed = Number(asked.get("seed"));
-    const isPlain = !asked.get("step") && !asked.get("lesson") && data.lessons.length === 1 && !data.lessons[0].questions?.length;
-    enter(found ?? data.lessons[0], isPlain ? nextOf(data.lessons[0]) : asked.get("step") ? placeOf(found ?? data.lessons[0], asked.get("step") ?? "") : {kind: "home"}, Number.isInteger(seed) && seed > 0 ? seed : undefined);
+    const asked = new URLSearchParams(location.hash.slice(1)),
+      found = data.lessons.find(({name}) => name === (asked.get("lesson") ?? data.start)),
+      seed = Number(asked.get("seed"));
+    const isPlain = !asked.get("step") && !asked.get("lesson") && data.lessons.length === 1
+      && !data.lessons[0].questions?.length;
+    enter(found ?? data.lessons[0], isPlain ? nextOf(data.lessons[0]) : asked.get("step")
+      ? placeOf(found ?? data.lessons[0], asked.get("step") ?? "") : {kind: "home"}, Number.isInteger(seed)
+      && seed > 0 ? seed : undefined);
   };
   addEventListener("hashchange", arrive);
   Object.assign(globalThis, {lesson: hooks});

@@ -10,7 +10,8 @@ import {measure} from "./measures.js";
 import {nearest} from "./measured.js";
 
 const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2; // that arrow keys move a mark; width of a letter
-const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1], ArrowDown: [0, 1], ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
+const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1], ArrowDown: [0, 1],
+  ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
 
 export class Marks {
   /**
@@ -39,7 +40,8 @@ export class Marks {
       event.preventDefault();
     });
     box.addEventListener("pointermove", event => { if (event.pointerId === held && isOpen()) this.#at(event); });
-    for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) box.addEventListener(name, () => { held = -1; });
+    for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) box.addEventListener(name,
+      () => { held = -1; });
   }
 
   /** Arrow keys move the mark. @param {KeyboardEvent} event @returns {boolean} whether it is taken */
@@ -61,12 +63,14 @@ export class Marks {
   /** @param {[number, number]} at */
   #mark([x, y]) {
     const {clientWidth, clientHeight} = this.box;
-    const mark = this.figure.unplace?.(this.stage(), [Math.min(clientWidth, Math.max(0, x)), Math.min(clientHeight, Math.max(0, y))]);
+    const mark = this.figure.unplace?.(this.stage(), [Math.min(clientWidth, Math.max(0, x)),
+      Math.min(clientHeight, Math.max(0, y))]);
     if (mark) this.marked(mark);
   }
 
   draw() {
-    const stage = this.stage(), {ask} = stage.step, unit = drawingUnit(), clientWidth = this.box.clientWidth / unit, clientHeight = this.box.clientHeight / unit;
+    const stage = this.stage(), {ask} = stage.step, unit = drawingUnit(), clientWidth = this.box.clientWidth / unit,
+      clientHeight = this.box.clientHeight / unit;
     const at = (/** @type {Mark} */ mark) => {
       const found = this.figure.place?.(stage, mark);
       return found ? /** @type {[number, number]} */ ([found[0] / unit, found[1] / unit]) : null;
@@ -74,12 +78,18 @@ export class Marks {
     const own = stage.mark && at(stage.mark), round = stage.rounds[stage.rounds.length - 1];
     let html = stage.others.map(at).filter(found => found !== null)
       .map(([x, y]) => `<path class="mark-other" d="M${px(x - 4)} ${px(y - 4)}l8 8m0-8l-8 8"/>`).join("");
-    const truth = ask.kind === "place" && stage.isRevealed && own && stage.mark && ask.truth ? measure(stage, ask.truth).value : null;
-    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)), measure(stage, stage.step.told?.measure ?? "px apart").text])
-      : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to), `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
+    const truth = ask.kind === "place" && stage.isRevealed && own && stage.mark && ask.truth
+      ? measure(stage, ask.truth).value : null;
+    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)),
+      measure(stage, stage.step.told?.measure ?? "px apart").text])
+      : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to),
+        `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
     if (between && between[0] && between[1]) {
-      const [[a, b], [c, d], text] = /** @type {[[number, number], [number, number], string]} */ (/** @type {unknown} */ (between)), wide = PILL_PX * text.length + 14;
-      const length = Math.hypot(c - a, d - b), x = Math.min(clientWidth - wide / 2 - 4, Math.max(wide / 2 + 4, (a + c) / 2 + (length < 70 ? wide / 2 + 18 : 0)));
+      const [[a, b], [c, d],
+        text] = /** @type {[[number, number], [number, number], string]} */ (/** @type {unknown} */ (between)),
+        wide = PILL_PX * text.length + 14;
+      const length = Math.hypot(c - a, d - b), x = Math.min(clientWidth - wide / 2 - 4,
+        Math.max(wide / 2 + 4, (a + c) / 2 + (length < 70 ? wide / 2 + 18 : 0)));
       const y = Math.min(clientHeight - 16, Math.max(16, (b + d) / 2 + (length < 70 ? (d < b ? 26 : -26) : 0)));
       html += `<path class="mark-way" d="M${px(a)} ${px(b)}L${px(c)} ${px(d)}"/><rect class="pill" x="${px(x - wide / 2)}" y="${px(y - 13)}" width="${px(wide)}" height="26" rx="13"/><text class="pill-text vi-mid" x="${px(x)}" y="${px(y + 5)}">${text}</text>`;
     }

@@ -12,7 +12,8 @@ const MISSING = "–";
 /** A number in as many digits as it deserves: three that count. @param {number} value */
 export const short = value => {
   const size = Math.abs(value);
-  return fixed(value, size >= 100 || size === 0 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : Math.min(4, 1 - Math.floor(Math.log10(size))));
+  return fixed(value, size >= 100 || size === 0 ? 0 : size >= 10 ? 1 : size >= 1 ? 2
+    : Math.min(4, 1 - Math.floor(Math.log10(size))));
 };
 
 /**
@@ -23,7 +24,8 @@ export const short = value => {
  * @returns {Measured}
  */
 export function told(value, unit = "", digits = null, missing = MISSING) {
-  return {value, unit, text: Number.isFinite(value) ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
+  return {value, unit, text: Number.isFinite(value)
+    ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
 }
 
 /** A place or a posture, which no sentence has. @param {ArrayLike<number> | number[][]} value @returns {Measured} */
@@ -55,8 +57,10 @@ export function nearest(mark, truth) {
   let least = Infinity;
   for (let k = 0; k + 1 < corners.length; k++) {
     const [[a, b], [c, d]] = [corners[k], corners[k + 1]], square = (c - a) ** 2 + (d - b) ** 2;
-    const share = square > 0 ? Math.min(1, Math.max(0, ((mark[0] - a) * (c - a) + (mark[1] - b) * (d - b)) / square)) : 0;
-    const at = /** @type {Mark} */ ([a + share * (c - a), b + share * (d - b)]), off = Math.hypot(mark[0] - at[0], mark[1] - at[1]);
+    const share = square > 0 ? Math.min(1, Math.max(0, ((mark[0] - a) * (c - a) + (mark[1] - b) * (d - b)) / square))
+      : 0;
+    const at = /** @type {Mark} */ ([a + share * (c - a), b + share * (d - b)]),
+      off = Math.hypot(mark[0] - at[0], mark[1] - at[1]);
     if (off < least) [least, best] = [off, at];
   }
   return best;

@@ -53,7 +53,11 @@ export function distanceOf(stage, name) {
 /** Whether a claim that is bet on is true. @param {Stage} stage */
 const outcome = stage => Number(measure(stage, stage.step.ask.truth ?? "").value);
 
-/** Where the mark or another place is on the map of E. @param {Stage} stage @param {ArrayLike<number> | null} theta rad */
+/**
+ * Where the mark or another place is on the map of E.
+ * @param {Stage} stage
+ * @param {ArrayLike<number> | null} theta rad
+ */
 function energyAt(stage, theta) {
   return theta ? stage.session.observe(Array.from(theta)).E : NaN;
 }
@@ -74,12 +78,15 @@ export const MEASURES = {
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
-  "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN], stage.moment.thetaDemo), "°", 1),
+  "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN],
+    stage.moment.thetaDemo), "°", 1),
   "off": stage => told(degreesApart(stage.moment.theta, stage.moment.thetaDemo), "°", 1),
-  "your error": stage => told(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
+  "your error": stage => told(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
+    : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
   "moved": stage => told(degreesApart(stage.moment.thetaDemo, stage.state.demonstrator), "°", 0),
   "your motions": stage => told(stage.motions.length - 1, "", 0),
-  "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal) : told(NaN),
+  "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal)
+    : told(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
@@ -101,5 +108,10 @@ export function measure(stage, name) {
   return MEASURES[name]?.(stage) ?? told(NaN);
 }
 
-/** Words with their {measures}; no line ends between a number and its unit. @param {string} words @param {Stage} stage */
-export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) => measure(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));
+/**
+ * Words with their {measures}; no line ends between a number and its unit.
+ * @param {string} words
+ * @param {Stage} stage
+ */
+export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) =>
+  measure(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));

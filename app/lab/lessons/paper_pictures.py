@@ -193,7 +193,9 @@ def posture_map(
     elif start is not None:
         at = frame.place(np.array([start[1], start[0]]))[0]
         canvas.circle(at, 0.9, INK, 0.2, INK)
-        canvas.text((at[0] + 1.6, at[1] + 0.9), "start", LABEL_PT)
+        wide = text_width("start", LABEL_PT)
+        is_inside = at[0] + 2.0 + wide < frame.left + frame.width
+        canvas.text((at[0] + 1.6 if is_inside else at[0] - 1.6 - wide, at[1] + 0.9), "start", LABEL_PT)
     frame.border(canvas)
     upwards, right = (name.lower() for name in engine_scene(situation.scene)["names"])
     words = f"{right.capitalize()} to the right, {upwards} upwards."

@@ -1,5 +1,6 @@
 /**
- * The eight questions, asked before and after: their order of answers is dealt, and each has "sure" or "guess" beside it.
+ * The eight questions, asked before and after: their order of answers is dealt,
+ *   and each has "sure" or "guess" beside it.
  *
  * @typedef {import("./stage.js").Question} Question
  * @typedef {{answer: number, right: boolean, sure: boolean, seconds: number}} Given answer: its index in the file
@@ -8,8 +9,15 @@
 import {inline, make, plain} from "./dom.js";
 import {dealtOrder} from "./stage.js";
 
-/** In which order a person gets the answers of a question. @param {Question} question @param {number} k its number @param {number} person @param {"before" | "after"} phase */
-export const orderOf = ({answers}, k, person, phase) => dealtOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
+/**
+ * In which order a person gets the answers of a question.
+ * @param {Question} question
+ * @param {number} k its number
+ * @param {number} person
+ * @param {"before" | "after"} phase
+ */
+export const orderOf = ({answers}, k, person, phase) =>
+  dealtOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
 
 /** How many are right. @param {Question[]} questions @param {Givens} given */
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
@@ -25,9 +33,11 @@ export const gain = (before, after, count) => before === count ? null : (after -
 
 /** "4 → 7 of 8, gain 0.75", in words. @param {Question[]} questions @param {Givens} before @param {Givens} after */
 export function outcome(questions, before, after) {
-  const count = questions.length, pre = rightOf(questions, before), post = rightOf(questions, after), g = gain(pre, post, count);
+  const count = questions.length, pre = rightOf(questions, before), post = rightOf(questions, after),
+    g = gain(pre, post, count);
   const isPaired = questions.every(({id}) => before[id] && after[id]);
-  if (!isPaired) return {large: `${post} of ${count}`, words: "You did not answer all questions both before and after, so there is no gain to state."};
+  if (!isPaired) return {large: `${post} of ${count}`,
+    words: "You did not answer all questions both before and after, so there is no gain to state."};
   const words = g === null ? "You had all of them right before." : `Gain ${g.toFixed(2).replace("-", "−")}: ${post >= pre
     ? `of the ${count - pre} that you had wrong, ${post - pre} more ${post - pre === 1 ? "is" : "are"} right now.` : "fewer are right now than before."}`;
   return {large: `${pre} → ${post} of ${count}`, words};
@@ -46,10 +56,15 @@ export function questionOf(question, order, now, changed) {
     now.answer = order[k];
     changed();
   };
-  const options = order.map((original, k) => make("button", {type: "button", class: "option", onclick: () => take(k)}, make("kbd", {}, String(k + 1)), make("span", {html: inline(question.answers[original].text)})));
-  const sure = [["S", "I am sure", true], ["G", "I am guessing", false]].map(([key, words, value]) => ({value, key: String(key),
-    button: make("button", {type: "button", class: "option sureness", onclick: () => { now.sure = Boolean(value); changed(); }}, make("kbd", {}, String(key)), make("span", {}, String(words)))}));
-  const element = make("div", {class: "asked-question"}, make("h2", {tabindex: -1, html: inline(question.text)}), make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
+  const options = order.map((original, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
+    make("kbd", {}, String(k + 1)), make("span", {html: inline(question.answers[original].text)})));
+  const sure = [["S", "I am sure", true], ["G", "I am guessing", false]].map(([key, words, value]) =>
+    ({value, key: String(key),
+    button: make("button", {type: "button", class: "option sureness",
+      onclick: () => { now.sure = Boolean(value); changed(); }}, make("kbd", {}, String(key)),
+      make("span", {}, String(words)))}));
+  const element = make("div", {class: "asked-question"}, make("h2", {tabindex: -1, html: inline(question.text)}),
+    make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
     make("div", {class: "sure", role: "group", "aria-label": "How sure are you?"}, ...sure.map(({button}) => button)));
   return {
     element,
@@ -86,16 +101,26 @@ export function questionOf(question, order, now, changed) {
  * @param {(step: string) => {words: string, go: (() => void) | null, href: string | null} | null} link
  */
 export function reviewOf(questions, before, after, link) {
-  const mark = (/** @type {Given | undefined} */ given) => make("span", {class: given ? given.right ? "yes" : "no" : "none", role: "img", "aria-label": given ? `${given.right ? "right" : "wrong"}${given.sure ? ", sure" : ", guessed"}` : "not answered"},
+  const mark = (/** @type {Given | undefined} */ given) =>
+    make("span", {class: given ? given.right ? "yes" : "no" : "none", role: "img", "aria-label": given
+    ? `${given.right ? "right" : "wrong"}${given.sure ? ", sure" : ", guessed"}` : "not answered"},
     given ? given.right ? "✓" : "✗" : "–");
   const rows = questions.map((question, k) => {
-    const right = question.answers.find(answer => answer.right) ?? question.answers[0], at = question.step ? link(question.step) : null;
+    const right = question.answers.find(answer => answer.right) ?? question.answers[0], at = question.step
+      ? link(question.step) : null;
     const wrong = after[question.id] && !after[question.id].right ? question.answers[after[question.id].answer] : null;
-    return make("li", {class: after[question.id]?.right === false ? "open" : ""}, make("span", {class: "number"}, String(k + 1)),
-      make("div", {class: "words"}, make("p", {html: inline(question.text)}), make("p", {class: "right-answer", html: inline(right.text)}), make("p", {class: "because", html: inline(right.because)}),
-        wrong && make("p", {class: "because wrong-answer", html: `<b>Your answer “${inline(wrong.text)}”</b> ${inline(wrong.because)}`})),
+    return make("li", {class: after[question.id]?.right === false ? "open" : ""},
+      make("span", {class: "number"}, String(k + 1)),
+      make("div", {class: "words"}, make("p", {html: inline(question.text)}),
+        make("p", {class: "right-answer", html: inline(right.text)}),
+        make("p", {class: "because", html: inline(right.because)}),
+        wrong && make("p", {class: "because wrong-answer",
+          html: `<b>Your answer “${inline(wrong.text)}”</b> ${inline(wrong.because)}`})),
       mark(before[question.id]), mark(after[question.id]),
-      at ? at.go ? make("button", {type: "button", class: "link", onclick: at.go}, at.words) : make("a", {href: at.href}, at.words) : make("span", {}));
+      at ? at.go ? make("button", {type: "button", class: "link", onclick: at.go}, at.words)
+        : make("a", {href: at.href}, at.words) : make("span", {}));
   });
-  return make("ol", {class: "review"}, make("li", {class: "heads", "aria-hidden": true}, make("span", {}), make("span", {}, "right is"), make("span", {}, "before"), make("span", {}, "after"), make("span", {}, "shown in")), ...rows);
+  return make("ol", {class: "review"}, make("li", {class: "heads", "aria-hidden": true}, make("span", {}),
+    make("span", {}, "right is"), make("span", {}, "before"), make("span", {}, "after"),
+    make("span", {}, "shown in")), ...rows);
 }

@@ -16,7 +16,9 @@ export class HomeScreen {
    * @param {Lesson[]} lessons
    * @param {Lesson} lesson
    * @param {(lesson: Lesson) => {words: string, done: number}} stateOf
-   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) => void, forget: (lesson: Lesson) => void, catalogue: {name: string, title: string, about: string, minutes: number}[]}} acts
+   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
+   *   void, forget: (lesson: Lesson) => void, catalogue: {name: string, title: string, about: string,
+   *   minutes: number}[]}} acts
    */
   constructor(body, lessons, lesson, stateOf, acts) {
     this.start = () => acts.start(lesson);
@@ -24,15 +26,25 @@ export class HomeScreen {
     const cards = lessons.map(one => {
       const {words, done} = stateOf(one), count = one.steps.length, hasQuestions = Boolean(one.questions?.length);
       const times = `${one.minutes} minutes${hasQuestions ? `, and 4 for each round of ${one.questions?.length} questions` : ""}`;
-      return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`}, make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
-        make("p", {class: "hint"}, `${count} ${count === 1 ? "step" : "steps"}, ${times}${done ? `. ${done} done.` : "."}`),
-        make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(one)}, words),
-          hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)}, "Without the questions") : null,
-          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew") : null),
-        make("ol", {class: "contents"}, ...one.steps.map(step => make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)}, step.title)))));
+      return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`},
+        make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
+        make("p", {class: "hint"},
+          `${count} ${count === 1 ? "step" : "steps"}, ${times}${done ? `. ${done} done.` : "."}`),
+        make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(one)},
+          words),
+          hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)},
+            "Without the questions") : null,
+          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew")
+            : null),
+        make("ol", {class: "contents"}, ...one.steps.map(step =>
+          make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)},
+          step.title)))));
     });
-    const others = acts.catalogue.map(({name, title, about, minutes}) => make("a", {class: "other-lesson", href: name}, make("b", {}, title), make("span", {html: inline(about)}), make("small", {}, `${minutes} minutes`)));
-    body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "", make("div", {class: "others"}, ...others));
+    const others = acts.catalogue.map(({name, title, about, minutes}) =>
+      make("a", {class: "other-lesson", href: name}, make("b", {}, title), make("span", {html: inline(about)}),
+      make("small", {}, `${minutes} minutes`)));
+    body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "",
+      make("div", {class: "others"}, ...others));
   }
 
   draw() { /* it stands still */ }
@@ -61,7 +73,8 @@ export class QuestionScreen {
    * @param {"before" | "after"} phase
    * @param {number} k
    * @param {Kept} kept
-   * @param {{keep: (id: string, given: import("./questions.js").Given) => void, go: (by: number) => void, skipAll: () => void, redraw: () => void}} acts
+   * @param {{keep: (id: string, given: import("./questions.js").Given) => void, go: (by: number) => void,
+   *   skipAll: () => void, redraw: () => void}} acts
    */
   constructor(body, lesson, phase, k, kept, acts) {
     const questions = lesson.questions ?? [], one = questions[k], was = kept[phase][one.id], began = performance.now();
@@ -69,10 +82,14 @@ export class QuestionScreen {
     this.now = {answer: was ? was.answer : null, sure: was ? was.sure : /** @type {boolean | null} */ (null)};
     this.question = questionOf(one, orderOf(one, k, kept.person, phase), this.now, () => {
       const {answer, sure} = this.now;
-      if (answer !== null && sure !== null) acts.keep(one.id, {answer, sure, right: Boolean(one.answers[answer].right), seconds: Math.round((performance.now() - began) / 100) / 10});
+      if (answer !== null && sure !== null) acts.keep(one.id,
+        {answer, sure, right: Boolean(one.answers[answer].right),
+        seconds: Math.round((performance.now() - began) / 100) / 10});
       acts.redraw();
     });
-    const lead = phase === "before" ? "Before the lesson. A guess is enough: you get the same questions again at the end." : "After the lesson: the same questions again.";
+    const lead = phase === "before"
+      ? "Before the lesson. A guess is enough: you get the same questions again at the end."
+      : "After the lesson: the same questions again.";
     body.replaceChildren(make("p", {class: "lead"}, lead), this.question.element);
   }
 
@@ -88,7 +105,8 @@ export class QuestionScreen {
   /** @returns {Button} */
   primary() {
     const isReady = this.now.answer !== null && this.now.sure !== null;
-    return {words: "Next", key: isReady ? "↵" : undefined, filled: isReady, disabled: !isReady, act: () => this.acts.go(1)};
+    return {words: "Next", key: isReady ? "↵" : undefined, filled: isReady, disabled: !isReady, act: () =>
+      this.acts.go(1)};
   }
 
   /** @returns {Button} */
@@ -112,15 +130,22 @@ export class EndScreen {
   constructor(body, figures, lesson, kept, link, leave) {
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;
     this.leave = leave;
-    const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) => make("li", {class: kept.steps[id]?.revealed ? "" : "open", html: inline(say.replace(/\{[^}]*\}/g, "…"))})));
+    const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) =>
+      make("li", {class: kept.steps[id]?.revealed ? "" : "open", html: inline(say.replace(/\{[^}]*\}/g, "…"))})));
     if (questions.length && wasAsked) {
-      const {large, words} = outcome(questions, kept.before, kept.after), missed = questions.filter(({id}) => kept.after[id] && !kept.after[id].right);
+      const {large, words} = outcome(questions, kept.before, kept.after),
+        missed = questions.filter(({id}) => kept.after[id] && !kept.after[id].right);
       const first = missed.map(({step}) => step && link(step)).find(Boolean);
-      body.replaceChildren(make("h2", {tabindex: -1}, "Eight questions, before and after"), make("div", {class: "told"}, make("span", {}, "Right before, right after"), make("strong", {}, large), make("small", {}, words)));
-      if (first) body.append(first.go ? make("button", {type: "button", class: "plain", onclick: first.go}, `Go to ${first.words}`) : make("a", {class: "button", href: first.href}, `Go to ${first.words}`));
-      figures.replaceChildren(reviewOf(questions, kept.before, kept.after, link), make("h3", {}, "Now you can say"), says);
+      body.replaceChildren(make("h2", {tabindex: -1}, "Eight questions, before and after"),
+        make("div", {class: "told"}, make("span", {}, "Right before, right after"), make("strong", {}, large),
+        make("small", {}, words)));
+      if (first) body.append(first.go ? make("button", {type: "button", class: "plain", onclick: first.go},
+        `Go to ${first.words}`) : make("a", {class: "button", href: first.href}, `Go to ${first.words}`));
+      figures.replaceChildren(reviewOf(questions, kept.before, kept.after, link), make("h3", {}, "Now you can say"),
+        says);
     } else {
-      body.replaceChildren(make("h2", {tabindex: -1}, "Done"), make("p", {class: "text"}, "You have reached the end of this lesson."));
+      body.replaceChildren(make("h2", {tabindex: -1}, "Done"),
+        make("p", {class: "text"}, "You have reached the end of this lesson."));
       figures.replaceChildren(make("h3", {}, "Now you can say"), says);
     }
     figures.dataset.main = figures.dataset.side = "0";

@@ -7,7 +7,8 @@
 import {inline, make, track} from "./dom.js";
 import {short} from "./measured.js";
 
-const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) => ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
+const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) =>
+  ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
 const LOGARITHMIC_STEPS = 200;
 const ACTS = ["do", "pose", "predict"]; // kinds whose sliders are there before the answer
 
@@ -34,14 +35,19 @@ export class SlidersRow {
     this.stage = stage;
     this.box = box;
     this.rows = slidersOf(stage).map(slider => {
-      const even = (/** @type {number} */ value) => slider.logarithmic ? Math.log(value) : value, {low, high, step = 1, logarithmic} = slider;
-      const input = make("input", {type: "range", min: even(low), max: even(high), step: logarithmic ? (even(high) - even(low)) / LOGARITHMIC_STEPS : step, "aria-label": slider.label});
+      const even = (/** @type {number} */ value) => slider.logarithmic ? Math.log(value) : value,
+        {low, high, step = 1, logarithmic} = slider;
+      const input = make("input", {type: "range", min: even(low), max: even(high), step: logarithmic
+        ? (even(high) - even(low)) / LOGARITHMIC_STEPS : step, "aria-label": slider.label});
       const output = make("output", {});
-      const value = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value)) : Number(input.value)));
+      const value = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value))
+        : Number(input.value)));
       input.addEventListener("input", () => { slid(slider, value()); });
       input.addEventListener("change", () => { released(slider, value()); });
-      const kind = slider.name.startsWith("demo ") ? "of-demonstrator" : slider.name.startsWith("own ") ? "of-learner" : "of-other";
-      const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name", html: inline(slider.label)}), input, slider.unit === null ? null : output);
+      const kind = slider.name.startsWith("demo ") ? "of-demonstrator" : slider.name.startsWith("own ") ? "of-learner"
+        : "of-other";
+      const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name", html: inline(slider.label)}),
+        input, slider.unit === null ? null : output);
       box.append(row);
       return {slider, input, output, even};
     });
@@ -54,7 +60,8 @@ export class SlidersRow {
       const value = this.stage.sliders.get(slider.name) ?? slider.start;
       if (!input.matches(":active")) input.value = String(even(value));
       const shown = slider.logarithmic ? Math.exp(Number(input.value)) : Number(input.value);
-      const words = `${slider.logarithmic ? short(shown) : Number(shown.toFixed(3))}${slider.unit ?? ""}`.replace("-", "−");
+      const words = `${slider.logarithmic ? short(shown) : Number(shown.toFixed(3))}${slider.unit ?? ""}`.replace("-",
+        "−");
       output.textContent = words;
       if (slider.unit !== null) input.setAttribute("aria-valuetext", words);
       input.disabled = isLocked;

@@ -15,7 +15,8 @@ const GRID = 9, ROUNDS = 40, MIN_SHARE = 1e-4; // values of a slider at first; r
  * @returns {Map<string, number>}
  */
 export function solution(stage) {
-  const sliders = slidersOf(stage), {measure: name, below} = stage.step.ask, before = new Map(stage.sliders), {changed} = stage;
+  const sliders = slidersOf(stage), {measure: name, below} = stage.step.ask, before = new Map(stage.sliders),
+    {changed} = stage;
   const sign = below !== null && below !== undefined ? 1 : -1, posture = stage.moment.theta;
   stage.changed = () => {};
   const span = sliders.map(({low, high, logarithmic}) => logarithmic ? [Math.log(low), Math.log(high)] : [low, high]);
@@ -41,9 +42,11 @@ export function solution(stage) {
   const ticks = Array.from({length: GRID}, (_, i) => i / (GRID - 1));
   if (sliders.length === 1) ticks.forEach(a => visit([a]));
   else if (sliders.length === 2) ticks.forEach(a => ticks.forEach(b => visit([a, b])));
-  for (let round = 0, step = .5 / GRID; round < ROUNDS && step > MIN_SHARE && !(cost(best), isReached(stage)); round++) {
+  for (let round = 0, step = .5 / GRID; round < ROUNDS && step > MIN_SHARE
+    && !(cost(best), isReached(stage)); round++) {
     const from = least;
-    for (let k = 0; k < best.length; k++) for (const way of [-step, step]) visit(best.map((v, i) => i === k ? v + way : v));
+    for (let k = 0; k < best.length; k++) for (const way of [-step, step]) visit(best.map((v, i) => i === k ? v + way
+      : v));
     if (least >= from) step /= 2;
   }
   const found = new Map(values(best).map((value, k) => [sliders[k].name, value]));

@@ -6,7 +6,8 @@
  *   page: as viewimit's page names it
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {[number, number]} Mark a place in a figure, in its unit
- * @typedef {{value: any, unit: string, text: string}} Measured value: a number, a place or a posture; text: with its unit
+ * @typedef {{value: any, unit: string, text: string}} Measured value: a number,
+ *   a place or a posture; text: with its unit
  * @typedef {(stage: Stage) => Measured} Measure
  *
  * @typedef {Object} State where a step begins
@@ -61,7 +62,8 @@
  * @property {boolean} [counted] do: each release of a slider is one motion
  * @property {{name: string, label: string, values: {value: any, text: string, says?: string}[]}[]} [fields] select
  * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
- * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places, with a reply
+ * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places,
+ *   with a reply
  * @property {string} [reason] select: the question about the reason
  * @property {Choice[]} [reasons] select
  *
@@ -119,7 +121,8 @@
  * @property {boolean} [done] what was to be reached has been
  * @property {boolean} [shown] shown without an answer
  *
- * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from, to: of the
+ * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
+ *   to: of the
  *   ringed point; measure: of the ask, after the turn
  * @typedef {{theta: number[], E: number, probe: boolean}} Motion
  * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
@@ -153,7 +156,8 @@ export class Stage {
   /**
    * @param {Page} page
    * @param {Step} step
-   * @param {{seed?: number, carried?: Stage | null}} [from] seed: of what is dealt, from 1; carried: the step that goes on here
+   * @param {{seed?: number, carried?: Stage | null}} [from] seed: of what is dealt,
+   *   from 1; carried: the step that goes on here
    */
   constructor(page, step, {seed = 1, carried = null} = {}) {
     this.page = page;
@@ -205,11 +209,13 @@ export class Stage {
     this.scene = page.scenes[this.state.scene];
     this.world = new World(this.scene, this.state.points);
     const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;
-    this.session = new Session(this.world, {transfer, servo: servo in SERVOS ? servo : "broyden", demonstrator, start, noisePx, missing, seed: noise ?? 7});
+    this.session = new Session(this.world, {transfer, servo: servo in SERVOS ? servo : "broyden", demonstrator, start,
+      noisePx, missing, seed: noise ?? 7});
     /** @type {Moment} what is seen now */
     this.moment = this.session.now;
     /** @type {Motion[]} made by hand, the start first */
-    this.motions = carried && carried.motions.length > 1 ? carried.motions : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
+    this.motions = carried && carried.motions.length > 1 ? carried.motions
+      : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
     if (carried && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
     else if (carried?.step.ask.kind === "do" && carried.goal !== null) { // it was not done: where a servo brings it
       const race = carried.race("broyden");
@@ -217,7 +223,8 @@ export class Stage {
     }
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
-    for (const {name, start: value} of step.sliders ?? []) if (this.variants[name] || name in SETTINGS) this.slide(name, value);
+    for (const {name, start: value} of step.sliders ?? []) if (this.variants[name]
+      || name in SETTINGS) this.slide(name, value);
   }
 
   /** How many runs are bet on. */
@@ -231,7 +238,8 @@ export class Stage {
 
   /** The races of the step, by servo. @returns {Record<string, Race>} */
   get races() {
-    const {race = []} = this.step, own = Object.fromEntries(race.map(servo => [servo, this.race(servo)]).filter(([, found]) => found));
+    const {race = []} = this.step, own = Object.fromEntries(race.map(servo =>
+      [servo, this.race(servo)]).filter(([, found]) => found));
     return {...this.records.races, ...own};
   }
 
@@ -273,7 +281,10 @@ export class Stage {
     return this.session.observe(this.moment.thetaDemo);
   }
 
-  /** The chosen point in l and r, where it was dragged to or else as it is seen: x_l, y_l, x_r, y_r px. @param {Moment} [moment] */
+  /**
+   * The chosen point in l and r, where it was dragged to or else as it is seen: x_l, y_l, x_r, y_r px.
+   * @param {Moment} [moment]
+   */
   pointed({views} = this.moment) {
     const {chosen} = this;
     return /** @type {Float64Array} */ (this.kept.get("dragged") ?? views.demo.subarray(4 * chosen, 4 * chosen + 4));
@@ -282,7 +293,8 @@ export class Stage {
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
   recovered(moment = this.moment) {
     const found = recovered(moment);
-    if (moment.fitted && this.kept.has("dragged")) found.set(moment.fitted.recover(this.pointed(moment)), 4 * this.chosen);
+    if (moment.fitted && this.kept.has("dragged")) found.set(moment.fitted.recover(this.pointed(moment)),
+      4 * this.chosen);
     return found;
   }
 
@@ -300,7 +312,8 @@ export class Stage {
    */
   line(eye, side = 0, moment = this.moment) {
     const own = moment.views.own.subarray(4 * this.chosen, 4 * this.chosen + 4);
-    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(this.pointed(moment), own) ?? [] : [];
+    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(this.pointed(moment), own) ?? []
+      : [];
     return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
   }
 
@@ -309,15 +322,21 @@ export class Stage {
     return stageMap(this, stepDeg).landscape;
   }
 
-  /** A servo's run from the step's start: recorded, or else computed here. @param {string} servo @returns {Race | null} */
+  /**
+   * A servo's run from the step's start: recorded, or else computed here.
+   * @param {string} servo
+   * @returns {Race | null}
+   */
   race(servo) {
     if (this.records.races?.[servo]) return this.records.races[servo];
     if (!(servo in SERVOS)) return null;
     if (!this.raced[servo]) {
       const session = new Session(this.world, {...this.session.settings, servo}), goal = this.goal;
       const moments = [session.now];
-      while (moments.length <= MAX_RACE && !(goal !== null && session.now.E < goal) && session.step()) moments.push(session.now);
-      const [postures, E, probes] = [moments.map(({theta}) => theta), moments.map(one => one.E), moments.map(({probe}) => probe)];
+      while (moments.length <= MAX_RACE && !(goal !== null && session.now.E < goal)
+        && session.step()) moments.push(session.now);
+      const [postures, E, probes] = [moments.map(({theta}) => theta), moments.map(one => one.E),
+        moments.map(({probe}) => probe)];
       this.raced[servo] = {postures, E, probes, status: session.now.status};
     }
     return this.raced[servo];
@@ -369,13 +388,16 @@ export class Stage {
       const high = this.step.sliders?.find(({name}) => name === `knob ${k}`)?.high ?? 1;
       return (this.sliders.get(`knob ${k}`) ?? 0) / high;
     });
-    return this.moment.theta.map((v, k) => clamp(v + turns[0] * this.knobs[0][k] + turns[1] * this.knobs[1][k], lower[k], upper[k]));
+    return this.moment.theta.map((v, k) => clamp(v + turns[0] * this.knobs[0][k] + turns[1] * this.knobs[1][k],
+      lower[k], upper[k]));
   }
 
   /** Other cameras, of a variant's value that is nearest. @param {string} name @param {number} value */
   #see(name, value) {
-    const {theta, thetaDemo} = this.moment, isLogarithmic = this.step.sliders?.find(slider => slider.name === name)?.logarithmic;
-    const off = (/** @type {Variants[number]} */ one) => Math.abs(isLogarithmic ? Math.log(one.value / value) : one.value - value);
+    const {theta, thetaDemo} = this.moment, isLogarithmic = this.step.sliders?.find(slider =>
+      slider.name === name)?.logarithmic;
+    const off = (/** @type {Variants[number]} */ one) =>
+      Math.abs(isLogarithmic ? Math.log(one.value / value) : one.value - value);
     const {cameras} = this.variants[name].reduce((a, b) => off(b) < off(a) ? b : a);
     this.world = new World({...this.scene, cameras}, this.state.points);
     this.session = new Session(this.world, {...this.session.settings, demonstrator: thetaDemo});
@@ -392,7 +414,8 @@ export class Stage {
 
 /** Which joint each knob turns, how far and which way round. @param {number} seed */
 function dealtKnobs(seed) {
-  const draw = draws(seed), gain = () => (draw() < .5 ? -1 : 1) * KNOB_RAD * (KNOB_GAINS[0] + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
+  const draw = draws(seed), gain = () => (draw() < .5 ? -1 : 1) * KNOB_RAD * (KNOB_GAINS[0]
+    + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
   const both = [[gain(), 0], [0, gain()]];
   return draw() < .5 ? both : both.reverse();
 }

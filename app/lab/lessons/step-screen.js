@@ -6,7 +6,8 @@
  * @typedef {import("./stage.js").Slider} Slider
  * @typedef {import("./stage.js").Figure} Figure
  * @typedef {import("./stage.js").FigureUse} FigureUse
- * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure, isAsked: boolean}} Mounted
+ * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure,
+ *   isAsked: boolean}} Mounted
  * @typedef {Object} Course what the page around it does
  * @property {() => boolean} isLocked
  * @property {() => boolean} isHeld whether others show what is right
@@ -62,17 +63,23 @@ export class StepScreen {
       },
     });
     this.again = body.appendChild(make("div", {class: "again"}));
-    const main = make("div", {class: "main"}), side = make("div", {class: "side"}), row = make("div", {class: "sliders"});
+    const main = make("div", {class: "main"}), side = make("div", {class: "side"}),
+      row = make("div", {class: "sliders"});
     const asked = ["place", "predict"].includes(step.ask.kind) ? step.ask.figure ?? null : null;
-    const boxes = [...(step.main ?? []).map(use => ({use, within: main})), ...(step.side ?? []).map(use => ({use, within: side}))];
+    const boxes = [...(step.main ?? []).map(use => ({use, within: main})),
+      ...(step.side ?? []).map(use => ({use, within: side}))];
     const isAsked = boxes.find(({use}) => use.figure === asked);
     this.legend = make("ul", {class: "legend"});
     figures.replaceChildren(make("div", {class: "pictures"}, main, side), row, this.legend);
     figures.dataset.main = String(step.main?.length ?? 0);
     figures.dataset.side = String(step.side?.length ?? 0);
     const places = boxes.map(one => {
-      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}), [title, ...rest] = (kind?.title ?? "").split(", "), caption = inline(title) + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
-      one.within.append(make("figure", {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`, style: `--aspect:${kind?.aspect ?? 1}`},
+      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}),
+        [title, ...rest] = (kind?.title ?? "").split(", "), caption = inline(title)
+        + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
+      one.within.append(make("figure",
+        {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`,
+        style: `--aspect:${kind?.aspect ?? 1}`},
         make("figcaption", {html: caption}), box));
       if (!kind) box.textContent = `There is no figure “${one.use.figure}” here.`;
       return {use: one.use, kind, box, isAsked: one === isAsked};
@@ -81,7 +88,8 @@ export class StepScreen {
     this.mounted = places.filter(({kind}) => kind).map(one => ({...one, figure: one.kind.create(one.box, stage)}));
     const own = this.mounted.find(one => one.isAsked);
     this.marks = own ? new Marks(own.box, own.figure, () => stage, mark => this.mark(mark), () => this.isOpen) : null;
-    this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), (slider, value) => this.released(slider, value));
+    this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), (slider, value) =>
+      this.released(slider, value));
     this.sizes = new ResizeObserver(() => {
       for (const {figure} of this.mounted) figure.resize?.();
       course.redraw();
@@ -133,7 +141,8 @@ export class StepScreen {
 
   /** @param {Slider} slider @param {number} value */
   slid(slider, value) {
-    const {stage} = this, {ask} = stage.step, isCounted = ask.kind === "do" && ask.counted && slider.name.startsWith("own ") && !stage.isRevealed;
+    const {stage} = this, {ask} = stage.step, isCounted = ask.kind === "do" && ask.counted
+      && slider.name.startsWith("own ") && !stage.isRevealed;
     if (isCounted || slider.name.startsWith("knob ")) {
       stage.sliders.set(slider.name, value);
       this.course.redraw();
@@ -178,10 +187,12 @@ export class StepScreen {
     const {stage} = this, {mark, chosen} = stage, {ask} = stage.step, side = ask.figure === "R" ? 1 : 0;
     if (!mark || !this.isOpen) return;
     const at = () => /** @type {Mark} */ ([0, 1].map(k => stage.moment.views.own[4 * chosen + 2 * side + k]));
-    const from = at(), theta = stage.knobbed, knobs = [stage.sliders.get("knob 1") ?? 0, stage.sliders.get("knob 2") ?? 0];
+    const from = at(), theta = stage.knobbed, knobs = [stage.sliders.get("knob 1") ?? 0, stage.sliders.get("knob 2")
+      ?? 0];
     this.#glide(theta, () => {
       stage.move(theta);
-      stage.rounds = [...stage.rounds, {mark, from, to: at(), knobs, measure: Number(measure(stage, ask.measure ?? "").value)}];
+      stage.rounds = [...stage.rounds, {mark, from, to: at(), knobs,
+        measure: Number(measure(stage, ask.measure ?? "").value)}];
       stage.mark = null;
       for (const name of ["knob 1", "knob 2"]) stage.sliders.set(name, 0);
       this.course.answered(stage);
@@ -288,12 +299,16 @@ export class StepScreen {
   /** @returns {Button} */
   primary() {
     const {stage, course} = this;
-    if (stage.isRevealed && stage.step.ask.kind === "bet" && stage.run + 1 < stage.runs) return {words: "Next run", key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
-    if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(), act: () => { this.stop?.(); course.go(1); }};
+    if (stage.isRevealed && stage.step.ask.kind === "bet" && stage.run + 1 < stage.runs) return {words: "Next run",
+      key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
+    if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(),
+      act: () => { this.stop?.(); course.go(1); }};
     if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
-    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "↵", filled: true, disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
+    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "↵", filled: true,
+      disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
     const isReady = isAnswered(stage) && stage.step.ask.kind !== "predict";
-    return {words: "Show me", key: isReady ? "↵" : undefined, filled: isReady, disabled: course.isLocked() || Boolean(this.stop), act: () => this.show()};
+    return {words: "Show me", key: isReady ? "↵" : undefined, filled: isReady, disabled: course.isLocked()
+      || Boolean(this.stop), act: () => this.show()};
   }
 
   /** @returns {Button | null} */
@@ -319,20 +334,25 @@ export class StepScreen {
 
   /** Another start, and its number. */
   #drawAgain() {
-    const {stage, course} = this, isOffered = stage.isRevealed && Boolean(stage.step.deal || stage.step.ask.kind === "predict") && !this.stop;
+    const {stage, course} = this, isOffered = stage.isRevealed
+      && Boolean(stage.step.deal || stage.step.ask.kind === "predict") && !this.stop;
     this.again.hidden = !isOffered;
     if (!isOffered || this.again.childElementCount) return;
-    const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed, "aria-label": "Number of the start"});
+    const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed,
+      "aria-label": "Number of the start"});
     box.addEventListener("change", () => { if (box.validity.valid && box.value) course.restart(Number(box.value)); });
-    this.again.append(make("button", {type: "button", class: "plain", onclick: () => course.restart(stage.seed % MAX_SEED + 1)}, "Again, from a new start"),
+    this.again.append(make("button", {type: "button", class: "plain", onclick: () =>
+      course.restart(stage.seed % MAX_SEED + 1)}, "Again, from a new start"),
       make("p", {class: "hint"}, "This was start ", box, ". Others can play the same."));
   }
 
   /** @param {Set<string>} drawn layers */
   #drawLegend(drawn) {
-    const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) => drawn.has(layer)).map(([, html]) => html))];
+    const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) =>
+      drawn.has(layer)).map(([, html]) => html))];
     const {lab = null, viewimit = null, words = ""} = this.course.links(this.stage) ?? {};
-    const html = rows.map(one => `<li>${one}</li>`).join("") + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
+    const html = rows.map(one => `<li>${one}</li>`).join("")
+      + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
     if (this.legend.dataset.html !== html) {
       this.legend.dataset.html = html;
       this.legend.innerHTML = html;

@@ -15,7 +15,8 @@
  * @property {number} seconds
  * @property {number} [run]
  * @property {(number | null)[]} [bets]
- * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens, after: import("./questions.js").Givens, person: number}} Kept
+ * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens,
+ *   after: import("./questions.js").Givens, person: number}} Kept
  */
 const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 
@@ -38,8 +39,10 @@ export class Store {
     if (!this.lessons[lesson]) {
       /** @type {Partial<Kept>} */
       let kept = {};
-      try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson) ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
-      this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {}, person: kept.person ?? Math.floor(Math.random() * PERSONS)};
+      try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson)
+        ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
+      this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {},
+        person: kept.person ?? Math.floor(Math.random() * PERSONS)};
     }
     return this.lessons[lesson];
   }

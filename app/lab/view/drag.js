@@ -10,8 +10,10 @@
  */
 export function draggable(element, begin, held) {
   let isHeld = false;
-  // It comes after the pointer went down, and would scroll
-  element.addEventListener("touchstart", event => { if (isHeld) event.preventDefault(); }, {passive: false});
+  // It comes after the pointer went down, and would scroll; while the page still scrolls it cannot be refused
+  element.addEventListener("touchstart", event => {
+    if (isHeld && event.cancelable) event.preventDefault();
+  }, {passive: false});
   element.addEventListener("pointerdown", given => {
     const event = /** @type {PointerEvent} */ (given);
     const follow = event.isPrimary && event.button === 0 ? begin(event) : null;

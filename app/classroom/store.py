@@ -104,8 +104,18 @@ class Store:
         """Return all answers that are written."""
         flag = lambda value: None if value is None else bool(value)
         return [
-            Row(*asked, Vote(_given(answer), flag(right), flag(sure), seconds, place))
-            for *asked, answer, right, sure, seconds, place in self._file.execute("select * from answers")
+            Row(
+                voter,
+                person,
+                lesson,
+                step,
+                phase,
+                number,
+                Vote(_given(answer), flag(right), flag(sure), seconds, place),
+            )
+            for voter, person, lesson, step, phase, number, answer, right, sure, seconds, place in self._file.execute(
+                "select * from answers"
+            )
         ]
 
     # Writing

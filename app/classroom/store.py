@@ -120,8 +120,10 @@ class Store:
 
     # Writing
 
-    def keep(self, key: str, value: str | None) -> None:
-        """Write a setting; None deletes it."""
+    def keep(self, key: str, value: str | None, done: Callable[[], None] | None = None) -> None:
+        """Write a setting; None deletes it. Call `done` once it is on the disk."""
+        if done is not None:
+            self._done.append(done)
         if value is None:
             self._add("delete from kept where key = ?", (key,))
         else:

@@ -143,7 +143,7 @@ function raceRow(stage, race) {
 
 /** Who came how far from the same start, the visitor first. */
 export const standings = written(stage => {
-  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal} px²`, "E", "off", ""];
+  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
   const rows = (stage.step.race ?? []).flatMap(servo => {
     const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
     return race ? [[role, title, ...raceRow(stage, race)]] : [];

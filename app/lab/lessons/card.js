@@ -23,7 +23,8 @@ export function playedOnly(words, stage) {
   if (!isOpen(words)) return words;
   const left = words.split(/(?<=[.!?])\s+/).map(sentence => isOpen(sentence)
     ? sentence.replace(/you \{your [^}]*\}, /, "") : sentence).filter(sentence => !isOpen(sentence));
-  return [...left, "You have not played it."].join(" ");
+  const played = stage.carried ? `“${stage.carried.step.title}”` : "it";
+  return [...left, `You have not played ${played}.`].join(" ");
 }
 
 export class Card {

@@ -260,13 +260,13 @@ class Room:
 
     def _change_code(self, browser: Browser, code: str) -> None:
         self._code, self.has_own_code = self._hash(code), True
-        self.store.keep("code", self._code)
         for other in self._lecturers():
             if other.session != browser.session:
                 self._become_student(other)
         self._sessions = {browser.session or "": None}
         self._keep_sessions()
-        browser.send(p.encode("done", what="The code is changed. All other browsers are logged out."))
+        done = p.encode("done", what="The code is changed. All other browsers are logged out.")
+        self.store.keep("code", self._code, lambda: browser.send(done))
 
     def _lecturers(self) -> list[Browser]:
         return [one for one in self.browsers if one.is_lecturer]

@@ -104,14 +104,26 @@ class Store:
         """Return all answers that are written."""
         flag = lambda value: None if value is None else bool(value)
         return [
-            Row(*asked, Vote(_given(answer), flag(right), flag(sure), seconds, place))
-            for *asked, answer, right, sure, seconds, place in self._file.execute("select * from answers")
+            Row(
+                voter,
+                person,
+                lesson,
+                step,
+                phase,
+                number,
+                Vote(_given(answer), flag(right), flag(sure), seconds, place),
+            )
+            for voter, person, lesson, step, phase, number, answer, right, sure, seconds, place in self._file.execute(
+                "select * from answers"
+            )
         ]
 
     # Writing
 
-    def keep(self, key: str, value: str | None) -> None:
-        """Write a setting; None deletes it."""
+    def keep(self, key: str, value: str | None, done: Callable[[], None] | None = None) -> None:
+        """Write a setting; None deletes it. Call `done` once it is on the disk."""
+        if done is not None:
+            self._done.append(done)
         if value is None:
             self._add("delete from kept where key = ?", (key,))
         else:

@@ -6,7 +6,7 @@ import numpy as np
 import oracles
 import statements_of_failures as failures
 import statements_of_geometry as geometry
-from statements import DEFINITION, REPORT, Statements, dealt, fact, state
+from statements import DEFINITION, REPORT, Statements, dealt, fact, state, step_named
 from viewimit.app.lab.lessons import design, facts, records
 from viewimit.app.lab.lessons.situation import Situation
 
@@ -69,14 +69,25 @@ def beyond_the_goal_again_and_again() -> bool:
     return bool((np.einsum("ij,ij->i", off[1:], off[:-1]) < 0).all())
 
 
-def overshoots_by_more() -> bool:
-    """For a servo that is linear, the error is multiplied by 1 - gain: above 2, it grows."""
-    return abs(1 - 2.2) > 1 > abs(1 - 1.9) and np.isnan(gain(2.2).steps())
-
-
 def second_step_corrects() -> bool:
     off = gain(1.0).off_px
     return 2 < off[1] < 0.2 * off[0] and off[2] < 2
+
+
+def jacobian_changes_with_the_pose() -> bool:
+    """Columns of the ringed point's Jacobian in L change by a third of their length over 40°, in each dealt state."""
+    for one in dealt("jacobian/knobs"):
+        theta = one.start.theta_demo
+
+        def jacobian(at: np.ndarray, world=one.world) -> np.ndarray:
+            h = 1e-4
+            seen = [world.own_images(at + s * h * e)[0][8, :2] for e in np.eye(2) for s in (1, -1)]
+            return np.array([(seen[0] - seen[1]) / (2 * h), (seen[2] - seen[3]) / (2 * h)])
+
+        here, there = jacobian(theta), jacobian(theta + np.radians([-20, 40]))
+        if (np.linalg.norm(there - here, axis=1) < np.linalg.norm(here, axis=1) / 3).any():
+            return False
+    return True
 
 
 def jacobian_learned_from_turns_predicts() -> bool:
@@ -241,8 +252,11 @@ STATEMENTS: Statements = {
         "title": DEFINITION,
         "text": DEFINITION,
         "after": REPORT,
-        "say": {"I learned how my picture reacts to my joints": jacobian_learned_from_turns_predicts},
-        "question": DEFINITION,
+        "say": {
+            "Turns teach it": jacobian_learned_from_turns_predicts,
+            "It changes with the pose": jacobian_changes_with_the_pose,
+        },
+        "question": {"You have 8 turns": lambda: step_named("jacobian/knobs").ask.times == 8},
     },
     "jacobian/gain": {
         "title": DEFINITION,
@@ -256,7 +270,9 @@ STATEMENTS: Statements = {
         },
         "say": {
             "If the gain is too small, the arm crawls": lambda: gain(0.1).steps() > 20,
-            "If it is above two, the arm overshoots by more than it was off before": overshoots_by_more,
+            "If it is above two, the arm jumps to and fro across the goal and never arrives": lambda: (
+                beyond_the_goal_again_and_again() and np.isnan(gain(2.2).steps())
+            ),
         },
         "question": DEFINITION,
         "answers": fastest_gain,

@@ -1,5 +1,6 @@
 """Facts and records of the lessons against other ways to compute them."""
 
+import dataclasses
 import json
 import time
 
@@ -263,3 +264,11 @@ def test_all_data_of_the_lessons_are_computed_within_the_budget(monkeypatch):
     print(f"data of all lessons: {took:.1f} s of CPU; kB: { {name: size // 1000 for name, size in sizes.items()} }")
     assert took < MAX_CPU_S
     assert max(sizes.values()) < 200_000  # bytes, before they are packed
+
+
+def test_dealing_ends_where_hardly_any_start_is_far_above_the_goal():
+    lesson = shipped()["tour"]
+    step = next(step for step in lesson.step if step.id == "servo")
+    hopeless = dataclasses.replace(step_data.situation_of(lesson, step), goal=500.0)
+    with pytest.raises(ValueError, match="choose another goal"):
+        design.deal_postures(hopeless, 1, 3)

@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 # Demonstrator postures off the middle of the sliders, with one minimum of E, which is below LEAST_E: ranges of both
 # joints, degrees.
 REGIONS = (((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60)))
+MAX_TRIED = 100  # postures for each that is dealt, of which one in a few is fair
 LEAST_E, APART_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
 RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # dealt starts over which servos are compared; px²
 FAR_DEG = 30.0  # of a start in rounds from the demonstrator, the joint that is farthest
@@ -48,9 +49,15 @@ def deal_postures(situation: Situation, count: int, seed: int) -> list[Situation
     Returns
     -------
     list of Situation
+
+    Raises
+    ------
+    ValueError
+        If too few are found, as for a goal that hardly any start is far from.
     """
     found: list[Situation] = []
     rng = np.random.default_rng(seed)
+    tried = 0
     low, high = np.array(situation.scene.range_deg, float).T
     while len(found) < count:
         region = np.array(REGIONS[len(found) % len(REGIONS)], float)
@@ -59,6 +66,12 @@ def deal_postures(situation: Situation, count: int, seed: int) -> list[Situation
         if np.abs(start - demo).min() < APART_DEG:
             continue
         dealt = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
+        tried += 1
+        if tried > MAX_TRIED * count:
+            raise ValueError(
+                f"of {tried - 1} dealt postures only {len(found)} begin far above the goal and have one minimum: "
+                "choose another goal, or no `deal`"
+            )
         if is_fair(dealt):
             found.append(dealt)
     return found

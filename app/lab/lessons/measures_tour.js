@@ -5,11 +5,14 @@
  * @typedef {import("./stage.js").Measure} Measure
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {placed, told} from "./measured.js";
-import {energyCarried} from "./places.js";
-import {energyText} from "../view/svg.js";
+import {placed, short, told} from "./measured.js";
+import {carriedPlaces, energyCarried} from "./places.js";
+import {energyText, fixed} from "../view/svg.js";
 
 const DEGREE = Math.PI / 180;
+/** Points that the images name: one of the hand, whose arrow is short though it has far to go, and one of the base. */
+export const HAND_POINT = 9;
+export const BASE_POINT = 3;
 const STEP_DEG = 1; // of the map on which poses below the goal are counted
 
 /** px² @param {number} E */
@@ -84,13 +87,26 @@ export const TOUR_MEASURES = {
     told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
   "crossing to ghost": stage =>
     told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
-  "arrow of 3": stage => told(arrowOf(stage, 3), " px", 0),
-  "arrow of 9": stage => told(arrowOf(stage, 9), " px", 0),
-  "way of 9": stage => told(wayOf(stage, 9), " px", 0),
+  "arrow of 3": stage => told(arrowOf(stage, BASE_POINT), " px", 0),
+  "arrow of 9": stage => told(arrowOf(stage, HAND_POINT), " px", 0),
+  "way of 9": stage => told(wayOf(stage, HAND_POINT), " px", 0),
   "cosine": stage => told(cosine(stage), "", 2),
   "E sideways": stage => squared(energyCarried(stage, [0, 0.5])),
   "E back": stage => squared(energyCarried(stage, [0.5, 0])),
   "E nearer": stage => squared(energyCarried(stage, [-0.3, 0])),
+  "times by place": stage => {
+    const E = [stage.moment.E, ...carriedPlaces(stage).map(place => place.E)];
+    return told(Math.max(...E) / Math.min(...E), "", 1);
+  },
+  "times by shape": stage => told(stage.moment.E / stage.ghost().E, "", 0),
+  "where the arm stands": ({moment, scene}) => {
+    const degrees = moment.theta.map(v => v / DEGREE), names = scene.names.map(name => name.split(" ")[0].toLowerCase());
+    return {value: degrees, unit: "°", text: degrees.map((v, k) => `${names[k]} ${fixed(v, 0)}°`).join(" and ")};
+  },
+  "your guess": ({answer, step}) => {
+    const unit = step.ask.unit ?? "", {number = NaN} = answer;
+    return {value: number, unit, text: `${short(number).replace(/\.0+$/, "")}${unit}`};
+  },
   "share of the longest": stage => told(100 * longestShare(stage), " %", 0),
   "widest below the goal": stage => told(widest(stage), "°", 0),
 };

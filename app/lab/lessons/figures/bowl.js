@@ -151,8 +151,9 @@ function waysOf(stage, layers) {
     const races = racesOf(stage), longest = Math.max(1, ...races.map(([, race]) => race.postures.length));
     const shown = 1 + stage.played(longest);
     for (const [servo, race] of races) {
-      const E = race.E.slice(0, shown), name = races.length === 1 ? "the learner" : TITLES.get(servo) ?? servo;
-      ways.push({name, role: ROLES.get(servo) ?? "slow", postures: race.postures.slice(0, shown), probes: race.probes,
+      const until = races.length > 1 ? Math.min(shown, stage.last(race) + 1) : shown; // several race to the goal
+      const E = race.E.slice(0, until), name = races.length === 1 ? "the learner" : TITLES.get(servo) ?? servo;
+      ways.push({name, role: ROLES.get(servo) ?? "slow", postures: race.postures.slice(0, until), probes: race.probes,
         best: E.indexOf(Math.min(...E))});
     }
   }

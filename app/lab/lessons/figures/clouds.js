@@ -189,6 +189,6 @@ function described(stage, layers) {
     const spreads = moments(clouds[name]).off.map(v => `${fixed(v / DEGREE)}°`);
     words.push(`with ${TITLES[name]} it spreads by ${spreads.join(" and ")}`);
   }
-  if (layers.has("bias")) words.push("its middle is where E is smallest without noise, beside the demonstrator");
+  if (layers.has("bias")) words.push("its middle is near the place where E is smallest without noise, beside the demonstrator");
   return `${words.join("; ")}.`;
 }

@@ -147,7 +147,7 @@ class Room {
 /** E of other shapes beside E in other places, on one logarithmic axis. @type {FigureKind} */
 export const energyAxis = {
   layers: ["another shape", "another place"],
-  title: "**E** of another shape, and in another place",
+  title: "**E** by shape and by place",
   aspect: 0.85,
   create: box => {
     const chart = new Chart(box);

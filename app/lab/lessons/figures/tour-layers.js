@@ -8,10 +8,11 @@
  */
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
+import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
 import {arrow, diamond, disc, Names} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
-const NEAR_PX = 2, LITTLE = 3; // px of a way that is none; drawing units of an arrow that is not drawn
+const LITTLE = 3; // drawing units of an arrow that is not drawn
 const HANDLE = 13, NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
 
 /** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
@@ -52,14 +53,8 @@ const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
 function ways(frame, stage) {
-  const {moment, world} = stage, k = 2 * frame.side, own = moment.views.own;
-  const goal = world.look("learner", moment.thetaDemo).images;
-  const found = stage.recovered();
-  return moment.usable.map(i => {
-    const from = [own[4 * i + k], own[4 * i + k + 1]], to = [goal[4 * i + k], goal[4 * i + k + 1]];
-    const residual = Math.hypot(from[0] - found[4 * i + k], from[1] - found[4 * i + k + 1]);
-    return {i, from: frame.at(from), to: frame.at(to), way: Math.hypot(to[0] - from[0], to[1] - from[1]), residual};
-  });
+  const {moment, world} = stage, goal = world.look("learner", moment.thetaDemo).images;
+  return moment.usable.map(i => ({i, from: frame.of(moment.views.own, i), to: frame.of(goal, i)}));
 }
 
 const SHARES = [[.8, .88, .72, .62, .12, .2], [.2, .12, .28, .88, .8, .7]]; // of a line's way, where its name may stand
@@ -140,13 +135,8 @@ export const TOUR_LAYERS_ABOVE = {
     if (frame.isDemo || stage.truthHidden) return "";
     const all = ways(frame, stage), names = namesOver(frame, stage);
     all.forEach(({from, to}) => names.keepLine(from, to, 4));
-    const long = all.filter(({way}) => way > NEAR_PX)
-      .sort((a, b) => b.way / (b.residual + 1) - a.way / (a.residual + 1))[0];
-    const still = all.filter(({way}) => way < NEAR_PX).sort((a, b) => b.residual - a.residual)[0];
-    for (const {from, way, residual} of [long, still].filter(Boolean)) {
-      const [first, second] = [`${Math.round(residual)} px arrow,`, `${Math.round(way)} px to go`];
-      if (frame.width > 260) names.put(`${first} ${second}`, from, "vi-of-E", {away: 10});
-    }
+    for (const {i, from} of all) if (i === HAND_POINT || i === BASE_POINT)
+      names.put(i === HAND_POINT ? "hand" : "base", from, "vi-of-E", {away: 10});
     const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE)
       .map(({from, to}) => arrow(from, to, 9));
     const paths = [0, 1].map(k => drawn.map(one => one[k]).join(""));

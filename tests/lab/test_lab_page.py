@@ -372,7 +372,144 @@ def test_what_differs_from_the_experiment_is_said_and_a_run_that_cannot_go_on_st
     noisy = opened("#preset=noise&seed=7")
     noisy.keyboard.press(" ")
     wait_until(lambda: noisy.inner_text("#play") == "Following", 40)
-    assert "No lower E" in noisy.inner_text("#outcome") and noisy.locator("#step").is_disabled()
+    assert "E no longer falls" in noisy.inner_text("#outcome") and noisy.locator("#step").is_disabled()
+    assert noisy.locator("#draw-of-noise").is_visible() and not opened().locator("#draw-of-noise").is_visible()
+
+
+@pytest.mark.browser
+def test_arrow_keys_step_after_a_pointer_and_stay_with_a_widget_reached_by_keys(opened):
+    page = opened(width=1440, height=900)
+    middle = lambda name: (lambda b: (b["x"] + b["width"] / 2, b["y"] + 0.7 * b["height"]))(
+        page.locator(name).bounding_box()
+    )
+
+    def steps_and_undoes(after):
+        page.wait_for_timeout(50)
+        motion = now(page)["motion"]
+        page.keyboard.press("ArrowRight")
+        assert now(page)["motion"] == motion + 1, after
+        page.keyboard.press("ArrowLeft")
+        assert now(page)["motion"] == motion, after
+
+    for choice in ("Linear", "Epipolar", "Retuned", "Broyden"):
+        page.locator(".choice span", has_text=choice).click()
+        steps_and_undoes(choice)
+    page.locator(".choice span", has_text="Broyden").click()  # again
+    steps_and_undoes("the same choice")
+    page.mouse.click(*middle("#space"))
+    steps_and_undoes("a click in the scene")
+    drag(page, middle("#space"), (40, 10))
+    steps_and_undoes("a drag in the scene")
+    page.mouse.click(*middle("#map"))
+    steps_and_undoes("a click in the map")
+    drag(page, middle("#map"), (30, -20))
+    steps_and_undoes("a drag in the map")
+
+    page.locator("[name=servo][value=broyden]").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.locator("[name=servo]:checked").get_attribute("value") == "gradient-retuned"
+    page.keyboard.press("ArrowRight")
+    assert page.locator("[name=servo]:checked").get_attribute("value") == "gradient" and now(page)["motion"] == 0
+
+
+@pytest.mark.browser
+def test_the_lowest_E_lies_between_the_maps_postures_and_stays_while_the_learner_moves(opened):
+    page = opened("#preset=exact&demo=47.3,-88.6", width=1300, height=800)
+    assert np.abs(np.array(degrees(page.evaluate("lab.minimum()"))) - (47.3, -88.6)).max() < 0.3  # of the quick map
+    wait_until(lambda: page.evaluate("lab.landscape().stepDeg") == 1, 30)
+    assert np.abs(np.array(degrees(page.evaluate("lab.minimum()"))) - (47.3, -88.6)).max() < 0.01
+    before = page.evaluate("lab.minimum()")
+    box = page.locator("#map").bounding_box()
+    start = page.evaluate("lab.map.place(lab.session().now.theta).map(v => v * lab.map.unit)")
+    page.mouse.move(box["x"] + start[0], box["y"] + start[1])
+    page.mouse.down()
+    page.mouse.move(box["x"] + start[0] + 30, box["y"] + start[1] + 20)
+    page.wait_for_timeout(100)
+    assert page.evaluate("[lab.landscape().stepDeg, ...lab.minimum()]") == [1, *before]
+    page.mouse.up()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("r")
+    assert page.evaluate("[lab.landscape().stepDeg, ...lab.minimum()]") == [1, *before]
+    page.evaluate("lab.pose([0.7, -1.4])")
+    assert page.evaluate("lab.landscape().stepDeg") == 4
+
+
+@pytest.mark.browser
+def test_equal_residuals_are_judged_alike_and_steps_count_from_the_last_pose(opened):
+    for law, words in (("broyden", "Converged after"), ("gradient-retuned", "E no longer falls after")):
+        page = opened(f"#preset=paper&law={law}&steps=689")
+        page.keyboard.press("ArrowRight")
+        wait_until(lambda page=page, words=words: page.inner_text("#outcome").startswith(words))
+        said = page.inner_text("#outcome")
+        assert "agree to 1.3 px" in said and "disagree" not in said
+        assert page.locator("#state").get_attribute("class") == "state settled"
+    page.evaluate("lab.pose([0.9, -1.2])")
+    motion = now(page)["motion"]
+    page.keyboard.press(" ")
+    wait_until(lambda: now(page)["status"] == "no-progress", 60)
+    page.keyboard.press(" ")
+    wait_until(lambda: f" {now(page)['motion'] - motion} steps after the demonstrator" in page.inner_text("#outcome"))
+    stuck = opened("#preset=facing&steps=500")
+    stuck.keyboard.press(" ")
+    wait_until(lambda: stuck.inner_text("#play") == "Waiting")
+    said = stuck.inner_text("#outcome")
+    assert "without success" in said and "no small turn would lower E" in said
+
+
+@pytest.mark.browser
+def test_a_chosen_point_stays_until_it_does_not_exist(opened):
+    page = opened("#preset=paper&point=3", width=1440, height=900)
+    point = lambda: page.inner_text("#residual").split(":")[0]
+    assert point() == "point 3"
+    page.keyboard.press("7")
+    wait_until(lambda: "point=7" in page.evaluate("location.hash"))
+    page.locator(".choice span", has_text="Retuned").click()
+    page.locator(".choice span", has_text="Linear").click()
+    page.select_option("#preset", "far")
+    wait_until(lambda: point() == "point 7")
+    page.select_option("#preset", "five")
+    wait_until(lambda: point() != "point 7")
+    wait_until(lambda: "point=" not in page.evaluate("location.hash"))
+    assert "point=12" in opened("#preset=paper&point=12").inner_text("#says")
+
+
+@pytest.mark.browser
+def test_a_transfer_without_lines_shows_none_and_lost_points_have_a_mark(opened):
+    page = opened("#preset=lost&transfer=linear", width=1300, height=800)
+    assert "where the transfer puts it" in page.inner_text("#images") and "lines" not in page.inner_text("#images")
+    assert page.evaluate("[...document.querySelectorAll('.vi-line:not(li *)')].every(e => !e.getAttribute('d'))")
+    assert "not seen in all four" in page.inner_text("#images")
+    page.locator(".choice span", has_text="Epipolar").click()
+    wait_until(lambda: "where the lines put it" in page.inner_text("#images"))
+    assert "transfer" not in page.inner_text("#images")
+    paper = opened()
+    assert "not seen in all four" not in paper.inner_text("#images")
+    assert paper.locator("#curve text").count() == 3 and "log" in paper.locator("#curve").text_content()
+
+
+@pytest.mark.browser
+def test_with_four_points_nothing_can_be_played_or_stepped(opened):
+    page = opened("#preset=four")
+    assert page.locator("#play").is_disabled() and page.locator("#step").is_disabled()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press(" ")
+    page.wait_for_timeout(100)
+    assert now(page)["motion"] == 0 and page.inner_text("#play") == "Play"
+
+
+@pytest.mark.browser
+def test_at_the_goal_the_learner_is_a_ring_and_marks_are_not_cut_off(opened):
+    page = opened("#preset=exact&start=45,-90", width=1440, height=900)
+    wait_until(lambda: page.evaluate("lab.landscape().stepDeg") == 1, 30)
+    wait_until(lambda: page.locator("#map .vi-now").count() == 0)
+    assert all(page.locator(f"#map {mark}").is_visible() for mark in (".vi-cross", ".vi-seen", "circle.vi-case"))
+    page = opened("#preset=paper&start=5,-15&point=9", width=1440, height=900)
+    page.wait_for_timeout(900)
+    inside = """k => {
+        const view = lab.images.views[k], found = view.svg.querySelector(".vi-found").getBBox();
+        return found.y > 0 && found.x > 0 && found.y + found.height < view.height && found.x + found.width < view.width;
+    }"""
+    assert page.evaluate(inside, 2) and page.evaluate(inside, 3)
 
 
 @pytest.mark.browser

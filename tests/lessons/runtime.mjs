@@ -84,4 +84,10 @@ found.orderAgain = [orderOf({answers: [1, 2, 3, 4]}, 3, 12, "before"), dealtOrde
 const questions = page.lessons[0].questions, all = count => Object.fromEntries(questions.map(({id}, k) => [id, {answer: 0, right: k < count, sure: true, seconds: 1}]));
 found.gains = [gain(4, 7, 8), gain(8, 8, 8), gain(4, 2, 8), rightOf(questions, all(5))];
 found.outcomes = [outcome(questions, all(4), all(7)), outcome(questions, all(8), all(8)), outcome(questions, all(4), {})];
+
+const {playedOnly} = await from("card.js");
+const race = "Steps to the goal: you {your motions to the goal}, Broyden {motions of Broyden}. Hollow marks are tests.";
+const unplayed = of("bowl", {carried: of("servo", {seed: 4})});
+found.played = [unplayed, bowl].map(stage => playedOnly(race, stage));
+found.unplayedSentence = playedOnly("You needed {your motions to the goal} steps. E is {E}.", unplayed);
 process.stdout.write(JSON.stringify(found));

@@ -130,3 +130,12 @@ def test_the_gain_is_the_share_of_what_was_wrong_that_is_right_now(found):
     better, all_right, once = found["outcomes"]
     assert better["large"] == "4 → 7 of 8" and "Gain 0.75" in better["words"]
     assert "all of them right before" in all_right["words"] and "no gain" in once["words"]
+
+
+def test_nothing_is_said_of_a_step_that_was_not_played(found):
+    unplayed, played = found["played"]
+    assert unplayed == (
+        "Steps to the goal: Broyden {motions of Broyden}. Hollow marks are tests. You have not played “Be the servo”."
+    )
+    assert played.startswith("Steps to the goal: you {your motions to the goal}, Broyden")
+    assert found["unplayedSentence"] == "E is {E}. You have not played “Be the servo”."

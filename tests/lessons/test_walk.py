@@ -110,6 +110,8 @@ def test_it_is_walked_with_the_mouse(opened):
     click(page, ".primary")
     assert "It is more: 846 px²" in body(page)
     click(page, ".primary")
+    page.evaluate("lesson.goTo('walk', 'servo', 4)")  # some of the starts are below the goal already
+    settled(page)
     for slider, value in ((0, 70), (1, -65)):
         page.locator(".sliders input").nth(slider).fill(str(value))
         page.locator(".sliders input").nth(slider).dispatch_event("change")
@@ -390,3 +392,158 @@ def test_a_glossary_term_is_explained_by_a_key(opened):
 def test_a_step_that_goes_on_from_a_skipped_one_begins_where_that_could_have_ended(opened):
     page = opened("bowl")
     assert page.evaluate("lesson.stage().moment.E") < 30 and page.evaluate("lesson.stage().motions.length") == 1
+
+
+def turned(page, slider, share):
+    """Drag a slider to a share of its length, and release it."""
+    box = page.locator(slider).bounding_box()
+    y = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] / 2, y)
+    page.mouse.down()
+    page.mouse.move(box["x"] + share * box["width"], y, steps=5)
+    settled(page)
+    yield
+    page.mouse.up()
+    page.wait_for_timeout(50)
+    settled(page)
+
+
+def test_a_slider_changes_no_judgement_after_the_answer(opened):
+    page = opened("choice")
+    press(page, "1", "Enter")
+    judged = body(page)
+    page.evaluate("lesson.stage().slide('demo 2', -20)")
+    settled(page)
+    assert body(page) == judged and f"E is {page.evaluate('lesson.stage().moment.E.toFixed(0)')}" not in judged
+    page.evaluate("lesson.goTo('walk', 'place')")
+    settled(page)
+    page.evaluate("lesson.goTo('walk', 'choice')")
+    settled(page)
+    assert body(page) == judged
+
+
+def test_a_slider_changes_no_judgement_after_the_page_was_opened_again(opened):
+    page = opened("number")
+    page.locator(".ask input").fill("6")
+    settled(page)
+    click(page, ".primary")
+    page.evaluate("lesson.stage().observe(lesson.stage().moment.thetaDemo)")
+    press(page, "ArrowRight", "ArrowLeft")
+    judged = body(page)
+    assert "It is more: 846 px²" in judged
+    page.reload()
+    wait_until(lambda: page.evaluate("typeof lesson === 'object'"))
+    settled(page)
+    assert body(page) == judged
+
+
+def test_the_open_questions_are_offered_once_all_steps_are_done(opened):
+    page = opened("choice")
+    for step in STEPS:
+        page.evaluate("step => { lesson.goTo('walk', step, 4); lesson.reveal(); }", step)
+        if step == "bet":
+            press(page, "ArrowRight")
+            page.evaluate("lesson.reveal()")
+    page.evaluate("lesson.goTo('walk', 'after-1')")
+    settled(page)
+    press(page, "1", "s", "Enter", "Escape")
+    assert "Go on with the questions" in body(page) and "See the end" in body(page)
+    click(page, "text=Go on with the questions")
+    assert at(page)["step"] == "after-2"
+    press(page, "Escape")
+    click(page, "text=See the end")
+    assert at(page)["step"] == "end"
+
+
+def test_the_review_says_what_was_guessed_and_where_each_question_is_answered(opened):
+    page = opened("before-1")
+    for phase, guessed in (("before", 6), ("after", 1)):
+        page.evaluate("phase => lesson.goTo('walk', `${phase}-1`)", phase)
+        settled(page)
+        for k in range(8):
+            press(page, "1", "g" if k < guessed else "s", "Enter")
+    assert "Guessed: 6 of 8 → 1 of 8." in body(page)
+    rows = page.locator(".review li:not(.heads)")
+    shown = [rows.nth(k).locator("> :nth-child(5)").inner_text() for k in range(8)]
+    assert "Ray: shadow" in shown and all(shown)
+    assert [rows.nth(k).locator("small").all_inner_texts() for k in (0, 7)] == [["guess", "guess"], ["sure", "sure"]]
+
+
+def test_the_time_left_falls_by_what_is_behind(opened):
+    page = opened("before-1")
+    minutes = []
+    for step in ("before-1", *STEPS, "after-1"):
+        page.evaluate("step => lesson.goTo('walk', step, 4)", step)
+        settled(page)
+        minutes.append(int(page.inner_text("#left").split()[0]))
+        page.evaluate("lesson.reveal()")
+    assert minutes[0] == 6 + 7 and minutes[-1] == 4
+    assert all(0 <= a - b <= 2 for a, b in zip(minutes[1:], minutes[2:]))
+
+
+def test_a_dragged_slider_gives_its_focus_back_and_one_reached_by_keys_keeps_it(opened):
+    page = opened("choice")
+    press(page, "1", "Enter")
+    for _ in turned(page, ".sliders input", 0.8):
+        pass
+    value = page.locator(".sliders input").input_value()
+    press(page, "ArrowRight")
+    assert at(page)["step"] == "place"
+    page.evaluate("lesson.goTo('walk', 'choice')")
+    settled(page)
+    assert page.locator(".sliders input").input_value() == value
+    page.focus(".sliders input")
+    press(page, "ArrowRight")
+    assert at(page)["step"] == "choice" and page.locator(".sliders input").input_value() != value
+
+
+def test_a_goal_counts_when_the_slider_is_released(opened):
+    page = opened("servo")
+    page.evaluate("""() => {
+        const {ask} = lesson.stage().step;
+        ask.counted = false;
+        lesson.stage().slide('own 2', -65);
+    }""")
+    for _ in turned(page, ".sliders input >> nth=0", 70 / 90):
+        assert page.evaluate("lesson.stage().moment.E") < 30 and not at(page)["revealed"]
+    assert at(page)["revealed"] and at(page)["answer"] == {"done": True}
+
+
+def test_a_logarithmic_slider_reaches_its_ends(opened):
+    page = opened("number")
+    page.focus(".ask input")
+    press(page, "End")
+    assert "2000 px²" in body(page)
+    press(page, "Home")
+    assert "1 px²" in body(page)
+
+
+def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(opened):
+    page = opened("choice")
+    page.evaluate("""() => {
+        const about = {about: "", minutes: 3, here: false};
+        lesson.data.catalogue.push({name: "ray", title: "The shadow of a ray", short: "The ray", ...about});
+        lesson.goTo("walk", "after-1");
+    }""")
+    settled(page)
+    press(page, "2", "s")
+    page.evaluate("lesson.goTo('walk', 'end')")
+    settled(page)
+    assert page.get_attribute("text=Next lesson: The shadow of a ray", "href") == "ray"
+    assert page.get_attribute(".review a >> nth=0", "href") == "ray#lesson=ray&step=shadow"
+
+
+@pytest.mark.parametrize("size", ((1280, 720), (1440, 900)))
+def test_neither_head_nor_foot_sticks_out_of_the_card(opened, size):
+    page = opened("choice", size=size)
+    page.evaluate("lesson.data.lessons[0].short = 'Carry a motion'; lesson.goTo('walk', 'choice', 4)")
+    press(page, "1")
+    assert (
+        page.evaluate("""() => {
+        const {right} = document.querySelector(".card").getBoundingClientRect();
+        return [...document.querySelectorAll("#foot button, .card > header *")].filter(e => e.checkVisibility()
+            && (e.getBoundingClientRect().right > right - 19 || e.tagName === "BUTTON" && e.scrollWidth > e.clientWidth)
+        ).map(e => e.textContent);
+    }""")
+        == []
+    )

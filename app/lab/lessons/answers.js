@@ -4,7 +4,7 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Ask} Ask
  */
-import {distanceOf, measure} from "./measures.js";
+import {distanceOf, judged} from "./measures.js";
 
 const CLEAR_BET = 10; // % from the middle, from which a bet says something
 
@@ -26,13 +26,13 @@ export function isAnswered({step: {ask}, answer, rounds, mark}) {
 export function rightChoice(stage) {
   const {ask} = stage.step;
   if (!ask.right) return (ask.answers ?? []).findIndex(({right}) => right);
-  const number = Number(measure(stage, ask.right).value);
+  const number = Number(judged(stage, ask.right).value);
   return Number.isFinite(number) ? Math.round(number) - 1 : -1;
 }
 
 /** Whether what has to be reached is. @param {Stage} stage */
 export function isReached(stage) {
-  const {ask: {measure: name, below, above}} = stage.step, value = Number(measure(stage, name ?? "").value);
+  const {ask: {measure: name, below, above}} = stage.step, value = Number(judged(stage, name ?? "").value);
   return below !== null && below !== undefined && value < below || above !== null && above !== undefined
     && value > above;
 }
@@ -52,16 +52,16 @@ export function isRight(stage) {
   if (!isAnswered(stage) || answer.shown) return null;
   if (ask.kind === "choice") return answer.choice === rightChoice(stage);
   if (ask.kind === "place" || ask.kind === "pose") {
-    const off = Number(measure(stage, "px apart").value);
+    const off = Number(judged(stage, "px apart").value);
     return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
   }
   if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number),
-    Number(measure(stage, ask.truth ?? "").value));
+    Number(judged(stage, ask.truth ?? "").value));
   if (ask.kind === "do") return true;
   if (ask.kind === "predict") return isReached(stage);
   if (ask.kind === "bet") {
     const off = /** @type {number} */ (answer.bet) - 50;
-    return Math.abs(off) < CLEAR_BET ? null : off > 0 === Boolean(measure(stage, ask.truth ?? "").value);
+    return Math.abs(off) < CLEAR_BET ? null : off > 0 === Boolean(judged(stage, ask.truth ?? "").value);
   }
   return null;
 }
@@ -75,11 +75,11 @@ export function reply(stage) {
     const other = stage.mark && ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
     if (other) return other.because;
     if (isRight(stage)) return ask.close ?? "";
-    const isOnLine = ask.line && ask.on_line && Number(measure(stage, ask.line).value) < (ask.near ?? 0);
+    const isOnLine = ask.line && ask.on_line && Number(judged(stage, ask.line).value) < (ask.near ?? 0);
     return (isOnLine ? ask.on_line : ask.far) ?? "";
   }
   if (ask.kind === "number") {
-    const truth = Number(measure(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
+    const truth = Number(judged(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
     return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
   }
   if (ask.kind === "select") return ask.reasons?.[answer.reason ?? -1]?.because ?? "";

@@ -14,7 +14,7 @@
  * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
-import {inline, isTouched, make, plain, touched, track} from "./dom.js";
+import {inline, isTouched, letGo, make, plain, touched, track} from "./dom.js";
 import {energy, fill, measure} from "./measures.js";
 import {short} from "./measured.js";
 
@@ -40,7 +40,7 @@ function choice(stage, host) {
     host.answered();
   };
   const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {}, String(k + 1)), make("span", {html: inline(text)}),
+    make("kbd", {}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
       make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}),
       make("small", {class: "count"})));
   return {
@@ -55,8 +55,8 @@ function choice(stage, host) {
         option.className = `option${isChosen ? " chosen" : ""}${stage.isRevealed ? k === right ? " right" : isChosen ? " wrong" : " other" : ""}`;
         option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
           : "");
-        option.setAttribute("aria-label",
-          `${k + 1}: ${plain(answers[k].text)}${stage.isRevealed ? k === right ? " (right)" : isChosen ? " (your answer, not right)" : "" : ""}`);
+        const verdict = !stage.isRevealed ? "" : k === right ? " (right)" : isChosen ? " (your answer, not right)" : "";
+        option.setAttribute("aria-label", `${k + 1}: ${plain(fill(answers[k].text, stage))}${verdict}`);
         option.style.setProperty("--share", bar ? String(bar.share) : "0");
         option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });
@@ -97,9 +97,11 @@ function number(stage, host) {
   const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step
     : Number(value.toPrecision(2));
   const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step
-    : (even(high) - even(low)) / SCALE_STEPS, value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2),
+    : (even(high) - even(low)) / SCALE_STEPS * (1 - 1e-9),
+    value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2),
     "aria-label": plain(fill(question, stage))});
   const output = make("output", {class: "large-number"});
+  letGo(input);
   input.addEventListener("input", () => {
     const value = Number(input.value);
     stage.answer = {number: Math.min(high, Math.max(low, round(logarithmic ? Math.exp(value) : value)))};
@@ -238,6 +240,7 @@ function bet(stage, host) {
   const input = make("input", {type: "range", min: 0, max: 100, step: BET_STEP, value: 50,
     "aria-label": "How sure you are that it is true"});
   const output = make("output", {class: "large-number"}), which = make("p", {class: "hint"});
+  letGo(input);
   input.addEventListener("input", () => {
     stage.answer = {bet: Number(input.value)};
     host.answered();

@@ -7,9 +7,25 @@
 import {isAnswered, isRight, reply} from "./answers.js";
 import {askOf} from "./asks.js";
 import {inline, make, plain} from "./dom.js";
-import {fill, measure} from "./measures.js";
+import {fill, judged, measure} from "./measures.js";
 
 const STUCK = "Here is how it is. Before the next step, commit to a guess: you will remember more.";
+
+/**
+ * Words without what they would say of an earlier step that was not played.
+ *
+ * @param {string} words
+ * @param {Stage} stage
+ */
+export function playedOnly(words, stage) {
+  const isOpen = (/** @type {string} */ part) => [...part.matchAll(/\{(your [^}]*)\}/g)].some(([, name]) =>
+    judged(stage, name).text === "–");
+  if (!isOpen(words)) return words;
+  const left = words.split(/(?<=[.!?])\s+/).map(sentence => isOpen(sentence)
+    ? sentence.replace(/you \{your [^}]*\}, /, "") : sentence).filter(sentence => !isOpen(sentence));
+  const played = stage.carried ? `“${stage.carried.step.title}”` : "it";
+  return [...left, `You have not played ${played}.`].join(" ");
+}
 
 export class Card {
   /** @param {HTMLElement} box @param {Stage} stage @param {Host} host */
@@ -41,7 +57,8 @@ export class Card {
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
     const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of what was not done
-    this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(step.after, stage), this.glossary) : "");
+    this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(playedOnly(step.after, stage), stage),
+      this.glossary) : "");
     this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}`
       : "");
     this.box.classList.toggle("revealed", isShown);
@@ -51,7 +68,7 @@ export class Card {
   #told() {
     const {step: {told, ask}} = this.stage;
     if (!told || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
-    const {text} = measure(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
+    const {text} = judged(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
       ?? ["", text, ""];
     const note = told.note ? `<small>${inline(fill(told.note, this.stage), this.glossary)}</small>` : "";
     const isDegrees = unit.startsWith("°"), apart = told.measure.endsWith(" apart")
@@ -65,7 +82,8 @@ export class Card {
     if (!stage.isRevealed) return step.ask.kind === "do"
       ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
     const verdict = {true: "Right.", false: "Not quite.", null: ""}[String(isRight(stage))] ?? "";
-    const number = step.told ? `${step.told.label}: ${measure(stage, step.told.measure).text}.` : "";
+    const label = plain(fill(step.told?.label ?? "", stage)).replace(/:$/, "");
+    const number = step.told ? `${label}: ${judged(stage, step.told.measure).text}.` : "";
     const replied = plain(fill(reply(stage), stage));
     return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:",
       plain(fill(step.say, stage))].filter(Boolean).join(" ");

@@ -32,12 +32,16 @@ export const isTouched = () => matchMedia("(pointer: coarse)").matches;
 export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g,
   "tap").replace(/\bpress\b/g, "tap") : words;
 
+/** A measure that nothing has filled in is a dash. @param {string} words */
+const unbraced = words => words.replace(/\{[^{}]*\}/g, "–");
+
 /**
  * Words with **bold**; a bold term of the glossary explains itself.
  * @param {string} words
  * @param {Record<string, string>} [glossary]
  */
-export const inline = (words, glossary = {}) => escaped(touched(words)).replaceAll("'", "’").replace(/\*\*(.+?)\*\*/g,
+export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))).replaceAll("'", "’").replace(
+  /\*\*(.+?)\*\*/g,
   (_, bold) => {
   const key = Object.keys(glossary).find(term => term.toLowerCase() === bold.toLowerCase()
     || `${term.toLowerCase()}s` === bold.toLowerCase());
@@ -46,7 +50,23 @@ export const inline = (words, glossary = {}) => escaped(touched(words)).replaceA
 });
 
 /** Words without marks, to be read aloud. @param {string} words */
-export const plain = words => touched(words).replaceAll("**", "");
+export const plain = words => unbraced(touched(words)).replaceAll("**", "");
+
+/**
+ * A slider that was dragged gives its focus back, so that arrow keys go on with the lesson; one that was reached by
+ * keys keeps it.
+ *
+ * @param {HTMLInputElement} input of a range
+ */
+export function letGo(input) {
+  input.addEventListener("pointerdown", () => {
+    const end = () => {
+      for (const name of ["pointerup", "pointercancel"]) removeEventListener(name, end, true);
+      setTimeout(() => input.blur());
+    };
+    for (const name of ["pointerup", "pointercancel"]) addEventListener(name, end, true);
+  });
+}
 
 /** @param {HTMLInputElement} input of a range: how far it stands, for the colour of its track */
 export function track(input) {

@@ -3,6 +3,7 @@ import {isAnswered, isRight} from "./answers.js";
 import {inline, make, plain} from "./dom.js";
 import {labAddress, viewimitAddress} from "./elsewhere.js";
 import {FIGURES} from "./figures/registry.js";
+import {grade} from "./measures.js";
 import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
 import {slidersOf} from "./sliders-row.js";
 import {Stage} from "./stage.js";
@@ -38,8 +39,25 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  *   where marks were made
  */
 
-const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, LONGEST_S = 240; // of a step: to estimate what is left
+const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
+const USUAL_ROUNDS = 4; // of predictions, where the step names no number
 const QUESTION_S = 28, FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
+
+/** How many rounds a step is likely to have. @param {Step} step */
+const roundsOf = ({ask: {kind, times}}) => kind === "predict" ? times ?? USUAL_ROUNDS : kind === "bet" ? times ?? 1
+  : 1;
+
+/** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
+function secondsOf(step) {
+  const {text, ask, say, after = "", play} = step,
+    words = `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length;
+  return words / WORDS_A_MINUTE * 60 + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S)
+    + (play ?? 0) + ROUND_S * (roundsOf(step) - 1);
+}
+
+/** Rounds that are behind, but for the last. @param {Stage} stage */
+const roundsMade = ({step, rounds, run}) =>
+  Math.min(roundsOf(step) - 1, step.ask.kind === "bet" ? run : rounds.length);
 
 /** @param {Data} data */
 function begin(data) {
@@ -150,6 +168,8 @@ function begin(data) {
     made.reveal = was.revealed ? 1 : 0;
     made.bets = was.bets ?? [];
     made.run = was.run ?? 0;
+    made.graded = was.graded ? Object.fromEntries(Object.entries(was.graded).map(([name, one]) =>
+      [name, {...one, value: one.value ?? NaN}])) : null; // JSON has no NaN
     for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name)
       && !name.startsWith("knob ")) made.slide(name, value);
     if (was.motions?.length > 1 && !made.carried) {
@@ -157,13 +177,14 @@ function begin(data) {
       made.observe(was.motions[was.motions.length - 1].theta);
     }
     if (was.revealed && made.step.meets) made.observe(made.moment.thetaDemo);
+    if (was.revealed) made.graded ??= grade(made);
   }
 
   function keep() {
     if (!stage) return;
-    const {answer, mark, seed, motions, rounds, step, carried, run, bets} = stage;
+    const {answer, mark, seed, motions, rounds, step, carried, run, bets, graded} = stage;
     kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs,
-      right: stage.isRevealed ? isRight(stage) : null, run, bets,
+      right: stage.isRevealed ? isRight(stage) : null, run, bets, graded,
       motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders],
         seconds: kept().steps[step.id]?.seconds ?? 0};
     store.save(lesson.name);
@@ -225,11 +246,12 @@ function begin(data) {
         go, redraw, skipAll: () => enter(lesson, kind === "before" ? placeOf(lesson, lesson.steps[0].id)
           : {kind: "end"}),
       });
-    } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo, () =>
-      enter(lesson, {kind: "home"}));
+    } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo,
+      following(), () => enter(lesson, {kind: "home"}));
     else screen = new HomeScreen($("body"), data.lessons, lesson, progressOf, {
       start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)),
         step: (one, id) => enter(one, {kind: "step", id}),
+      end: one => enter(one, {kind: "end"}),
       forget: one => {
         store.forget(one.name);
         stages = new Map();
@@ -244,25 +266,48 @@ function begin(data) {
 
   /** Where somebody goes on. @param {Lesson} of @returns {Place} */
   function nextOf(of) {
-    const {steps, before} = store.of(of.name), open = of.steps.find(({id}) => !steps[id]?.revealed);
-    if (of.questions?.length && !Object.keys(before).length && !Object.keys(steps).length) return {kind: "before",
-      k: 0};
-    return open ? {kind: "step", id: open.id} : {kind: "end"};
+    const {steps} = store.of(of.name), open = of.steps.find(({id}) => !steps[id]?.revealed);
+    const first = openQuestion(of, "before"), last = openQuestion(of, "after");
+    if (first >= 0 && !Object.keys(steps).length) return {kind: "before", k: first};
+    return open ? {kind: "step", id: open.id} : last >= 0 ? {kind: "after", k: last} : {kind: "end"};
   }
+  /**
+   * The first of the questions that is not answered; -1 for none.
+   * @param {Lesson} of
+   * @param {"before" | "after"} phase
+   */
+  const openQuestion = ({name, questions}, phase) => (questions ?? []).findIndex(({id}) => !store.of(name)[phase][id]);
   /** @param {Lesson} of */
   function progressOf(of) {
     const {steps} = store.of(of.name), done = of.steps.filter(({id}) => steps[id]?.revealed).length;
-    return {done, words: done === 0 ? "Start" : done === of.steps.length ? "See the end" : "Continue"};
+    const isAsked = done === of.steps.length && openQuestion(of, "after") >= 0;
+    return {done, isAsked, words: done === 0 ? "Start" : done < of.steps.length ? "Continue"
+      : isAsked ? "Go on with the questions" : "See the end"};
   }
 
-  /** @param {string} target "lesson/step" */
+  /**
+   * A step that this page has, or that is served beside it, or else its name alone.
+   * @param {string} target "lesson/step"
+   */
   function linkTo(target) {
     const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name),
       at = found?.steps.findIndex(step => step.id === id) ?? -1;
     if (found && at >= 0) return {words: `${found.short} ${at + 1} →`, href: null, go: () =>
       enter(found, {kind: "step", id})};
     const other = data.catalogue?.find(one => one.name === name && !one.here);
-    return other ? {words: `${other.short} →`, href: `${name}#lesson=${name}&step=${id}`, go: null} : null;
+    const named = `${other?.short ?? name[0].toUpperCase() + name.slice(1)}: ${id.replaceAll("-", " ")}`;
+    return other ? {words: `${named} →`, href: `${name}#lesson=${name}&step=${id}`, go: null}
+      : {words: named, href: null, go: null};
+  }
+
+  /** The lesson that comes after this one, here or beside this page; null for none. */
+  function following() {
+    const all = data.catalogue ?? data.lessons.map(one => ({...one, here: true}));
+    const next = all[all.findIndex(({name}) => name === lesson.name) + 1];
+    if (!next || !all.some(({name}) => name === lesson.name)) return null;
+    const found = data.lessons.find(({name}) => name === next.name);
+    return {words: `Next lesson: ${next.title} →`, href: found ? null : next.name, go: found ? () =>
+      enter(found, {kind: "home"}) : null};
   }
 
   // Drawing
@@ -293,6 +338,7 @@ function begin(data) {
     $("home").textContent = place.kind === "home" ? "viewimit lessons" : lesson.short;
     $("where").textContent = where;
     $("left").textContent = left();
+    $("leave").title = "Esc";
     $("leave").hidden = place.kind === "home" && !isServed;
     $("leave").firstElementChild.textContent = place.kind !== "home" ? "Leave" : instrument ? "Back to viewimit"
       : "The lab";
@@ -310,25 +356,17 @@ function begin(data) {
     }));
   }
 
-  /** How long the rest takes, at one's own pace. */
+  /** How long the rest takes: each step has the share of its words and rounds, and so have the questions. */
   function left() {
     if (place.kind === "home" || place.kind === "end") return "";
-    const estimate = (/** @type {Step} */ {text, ask, say, after = ""}) =>
-      `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length / WORDS_A_MINUTE * 60
-      + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S);
-    const {steps} = lesson, scale = 60 * lesson.minutes / steps.reduce((sum, step) => sum + estimate(step), 0);
-    const done = steps.filter(({id}) => kept().steps[id]?.revealed),
-      spent = done.reduce((sum, {id}) => sum + Math.min(LONGEST_S, kept().steps[id].seconds), 0);
-    const usual = done.reduce((sum, step) => sum + scale * estimate(step), 0), pace = usual > 60 && spent > 30
-      ? Math.min(2, Math.max(.5, spent / usual)) : 1;
+    const {steps} = lesson, all = steps.reduce((sum, step) => sum + secondsOf(step), 0);
     const at = place.kind === "step" ? steps.findIndex(({id}) => place.kind === "step" && id === place.id)
       : place.kind === "before" ? 0 : steps.length;
+    const open = steps.slice(at).filter(({id}) => !kept().steps[id]?.revealed).reduce((sum, step) =>
+      sum + secondsOf(step) - (step.id === stage?.step.id ? roundsMade(stage) * ROUND_S : 0), 0);
     const count = lesson.questions?.length ?? 0, asked = place.kind === "before" ? 2 * count - place.k
       : place.kind === "after" ? count - place.k : count;
-    const seconds = steps.slice(at).reduce((sum, step) => sum
-      + (kept().steps[step.id]?.revealed ? 0 : scale * pace * estimate(step)), 0)
-      + QUESTION_S * (place.kind === "step" ? 0 : asked);
-    const minutes = Math.round(seconds / 60);
+    const minutes = Math.round((60 * lesson.minutes * open / all + QUESTION_S * asked) / 60);
     return minutes >= 1 ? `${minutes} min left` : "";
   }
 

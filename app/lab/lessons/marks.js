@@ -6,9 +6,10 @@
  * @typedef {import("./stage.js").Figure} Figure
  */
 import {add, drawingUnit, px} from "../view/svg.js";
-import {measure} from "./measures.js";
-import {nearest} from "./measured.js";
+import {judged, measure} from "./measures.js";
+import {distance, nearest} from "./measured.js";
 
+const MOVED = 1e-6; // px or rad between a truth as it was judged and as it is now
 const STEP_PX = 3, FAR_PX = 15, PILL_PX = 8.2; // that arrow keys move a mark; width of a letter
 const KEYS = /** @type {Record<string, [number, number]>} */ ({ArrowUp: [0, -1], ArrowDown: [0, 1],
   ArrowLeft: [-1, 0], ArrowRight: [1, 0]});
@@ -80,8 +81,11 @@ export class Marks {
       .map(([x, y]) => `<path class="mark-other" d="M${px(x - 4)} ${px(y - 4)}l8 8m0-8l-8 8"/>`).join("");
     const truth = ask.kind === "place" && stage.isRevealed && own && stage.mark && ask.truth
       ? measure(stage, ask.truth).value : null;
-    const between = truth ? /** @type {const} */ ([own, at(nearest(/** @type {Mark} */ (stage.mark), truth)),
-      measure(stage, stage.step.told?.measure ?? "px apart").text])
+    const isMoved = truth && stage.mark && ask.truth
+      && distance(nearest(stage.mark, truth), judged(stage, ask.truth).value) > MOVED; // by a slider, after the answer
+    const between = truth && !isMoved ? /** @type {const} */ ([own,
+      at(nearest(/** @type {Mark} */ (stage.mark), truth)),
+      judged(stage, stage.step.told?.measure ?? "px apart").text])
       : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to),
         `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
     if (between && between[0] && between[1]) {

@@ -46,7 +46,7 @@ function apart(stage) {
 
 /** From the mark to a place or a line: px, or degrees on maps. @param {Stage} stage @param {string} name the measure */
 export function distanceOf(stage, name) {
-  const truth = stage.mark && name ? measure(stage, name).value : null;
+  const truth = stage.mark && name ? judged(stage, name).value : null;
   return stage.mark && truth ? distance(stage.mark, truth) / (stage.unit === "rad" ? DEGREE : 1) : NaN;
 }
 
@@ -109,9 +109,29 @@ export function measure(stage, name) {
 }
 
 /**
+ * A measure as it was when the truth was shown: later turns of sliders change no judgement.
+ * @param {Stage} stage
+ * @param {string} name
+ */
+export const judged = (stage, name) => stage.graded?.[name] ?? measure(stage, name);
+
+/** All measures that judge the answer or are named beside it, as they are now. @param {Stage} stage */
+export function grade(stage) {
+  const {ask, told: number, after = "", say} = stage.step,
+    {truth, right, line, measure: goal, elsewhere = []} = ask;
+  const inWords = [...JSON.stringify([ask, number, after, say]).matchAll(/\{([^{}":,]*)\}/g)].map(([, name]) => name);
+  const names = [truth, right, line, goal, number?.measure, ...elsewhere.map(one => one.truth), "px apart", ...inWords];
+  return Object.fromEntries([...new Set(names)].filter(name => typeof name === "string" && name).map(name => {
+    const found = measure(stage, String(name));
+    return [name, {...found, value: ArrayBuffer.isView(found.value) ? Array.from(/** @type {any} */ (found.value))
+      : found.value}];
+  }));
+}
+
+/**
  * Words with their {measures}; no line ends between a number and its unit.
  * @param {string} words
  * @param {Stage} stage
  */
 export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) =>
-  measure(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));
+  judged(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));

@@ -5,6 +5,8 @@
  * @typedef {import("./stage.js").Question} Question
  * @typedef {{answer: number, right: boolean, sure: boolean, seconds: number}} Given answer: its index in the file
  * @typedef {Record<string, Given>} Givens by the question's id
+ * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go and
+ *   href it is its name alone
  */
 import {inline, make, plain} from "./dom.js";
 import {dealtOrder} from "./stage.js";
@@ -19,6 +21,11 @@ import {dealtOrder} from "./stage.js";
 export const orderOf = ({answers}, k, person, phase) =>
   dealtOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
 
+/** @param {Link} to @param {string} look the class of a button */
+export const linked = ({words, go, href}, look) => go
+  ? make("button", {type: "button", class: look, onclick: go}, words)
+  : href ? make("a", {href, class: look === "plain" ? "button" : null}, words) : make("span", {class: "hint"}, words);
+
 /** How many are right. @param {Question[]} questions @param {Givens} given */
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
 
@@ -31,6 +38,9 @@ export const rightOf = (questions, given) => questions.filter(({id}) => given[id
  */
 export const gain = (before, after, count) => before === count ? null : (after - before) / (count - before);
 
+/** How many were guessed. @param {Question[]} questions @param {Givens} given */
+export const guessedOf = (questions, given) => questions.filter(({id}) => given[id] && !given[id].sure).length;
+
 /** "4 → 7 of 8, gain 0.75", in words. @param {Question[]} questions @param {Givens} before @param {Givens} after */
 export function outcome(questions, before, after) {
   const count = questions.length, pre = rightOf(questions, before), post = rightOf(questions, after),
@@ -40,7 +50,8 @@ export function outcome(questions, before, after) {
     words: "You did not answer all questions both before and after, so there is no gain to state."};
   const words = g === null ? "You had all of them right before." : `Gain ${g.toFixed(2).replace("-", "−")}: ${post >= pre
     ? `of the ${count - pre} that you had wrong, ${post - pre} more ${post - pre === 1 ? "is" : "are"} right now.` : "fewer are right now than before."}`;
-  return {large: `${pre} → ${post} of ${count}`, words};
+  return {large: `${pre} → ${post} of ${count}`, words:
+    `${words} Guessed: ${guessedOf(questions, before)} of ${count} → ${guessedOf(questions, after)} of ${count}.`};
 }
 
 /**
@@ -85,8 +96,10 @@ export function questionOf(question, order, now, changed) {
     key(key) {
       const k = Number(key) - 1, one = sure.find(({key: own}) => own === key.toUpperCase());
       if (k in options) take(k);
-      else if (one && now.answer !== null) one.button.click();
-      else return false;
+      else if (one && now.answer !== null) {
+        now.sure = Boolean(one.value);
+        changed();
+      } else return false;
       return true;
     },
   };
@@ -98,13 +111,13 @@ export function questionOf(question, order, now, changed) {
  * @param {Question[]} questions
  * @param {Givens} before
  * @param {Givens} after
- * @param {(step: string) => {words: string, go: (() => void) | null, href: string | null} | null} link
+ * @param {(step: string) => Link} link
  */
 export function reviewOf(questions, before, after, link) {
   const mark = (/** @type {Given | undefined} */ given) =>
     make("span", {class: given ? given.right ? "yes" : "no" : "none", role: "img", "aria-label": given
     ? `${given.right ? "right" : "wrong"}${given.sure ? ", sure" : ", guessed"}` : "not answered"},
-    given ? given.right ? "✓" : "✗" : "–");
+    given ? given.right ? "✓" : "✗" : "–", given ? make("small", {}, given.sure ? "sure" : "guess") : null);
   const rows = questions.map((question, k) => {
     const right = question.answers.find(answer => answer.right) ?? question.answers[0], at = question.step
       ? link(question.step) : null;
@@ -117,8 +130,7 @@ export function reviewOf(questions, before, after, link) {
         wrong && make("p", {class: "because wrong-answer",
           html: `<b>Your answer “${inline(wrong.text)}”</b> ${inline(wrong.because)}`})),
       mark(before[question.id]), mark(after[question.id]),
-      at ? at.go ? make("button", {type: "button", class: "link", onclick: at.go}, at.words)
-        : make("a", {href: at.href}, at.words) : make("span", {}));
+      at ? linked(at, "link") : make("span", {}));
   });
   return make("ol", {class: "review"}, make("li", {class: "heads", "aria-hidden": true}, make("span", {}),
     make("span", {}, "right is"), make("span", {}, "before"), make("span", {}, "after"),

@@ -7,7 +7,7 @@
  * @typedef {import("./step-screen.js").Button} Button
  */
 import {inline, make} from "./dom.js";
-import {orderOf, outcome, questionOf, reviewOf} from "./questions.js";
+import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
 
 /** @implements {Screen} Where lessons begin. */
 export class HomeScreen {
@@ -15,16 +15,17 @@ export class HomeScreen {
    * @param {HTMLElement} body
    * @param {Lesson[]} lessons
    * @param {Lesson} lesson
-   * @param {(lesson: Lesson) => {words: string, done: number}} stateOf
+   * @param {(lesson: Lesson) => {words: string, done: number, isAsked: boolean}} stateOf
    * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
-   *   void, forget: (lesson: Lesson) => void, catalogue: {name: string, title: string, about: string,
-   *   minutes: number}[]}} acts
+   *   void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void,
+   *   catalogue: {name: string, title: string, about: string, minutes: number}[]}} acts
    */
   constructor(body, lessons, lesson, stateOf, acts) {
     this.start = () => acts.start(lesson);
     this.words = stateOf(lesson).words;
     const cards = lessons.map(one => {
-      const {words, done} = stateOf(one), count = one.steps.length, hasQuestions = Boolean(one.questions?.length);
+      const {words, done, isAsked} = stateOf(one), count = one.steps.length,
+        hasQuestions = Boolean(one.questions?.length);
       const times = `${one.minutes} minutes${hasQuestions ? `, and 4 for each round of ${one.questions?.length} questions` : ""}`;
       return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`},
         make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
@@ -34,6 +35,8 @@ export class HomeScreen {
           words),
           hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)},
             "Without the questions") : null,
+          isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
+            : null,
           done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew")
             : null),
         make("ol", {class: "contents"}, ...one.steps.map(step =>
@@ -124,10 +127,11 @@ export class EndScreen {
    * @param {HTMLElement} figures
    * @param {Lesson} lesson
    * @param {Kept} kept
-   * @param {(step: string) => {words: string, go: (() => void) | null, href: string | null} | null} link
+   * @param {(step: string) => import("./questions.js").Link} link
+   * @param {import("./questions.js").Link | null} next the lesson after this one
    * @param {() => void} leave
    */
-  constructor(body, figures, lesson, kept, link, leave) {
+  constructor(body, figures, lesson, kept, link, next, leave) {
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;
     this.leave = leave;
     const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) =>
@@ -135,12 +139,11 @@ export class EndScreen {
     if (questions.length && wasAsked) {
       const {large, words} = outcome(questions, kept.before, kept.after),
         missed = questions.filter(({id}) => kept.after[id] && !kept.after[id].right);
-      const first = missed.map(({step}) => step && link(step)).find(Boolean);
+      const first = missed.map(({step}) => step ? link(step) : null).find(one => one?.go || one?.href);
       body.replaceChildren(make("h2", {tabindex: -1}, "Eight questions, before and after"),
         make("div", {class: "told"}, make("span", {}, "Right before, right after"), make("strong", {}, large),
         make("small", {}, words)));
-      if (first) body.append(first.go ? make("button", {type: "button", class: "plain", onclick: first.go},
-        `Go to ${first.words}`) : make("a", {class: "button", href: first.href}, `Go to ${first.words}`));
+      if (first) body.append(linked({...first, words: `Go to ${first.words}`}, "plain"));
       figures.replaceChildren(reviewOf(questions, kept.before, kept.after, link), make("h3", {}, "Now you can say"),
         says);
     } else {
@@ -148,6 +151,7 @@ export class EndScreen {
         make("p", {class: "text"}, "You have reached the end of this lesson."));
       figures.replaceChildren(make("h3", {}, "Now you can say"), says);
     }
+    if (next) body.append(linked(next, "plain"));
     figures.dataset.main = figures.dataset.side = "0";
   }
 

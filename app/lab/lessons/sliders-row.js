@@ -4,12 +4,12 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Slider} Slider
  */
-import {inline, make, track} from "./dom.js";
+import {inline, letGo, make, track} from "./dom.js";
 import {short} from "./measured.js";
 
 const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) =>
   ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
-const LOGARITHMIC_STEPS = 200;
+const LOGARITHMIC_STEPS = 200, WHOLE = 1 - 1e-9; // so that rounding does not put the last step beyond the end
 const ACTS = ["do", "pose", "predict"]; // kinds whose sliders are there before the answer
 
 /** @param {Stage} stage @returns {Slider[]} */
@@ -38,8 +38,9 @@ export class SlidersRow {
       const even = (/** @type {number} */ value) => slider.logarithmic ? Math.log(value) : value,
         {low, high, step = 1, logarithmic} = slider;
       const input = make("input", {type: "range", min: even(low), max: even(high), step: logarithmic
-        ? (even(high) - even(low)) / LOGARITHMIC_STEPS : step, "aria-label": slider.label});
+        ? (even(high) - even(low)) / LOGARITHMIC_STEPS * WHOLE : step, "aria-label": slider.label});
       const output = make("output", {});
+      letGo(input);
       const value = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value))
         : Number(input.value)));
       input.addEventListener("input", () => { slid(slider, value()); });

@@ -188,6 +188,8 @@ export class Stage {
     this.answer = {};
     /** @type {Mark | null} in the asking figure's unit */
     this.mark = null;
+    /** @type {Record<string, Measured> | null} measures that judge the answer, as they were when the truth was shown */
+    this.graded = null;
     /** @type {"px" | "rad"} the asking figure's */
     this.unit = "px";
     /** Whether what the learner cannot know is left out. */

@@ -35,7 +35,7 @@ import {Card} from "./card.js";
 import {inline, make, touched} from "./dom.js";
 import {FIGURES} from "./figures/registry.js";
 import {Marks} from "./marks.js";
-import {measure} from "./measures.js";
+import {grade, measure} from "./measures.js";
 import {SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
 
@@ -154,7 +154,6 @@ export class StepScreen {
       stage.mark = /** @type {Mark} */ (stage.answer.pose);
       this.answered();
     }
-    this.#look();
   }
 
   /** @param {Slider} slider @param {number} value */
@@ -171,6 +170,7 @@ export class StepScreen {
       return;
     }
     this.course.keep();
+    this.#look();
   }
 
   /** Whether what has to be reached is reached. */
@@ -233,7 +233,11 @@ export class StepScreen {
       stage.reveal = Math.max(1e-6, share);
       const eased = share * share * (3 - 2 * share);
       if (step.meets) stage.observe(isOver ? to : from.map((v, k) => v + eased * (to[k] - v)));
-    }, () => this.course.keep());
+    }, () => {
+      stage.graded ??= grade(stage);
+      this.course.keep();
+    });
+    if (!step.meets) stage.graded ??= grade(stage);
     this.course.keep();
     this.body.scrollTop = 0;
   }
@@ -243,6 +247,7 @@ export class StepScreen {
     const {stage} = this;
     stage.run++;
     stage.answer = {};
+    stage.graded = null;
     stage.reveal = 0;
     this.wantsToSee = false;
     this.course.keep();

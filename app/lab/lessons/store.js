@@ -13,6 +13,7 @@
  * @property {import("./stage.js").Round[]} rounds
  * @property {[string, number][]} sliders
  * @property {number} seconds
+ * @property {Record<string, import("./stage.js").Measured> | null} [graded] the numbers that judged the answer
  * @property {number} [run]
  * @property {(number | null)[]} [bets]
  * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens,

@@ -24,12 +24,13 @@
  * @property {number} missing
  * @property {number} seed
  * @property {number} steps that were made
+ * @property {number} [point] that the visitor chose
  */
 import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 const DEGREE = Math.PI / 180, MAX_STEPS = 3000;
-const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps", "back"];
+const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps", "point", "back"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {
@@ -71,17 +72,21 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
     const value = asked.get(name) ?? "";
     return checked(name, Object.hasOwn(choices, value)) ? value : usual;
   };
+  const points = Number(choice("points", String(state.points), scene.layouts));
+  const point = Number(asked.get("point") || NaN);
+  const exists = Number.isInteger(point) && point >= 0 && point < scene.layouts[points].length;
   return {
     preset: preset.name,
     demonstrator: posture("demo", state.demonstrator),
     start: posture("start", state.start),
-    points: Number(choice("points", String(state.points), scene.layouts)),
+    points,
     transfer: choice("transfer", state.transfer, TRANSFER_WORDS),
     servo: choice("law", state.servo, SERVO_WORDS),
     noisePx: number("noise", state.noisePx, 0, 20),
     missing: number("lost", 100 * state.missing, 0, 100) / 100,
     seed: Math.round(number("seed", state.seed, 0, 2 ** 32 - 1)),
     steps: Math.round(number("steps", 0, 0, MAX_STEPS)),
+    point: checked("point", exists) ? point : undefined,
   };
 }
 
@@ -102,6 +107,7 @@ export function toAddress(state, preset, scene) {
   if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
   if (state.missing !== usual.missing) parts.push(`lost=${Number((100 * state.missing).toFixed(3))}`);
   if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
+  if (Number(state.point) < scene.layouts[state.points].length) parts.push(`point=${state.point}`);
   if (state.steps) parts.push(`steps=${state.steps}`);
   return `#${parts.join("&")}`;
 }

@@ -63,7 +63,7 @@ export class Curve extends Plot {
     const {width, height} = this, now = history[at], key = [history.length, now.motion, now.E, at, least].join(" ");
     if (key === this.last) return;
     this.last = key;
-    set(this.svg, {"aria-label": `E after each of ${now.motion} steps`});
+    set(this.svg, {"aria-label": `E after each of ${now.motion} steps, on a logarithmic scale`});
     const E = history.map(moment => Math.max(moment.E, MIN_E)), known = E.filter(Number.isFinite);
     if (!known.length || width < 80) return void this.svg.replaceChildren();
     const all = least === null ? known : [...known, Math.max(least, MIN_E)];
@@ -80,8 +80,8 @@ export class Curve extends Plot {
     };
     const probes = history.slice(0, -1).map(({probe}, k) => probe && E.length <= MAX_DOTS && Number.isFinite(E[k])
       ? `<circle class="vi-probe-E" cx="${px(xs[k])}" cy="${px(y(E[k]))}" r="2.4"/>` : "").join("");
-    const ends = y(bottom) - y(top) > ROOM_PX ? [top, bottom] : [top];
-    const labels = ends.map(E => this.label(energyText(E), y(E))).join("");
+    const labels = [top, top / Math.exp(scale)].map(E => this.label(energyText(E), y(E))).join("")
+      + (height > 3 * ROOM_PX ? this.label("log", height / 2) : "");
     const rest = at < E.length - 1 ? `<path class="vi-line-E vi-later" d="${line(at, E.length - 1)}"/>` : "";
     const truth = least === null ? ""
       : `<path class="vi-line-demo" d="M${this.axis.left} ${px(y(Math.max(least, MIN_E)))}H${width - PAD.right}"/>`;

@@ -80,7 +80,6 @@ function gripDot(lab, event) {
   const away = (/** @type {number[]} */ of) => Math.hypot(...map.place(of).map((v, k) => v - at[k]));
   const isFinger = event.pointerType === "touch", near = isFinger ? FINGER_PX : POINTER_PX, isOwn = away(theta) < near;
   const isDemo = away(thetaDemo) < near && away(theta) > BESIDE_PX;
-  $("map").focus({preventScroll: true});
   if (isFinger && !isDemo && !isOwn) return null; // a tap places the learner, a swipe scrolls
   if (!isDemo) lab.place(map.postureAt(event, box));
   return (/** @type {PointerEvent} */ moved) =>

@@ -44,11 +44,23 @@ export class Experiment {
   enter(state) {
     this.state = state;
     this.scene = this.offered.scenes[this.preset.scene];
-    this.world = new World(this.scene, state.points);
+    if (this.world.body !== this.scene.layouts[state.points]) this.world = new World(this.scene, state.points);
     this.posedAt = 0;
     this.session = new Session(this.world, this.#settings());
     while (this.now.motion < state.steps && this.session.step());
-    this.chosen = farthestOff(this.now);
+    const {point = Infinity} = state;
+    this.chosen = point < this.world.body.length ? point : farthestOff(this.now);
+  }
+
+  /** A point that stays chosen. @param {number} point */
+  choose(point) {
+    this.state.point = this.chosen = point;
+  }
+
+  /** One motion back. */
+  undo() {
+    this.session.undo();
+    this.posedAt = Math.min(this.posedAt, this.now.motion);
   }
 
   /** @param {string} hash */

@@ -56,7 +56,7 @@ export class Form {
 
   #enterPreset() {
     const {presets, scenes} = this.lab.experiment.offered, chosen = presets[$("preset").selectedIndex];
-    this.lab.enter(beginning(chosen, scenes[chosen.scene]));
+    this.lab.enter({...beginning(chosen, scenes[chosen.scene]), point: this.lab.experiment.state.point});
   }
 
   /** What differs from the preset, in words. */

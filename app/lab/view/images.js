@@ -22,11 +22,11 @@ import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
-const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, TOUCH_PX = 18, MAX_HALF_AXIS = 400;
+const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, MAX_BEYOND = 0.3, TOUCH_PX = 18, MAX_HALF_AXIS = 400;
 const COMPASS = Array.from({length: 16}, (_, k) => [Math.cos(k * Math.PI / 8), Math.sin(k * Math.PI / 8)]);
 const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-line vi-from-right", "vi-line vi-partner",
-  "vi-spread", "vi-steps", "vi-stop", "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own", "vi-own vi-idle",
-  "vi-seen", "vi-seen vi-idle", "vi-found", "vi-ring"];
+  "vi-spread", "vi-steps", "vi-stop", "vi-goal-dot", "vi-bone vi-found", "vi-e", "vi-tip", "vi-own",
+  "vi-own vi-unused", "vi-seen", "vi-seen vi-unused", "vi-found", "vi-ring"];
 
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
 /**
@@ -121,7 +121,7 @@ export class Images {
     const demo = this.outlines.of(world, "demonstrator", moment.thetaDemo, "demo");
     const own = this.outlines.of(world, "learner", moment.theta, "own");
     const goal = this.outlines.of(world, "learner", moment.thetaDemo, "goal");
-    const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease)].some(Boolean);
+    const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease, picture.recovered)].some(Boolean);
     this.fresh = false;
     const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
     const bones = picture.bones === undefined ? this.#recoveredBones(moment, demo) : picture.bones;
@@ -182,13 +182,19 @@ export class Images {
     return [0, 2].map(from => joints.map((_, i) => [found[4 * i + from], found[4 * i + from + 1]]));
   }
 
-  /** Move a pair's windows to what they show. @param {number} first @param {Outline[][]} bodies @param {number} ease */
-  #fit(first, bodies, ease) {
+  /** Move a pair's windows to what they show. @param {number} first @param {Outline[][]} bodies @param {number} ease @param {Float64Array} [marks] (4 N) px, far ones among them */
+  #fit(first, bodies, ease, marks) {
     const pair = this.views.filter(({k}) => k >> 1 === first >> 1);
     const spans = pair.map(({k}) => {
       const points = bodies.flatMap(body => [...body[k & 1].hulls.flat(), ...body[k & 1].bones]);
       const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
-      return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+      const body = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)], span = [...body];
+      for (let i = 2 * (k & 1); marks && i < marks.length; i += 4) if (Number.isFinite(marks[i])) [0, 1].forEach(axis => {
+        const far = MAX_BEYOND * (body[axis + 2] - body[axis]);
+        span[axis] = Math.min(span[axis], Math.max(marks[i + axis], body[axis] - far));
+        span[axis + 2] = Math.max(span[axis + 2], Math.min(marks[i + axis], body[axis + 2] + far));
+      });
+      return span;
     });
     const scale = Math.min(MAX_SCALE, ...pair.map(({width, height}, k) => Math.min(
       (width - 2 * MARGIN_PX) / Math.max(spans[k][2] - spans[k][0], 1), (height - 2 * MARGIN_PX) / Math.max(spans[k][3] - spans[k][1], 1))));
@@ -229,6 +235,7 @@ export class Images {
     };
     const dot = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a)} ${px(b)}h0`;
     const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
+    const times = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - 3)} ${px(b - 3)}l6 6m0-6l-6 6`;
     const used = new Set(moment.usable);
     /**
      * @param {(a: number, b: number) => string} mark
@@ -240,7 +247,7 @@ export class Images {
     const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};
     if (isDemo) {
       d["vi-seen"] = each(images, shown(diamond(3.6), true));
-      d["vi-seen vi-idle"] = each(images, shown(diamond(3.6), false));
+      d["vi-seen vi-unused"] = each(images, shown(times, false));
     } else {
       if (ghost) {
         d["vi-goal"] = closed(ghost.hulls);
@@ -248,7 +255,7 @@ export class Images {
       }
       if (goalImages) d["vi-goal-dot"] = each(goalImages, dot);
       d["vi-own"] = each(images, shown(dot, true));
-      d["vi-own vi-idle"] = each(images, shown(dot, false));
+      d["vi-own vi-unused"] = each(images, shown(times, false));
       d["vi-found"] = each(recovered, diamond(3.9));
       if (bones) d["vi-bone vi-found"] = polyline(bones);
       let tips = "";

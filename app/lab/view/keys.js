@@ -1,5 +1,8 @@
 /** Keys of the whole page, but where something on it takes them for itself. */
 
+/** What takes arrow keys or the space bar for itself, but only for whoever came there by keys. */
+const RETURNING = "input[type=radio], select, #space, #map, .buttons button";
+
 /** @param {Record<string, () => void>} keys what each does, letters in lower case @param {() => boolean} isOn */
 export function listen(keys, isOn) {
   document.addEventListener("keydown", event => {
@@ -7,9 +10,26 @@ export function listen(keys, isOn) {
     if (event.defaultPrevented || !isOn() || !(key in keys) || !(target instanceof Element)) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (target.matches("select, input[type=number]") || document.querySelector("dialog[open], :popover-open")) return;
-    if (target.matches("input") && /^(Arrow|Home|End|Page)/.test(key)) return;
+    if (target.matches("input[type=radio], input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return;
     if (key === " " && target.matches("button, summary, input[type=checkbox]")) return;
     event.preventDefault();
     keys[key]();
+  });
+}
+
+/** What a pointer has chosen or dragged does not keep the focus: the keys of the page go on. */
+export function returnFocus() {
+  let isPointer = false;
+  const giveBack = () => {
+    const {activeElement} = document;
+    if (isPointer && activeElement instanceof HTMLElement && activeElement.matches(RETURNING)) activeElement.blur();
+  };
+  const onPointer = (/** @type {boolean} */ is) => () => { isPointer = is; };
+  document.addEventListener("pointerdown", onPointer(true), true);
+  document.addEventListener("keydown", onPointer(false), true);
+  document.addEventListener("change", giveBack);
+  for (const end of ["pointerup", "click"]) document.addEventListener(end, ({target}) => {
+    // The list of a select stays open until something is chosen
+    if (!(target instanceof HTMLSelectElement)) setTimeout(giveBack);
   });
 }

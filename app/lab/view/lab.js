@@ -8,12 +8,12 @@ import {Landscapes} from "./landscapes.js";
 import {byId as $, copy} from "./page.js";
 import {Player} from "./playing.js";
 import {Sliders} from "./sliders.js";
-import {energyText, fixed, say} from "./svg.js";
-import {residualText, outcome, truth} from "./words.js";
+import {energyText, say} from "./svg.js";
+import {outcome, residualText, stepsText, truth} from "./words.js";
 
 /** @typedef {import("./address.js").State} State @typedef {import("../engine/session.js").Moment} Moment */
 
-const DEGREE = Math.PI / 180, MAX_PATH = 400; // postures drawn on the map
+const MAX_PATH = 400; // postures drawn on the map
 const EASE = .2, HELD_EASE = .12; // share of their way that the images' windows go in a frame
 const REMEMBER_MS = 250, SAID_MS = 150, PLAYED_MS = 800; // until the address is written, and a sentence is announced
 
@@ -114,6 +114,14 @@ export class Lab {
     this.#remember();
   }
 
+  play() {
+    if (!$("play").disabled) this.player.play(!this.player.isPlaying);
+  }
+
+  step() {
+    if (!$("step").disabled) this.player.step();
+  }
+
   undo() {
     this.player.undo();
     this.#remember();
@@ -122,14 +130,14 @@ export class Lab {
   /** @param {number} point */
   choose(point) {
     if (point >= this.experiment.world.body.length) return;
-    this.experiment.chosen = point;
+    this.experiment.choose(point);
     this.redraw();
+    this.#remember();
   }
 
   /** Something is dragged, or let go. @param {boolean} held */
   hold(held) {
     this.player.isHeld = held;
-    this.landscapes.hold(held);
   }
 
   /**
@@ -166,7 +174,8 @@ export class Lab {
     const {experiment, view, player, sliders} = this, {now, world, scene, session, state, chosen} = experiment;
     const moment = player.shown(), {views, theta, thetaDemo} = moment, goal = $("goal").checked;
     const at = (/** @type {Float64Array} */ of) => of.subarray(4 * chosen, 4 * chosen + 4);
-    const lines = moment.usable.includes(chosen) ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
+    const crosses = state.transfer === "epipolar" && moment.usable.includes(chosen);
+    const lines = crosses ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const ease = player.still.matches ? 1 : player.isHeld ? HELD_EASE : EASE;
     const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays};
     const moves = view.draw(world, shown);
@@ -174,36 +183,36 @@ export class Lab {
     const path = visited.map((one, k) =>
       ({theta: one.theta, probe: Boolean(session.trace[k + 1]?.probe), isPast: one.motion < posedAt})).slice(-MAX_PATH);
     const hasMinimum = world.body.length >= MIN_POINTS && moment.fitted && goal;
-    const minimum = hasMinimum ? this.landscapes.shown?.minimum?.theta ?? null : null;
+    const minimum = hasMinimum ? this.landscapes.minimum : null;
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
     say($("typical"), moment.fitted ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
     $("map").classList.toggle("blank", !moment.fitted);
     document.body.classList.toggle("goalless", !goal);
+    document.body.classList.toggle("lineless", state.transfer !== "epipolar");
+    $("draw-of-noise").hidden = !state.noisePx;
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
-    const said = outcome(now, player.isPlaying, world.body.length, Boolean(state.noisePx));
+    const said = outcome(now, player.isPlaying, world.body.length, state.noisePx, posedAt);
     $("state").className = `state ${said.state}`;
     say($("outcome"), said.text);
     if (said.text !== this.announced) this.#announce(said.text);
     const hidden = "The goal is hidden, from you as from the learner.";
     say($("truth"), goal ? truth(theta, thetaDemo, scene.names, moment.E) : hidden);
-    this.#count(now);
+    this.#count(now, said.state);
     if (moves && !player.isTicking) this.redraw();
   }
 
-  /** How many steps and points there are, and what can be done next. @param {Moment} now */
-  #count(now) {
+  /** How many steps and points there are, and what can be done next. @param {Moment} now @param {string} state */
+  #count(now, state) {
     const {player, experiment: {world}} = this, used = now.usable.length, all = world.body.length;
-    say($("count"), `${now.motion} ${now.motion === 1 ? "step" : "steps"}`);
+    say($("count"), stepsText(now.motion));
     say($("used"), used < all ? `${used} of ${all} points seen in all four pictures` : "");
-    const radius = /** @type {{radius?: number} | null} */ (now.servoState)?.radius;
-    const plans = radius && now.motion > 2 && now.status === "moving";
-    say($("trust"), plans ? `plans at most ${fixed(radius / DEGREE, radius < 2 * DEGREE ? 1 : 0)}° ahead` : "");
-    say($("play").querySelector("b"), player.isFollowing ? "Following" : player.isPlaying ? "Pause" : "Play");
+    const rests = state === "settled" ? "Following" : "Waiting";
+    say($("play").querySelector("b"), player.isFollowing ? rests : player.isPlaying ? "Pause" : "Play");
     $("play").disabled = all < MIN_POINTS;
-    $("step").disabled = player.isAtRest;
+    $("step").disabled = all < MIN_POINTS || player.isAtRest;
     $("undo").disabled = !now.motion;
     $("reset").disabled = this.experiment.isReset;
   }
@@ -233,10 +242,9 @@ export class Lab {
   }
 
   #buttons() {
-    const {player} = this;
     /** @type {Record<string, () => void>} */
     const buttons = {
-      play: () => player.play(!player.isPlaying), step: () => player.step(),
+      play: () => this.play(), step: () => this.step(),
       undo: () => this.undo(), reset: () => this.reset(),
       help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.#recolour(),
       link: () => void copy($("link"), location.href.split("#")[0] + this.experiment.address(), "The link to this:"),
@@ -245,10 +253,10 @@ export class Lab {
   }
 
   #keys() {
-    const {player, form, experiment} = this;
+    const {form, experiment} = this;
     /** @type {Record<string, () => void>} */
     const keys = {
-      " ": () => player.play(!player.isPlaying), ArrowRight: () => player.step(), ArrowLeft: () => this.undo(),
+      " ": () => this.play(), ArrowRight: () => this.step(), ArrowLeft: () => this.undo(),
       r: () => this.reset(), g: () => form.toggle("goal"), p: () => form.nextPreset(), v: () => this.view.space?.fit(),
       n: () => this.choose((experiment.chosen + 1) % experiment.world.body.length),
       d: () => this.#recolour(), "?": () => $("keys").showModal(),

@@ -1,5 +1,5 @@
 /** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it. */
-import {listen} from "./keys.js";
+import {listen, returnFocus} from "./keys.js";
 import {Lab} from "./lab.js";
 import {byId as $, fault, unpacked} from "./page.js";
 import {Replay} from "./replay.js";
@@ -15,6 +15,7 @@ import {View} from "./view.js";
 function begin(data, meshes) {
   /** @type {Lab | Replay | null} */
   let shown = null;
+  returnFocus();
   const view = new View(data, meshes, () => shown?.redraw());
   new ResizeObserver(() => shown?.resized()).observe($("map"));
   /** @type {Lab | null} */
@@ -56,7 +57,7 @@ function begin(data, meshes) {
 function publish(lab, {space, images, map}) {
   const {experiment, landscapes} = lab;
   Object.assign(globalThis, {lab: {
-    session: () => experiment.session, world: () => experiment.world, landscape: () => landscapes.shown,
+    session: () => experiment.session, world: () => experiment.world, landscape: () => landscapes.shown, minimum: () => landscapes.minimum,
     pageLink: () => experiment.pageLink(), fineMap: () => landscapes.fine(),
     pose: (/** @type {number[]} */ theta) => lab.pose(theta),
     place: (/** @type {number[]} */ theta) => lab.place(theta),

@@ -12,6 +12,7 @@ const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number
+const NEAR_PX = 12, RING_PX = 11; // of the learner from other marks
 const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
@@ -266,10 +267,14 @@ export class EnergyMap {
       const [a, b] = this.place(theta);
       return probe ? `<circle class="vi-probe-own" cx="${px(a)}" cy="${px(b)}" r="3.2"/>` : `<path class="vi-dot-own" d="M${px(a)} ${px(b)}h0"/>`;
     }).join("");
-    const cross = minimum && this.place(minimum);
+    const cross = minimum && this.place(minimum), circle = (/** @type {string} */ kind, /** @type {number} */ r) =>
+      `<circle class="${kind}" cx="${px(x)}" cy="${px(y)}" r="${r}"/>`;
+    // A ring, where a dot would hide what is there
+    const isNear = [goal, cross].some(mark => mark && Math.hypot(x - mark[0], y - mark[1]) < NEAR_PX);
+    const dot = isNear ? circle("vi-line-own vi-case", RING_PX) + circle("vi-line-own", RING_PX) : circle("vi-now", 7.5);
     const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;
     this.#write(this.way, `${still}${before}${drawn}${visited}`);
-    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}<circle class="vi-now" cx="${px(x)}" cy="${px(y)}" r="7.5"/>
+    const html = `${goal ? `<path class="vi-seen" d="M${px(goal[0] - 6.5)} ${px(goal[1])}l6.5-6.5 6.5 6.5-6.5 6.5z"/>` : ""}${cross ? `<path class="vi-cross" d="M${px(cross[0] - 7)} ${px(cross[1])}h14m-7-7v14"/>` : ""}${dot}
 ${goal ? name(goal, "vi-of-demo", "demonstrator") : ""}${goal && Math.hypot(x - goal[0], y - goal[1]) < 30 ? "" : name([x, y], "vi-of-own", "learner")}`;
     this.#write(this.moving, html);
   }

@@ -1,7 +1,8 @@
 /** Playing: while it is on, a learner at rest wakes when the demonstrator moves. */
 
 /** ms of a step, by law */
-const PERIOD_MS = {broyden: 620, gradient: 60, "gradient-retuned": 60}, PROBE_MS = 1100;
+const PERIOD_MS = {broyden: 620, gradient: 6, "gradient-retuned": 20}, PROBE_MS = 1100;
+const MAX_BEHIND_MS = 400, ADVANCE_MS = 10; // that slow drawing puts steps off for, and that steps take in a frame
 const GLIDE = 0.75, MIN_GLIDE_MS = 100; // share of a period in which the arm moves
 const HELD = .25; // share of a period while something is dragged
 
@@ -59,6 +60,7 @@ export class Player {
   /** Go on, if it is playing. */
   wake() {
     this.isAsleep = false;
+    this.due = Math.max(this.due, performance.now());
     if (this.isTicking) return;
     this.isTicking = true;
     requestAnimationFrame(now => this.#tick(now));
@@ -81,7 +83,7 @@ export class Player {
   undo() {
     this.play(false);
     this.glide = null;
-    this.experiment.session.undo();
+    this.experiment.undo();
     this.redraw();
   }
 
@@ -101,9 +103,9 @@ export class Player {
       return false;
     }
     const usual = session.now.probe ? PROBE_MS : PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)];
-    const period = usual * (this.isHeld ? HELD : 1), now = performance.now();
+    const period = usual * (this.isHeld ? HELD : 1), now = performance.now(), isQuick = usual < MIN_GLIDE_MS;
     this.glide = this.still.matches || period < MIN_GLIDE_MS ? null : {from, began: now, lasts: GLIDE * period};
-    this.due = now + period;
+    this.due = (isQuick ? Math.max(this.due, now - MAX_BEHIND_MS) : now) + period;
     this.stepped();
     return true;
   }
@@ -111,10 +113,12 @@ export class Player {
   /** @param {number} now */
   #tick(now) {
     if (this.glide && now - this.glide.began >= this.glide.lasts) this.glide = null;
-    if (this.isPlaying && !this.glide && now >= this.due && !this.#advance()) {
-      this.isAsleep = true;
-      if (!this.experiment.now.fitted) this.play(false);
-    }
+    const until = performance.now() + ADVANCE_MS;
+    while (this.isPlaying && !this.isAsleep && !this.glide && now >= this.due && performance.now() < until)
+      if (!this.#advance()) {
+        this.isAsleep = true;
+        if (!this.experiment.now.fitted) this.play(false);
+      }
     this.drawNow();
     if (this.glide || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
     else this.isTicking = false;

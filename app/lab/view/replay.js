@@ -62,6 +62,7 @@ export class Replay {
   open(motion) {
     const {names, lower, upper} = this.scene;
     this.isOpen = true;
+    document.body.classList.remove("lineless");
     document.body.classList.add("replay");
     this.view.setScene(this.scene);
     this.sliders.build(names, lower, upper);

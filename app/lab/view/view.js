@@ -67,6 +67,7 @@ export class View {
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
     say($("residual"), residualOf(shown));
+    $("unused").hidden = shown.moment.usable.length === world.body.length;
     this.drawSpace(world, shown);
     return moves;
   }

@@ -4,7 +4,7 @@ import {fixed} from "./svg.js";
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
 const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
-const AGREE_PX = 3, AGREE_NOISY_PX = 8; // typical residuals that count as agreement
+const AGREE_PX = 3, AGREE_PER_NOISE = 2.5; // typical residuals that count as agreement, and more for each px of noise
 
 /** @type {Record<string, {title: string, says: string}>} */
 export const SERVO_WORDS = {
@@ -14,11 +14,11 @@ export const SERVO_WORDS = {
   },
   "gradient-retuned": {
     title: "Retuned",
-    says: "The paper’s law with larger but bounded steps. It learns only which way E falls: some hundred steps.",
+    says: "The paper’s law with larger steps. At first it turns too far, and E rises again: some hundred steps.",
   },
   gradient: {
     title: "Paper’s",
-    says: "As printed in 2001. It learns only which way E falls, and its steps shrink with E, so it crawls.",
+    says: "As printed in 2001. It may turn too far at first. Its steps shrink with E, so it crawls.",
   },
 };
 
@@ -42,24 +42,27 @@ export const TRANSFER_WORDS = {
  * @param {Moment} now
  * @param {boolean} playing
  * @param {number} points of the body
- * @param {boolean} isNoisy
+ * @param {number} noisePx
+ * @param {number} posedAt the motion at which the demonstrator moved last
  * @returns {{state: string, text: string}}
  */
-export function outcome(now, playing, points, isNoisy) {
-  const apart = residualText(now.E), steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
+export function outcome(now, playing, points, noisePx, posedAt) {
+  const apart = residualText(now.E), steps = stepsText(now.motion);
+  const when = posedAt ? `${stepsText(now.motion - posedAt)} after the demonstrator moved` : `after ${steps}`;
   const said = (/** @type {string} */ state, /** @type {string} */ text) => ({state, text});
   if (now.status === "too-few-points")
     return said("stuck", "Too few points are visible in all four pictures: it needs five.");
   if (points < 5) return said("stuck", "With four points, E is 0 in every pose: the pictures cannot disagree.");
-  const agrees = Math.sqrt(now.E) < (isNoisy ? AGREE_NOISY_PX : AGREE_PX);
-  const still = `the pictures still disagree by ${apart}`;
-  if (now.status === "settled" && agrees) {
+  const agrees = Math.sqrt(now.E) < AGREE_PX + AGREE_PER_NOISE * noisePx;
+  if (now.status === "settled" || now.status === "no-progress") {
+    const rests = now.status === "settled", still = `but the pictures still disagree by ${apart}`;
     const next = playing ? " Move the demonstrator, and it follows." : "";
-    return said("settled", `Converged after ${steps}: the pictures agree to ${apart}.${next}`);
+    if (agrees) return said("settled",
+      `${rests ? "Converged" : "E no longer falls"} ${when}: the pictures agree to ${apart}.${next}`);
+    return said("stuck", rests
+      ? `Stopped ${when} without success. By what it has learned, no small turn would lower E, ${still}.`
+      : `E no longer falls ${when}, ${still}.`);
   }
-  if (now.status === "settled")
-    return said("stuck", `Stopped after ${steps} without success: no small turn lowers E, but ${still}.`);
-  if (now.status === "no-progress") return said("stuck", `No lower E found lately: after ${steps} ${still}.`);
   if (playing && now.probe) return said("moving", "A test move: it turns one joint to see how its pictures change.");
   if (playing) return said("moving", "Copying: it goes where it expects a smaller E.");
   if (now.motion) return said("moving", `After ${steps}, the pictures disagree by ${apart}.`);
@@ -84,6 +87,9 @@ export function truth(theta, thetaDemo, joints, E) {
   const [first, ...others] = off.map((v, k) => `its ${joints[k].toLowerCase()} is ${fixed(v)}°`);
   return `Hidden from the learner: ${[`${first} off`, ...others].join(", ")}.`;
 }
+
+/** @param {number} count */
+export const stepsText = count => `${count} ${count === 1 ? "step" : "steps"}`;
 
 /** The root of E: how long a typical arrow is. @param {number} E px² */
 export const residualText = E => Number.isNaN(E) ? "–" : `${fixed(Math.sqrt(E), E >= 100 ? 0 : 1)} px`;

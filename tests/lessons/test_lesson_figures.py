@@ -93,6 +93,8 @@ def _line(page):
 @pytest.mark.browser
 def test_a_point_of_l_is_dragged_and_its_line_goes_along(opened):
     page = opened("ray", "two")
+    page.evaluate("lesson.reveal()")  # the handles come with the answer
+    page.wait_for_selector(".figure-l .draw-handle")
     before, (x, y) = _line(page), _middle(page, ".figure-l .draw-handle")
     page.mouse.move(x, y)
     page.mouse.down()

@@ -208,7 +208,7 @@ export class Lab {
   #count(now, state) {
     const {player, experiment: {world}} = this, used = now.usable.length, all = world.body.length;
     say($("count"), stepsText(now.motion));
-    say($("used"), used < all ? `${used} of ${all} points seen in all four pictures` : "");
+    say($("used"), used < all ? `${used} of ${all} points seen in all four` : "");
     const rests = state === "settled" ? "Following" : "Waiting";
     say($("play").querySelector("b"), player.isFollowing ? rests : player.isPlaying ? "Pause" : "Play");
     $("play").disabled = all < MIN_POINTS;

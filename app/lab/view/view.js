@@ -104,7 +104,7 @@ export class View {
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
       ghost: goal ? learner.linkFrames(thetaDemo) : null,
       lines: N ? [
-        ...chosenPoints, ...rayOf(scene, points.demonstrator[chosen]),
+        ...chosenPoints, ...lines.length ? rayOf(scene, points.demonstrator[chosen]) : [],
         ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
       ] : [],
     });

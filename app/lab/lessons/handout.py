@@ -141,7 +141,7 @@ class _StepOnPaper:
         canvas.path([(MARGIN, top), (WIDTH - MARGIN, top)], PALE, 0.3)
         y = top + 2.5
         y += write(canvas, (MARGIN, y), heading, TITLE, WIDTH - 2 * MARGIN, True) + 1.0
-        y += write(canvas, (MARGIN, y), self._fill(self._step.text), BODY, WIDTH - 2 * MARGIN) + 3.0
+        y += write(canvas, (MARGIN, y), _whole(self._fill(self._step.text)), BODY, WIDTH - 2 * MARGIN) + 3.0
         pictures = self._pictures(canvas, y)
         column = _Column(canvas, TEXT_LEFT if pictures else MARGIN, y, TEXT_WIDTH if pictures else WIDTH - 2 * MARGIN)
         if self._step.deal:

@@ -182,7 +182,8 @@ def test_a_server_computes_lessons_beside_its_event_loop():
         await ticking
         return list(found), ticks
 
-    (first, second), ticks = asyncio.run(serve())
+    with ThreadPoolExecutor(1) as thread:  # which has no event loop yet
+        (first, second), ticks = thread.submit(asyncio.run, serve()).result()
     assert first is second and ticks > 5
     catalogue = data_in(first)["catalogue"]
     assert [one["name"] for one in catalogue] == list(LESSONS)

@@ -13,7 +13,6 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import platformdirs
-import segno
 
 from ..sensing.files import escape
 from . import BadInput
@@ -158,6 +157,8 @@ def _invite(args: argparse.Namespace, port: int) -> str:
     others = others if args.address else f"{others}{root}"
     print(f"students open {others}")
     drawn = io.StringIO()
+    import segno  # which --help does not need
+
     segno.make(others, micro=False).terminal(drawn, compact=True)
     with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
         drawn.getvalue().encode(sys.stdout.encoding or "utf-8")

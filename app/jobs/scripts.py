@@ -48,10 +48,6 @@ class ScriptPlayer:
             self._jobs[page_id] = _Job(_played(script, session), done)
             self._changed.notify()
 
-    def plays(self, page_id: int) -> bool:
-        """Return whether a script of this page is not done yet."""
-        return page_id in self._jobs
-
     def cancel(self, page_id: int) -> bool:
         """End what a page has asked for, which is then not done. Return whether there was something."""
         with self._changed:

@@ -179,7 +179,8 @@ class Room:
         person = self.persons.get(key)
         if person is None:
             person = Person(hello.token, key, self._numbers.get(key) or self._new_number())
-        person.name, person.linked = name_of(hello.name), hello.linked
+        person.name = name_of(hello.name)
+        self._link(person, hello.linked)
         browser.person = person
         self.browsers.add(browser)
         session = None if hello.session is None else self._hash(hello.session)
@@ -400,13 +401,19 @@ class Room:
     def _set_self(self, person: Person, said: p.Self) -> None:
         person.name = name_of(said.name)
         self._tell_of(person)
-        if person.linked and not said.linked:
-            self.store.unlink(person.key, person.token)
-            self._numbers.pop(person.key, None)
-            for one in self.rounds:
-                if (vote := one.votes.pop(person.key, None)) is not None:
-                    one.votes[unlinked(person.token, one.lesson, one.step, one.label)] = vote
-        person.linked = said.linked
+        self._link(person, said.linked)
+
+    def _link(self, person: Person, linked: bool) -> None:
+        """Let a person's answers be linked to each other, or no longer: then earlier ones are unlinked too."""
+        person.linked = linked
+        if linked or person.key not in self._numbers:  # without a number there are no linked answers
+            return
+        self.store.unlink(person.key, person.token)
+        person.number = self._new_number()
+        del self._numbers[person.key]
+        for one in self.rounds:
+            if (vote := one.votes.pop(person.key, None)) is not None:
+                one.votes[unlinked(person.token, one.lesson, one.step, one.label)] = vote
 
     # Messages
 

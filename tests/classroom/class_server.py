@@ -79,7 +79,7 @@ class ClassServer:
 class Student:
     """One browser. heard: all messages, oldest first."""
 
-    def __init__(self, server, token=None, name="", hello=True, path="/socket", **headers):
+    def __init__(self, server, token=None, name="", hello=True, path="/socket", linked=True, **headers):
         self.token = token or secrets.token_hex(16)
         self.name, self.heard, self.closed = name, [], None
         own = {"origin": server.url, "user_agent_header": None, "compression": None, "proxy": None}
@@ -87,7 +87,7 @@ class Student:
         self._seq = 0
         threading.Thread(target=self._hear, daemon=True).start()
         if hello:
-            self.send("hello", token=self.token, name=name, **self.further())
+            self.send("hello", token=self.token, name=name, linked=linked, **self.further())
             self.wait("orders")
 
     def further(self):

@@ -280,6 +280,30 @@ def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(serve
     assert str(students[1].wait("welcome")["number"]) not in {row["person"] for row in rows}
 
 
+def test_who_asks_for_it_while_offline_is_not_linked_from_the_next_connection_on():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        round = lecturer.ask()
+        assert student.vote(round, 1)["kind"] == "ack"
+        assert student.reply(student.answer("tour", "line", {"choice": 0}))["kind"] == "ack"
+        linked = {row["person"] for row in exported(lecturer)}
+        assert len(linked) == 1 and "unlinked" not in linked
+        student.close()
+        wait_until(lambda: not people(lecturer))
+        again = Student(server, student.token, linked=False)
+        lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "csv"]
+        assert [row["person"] for row in exported(lecturer)] == ["unlinked"] * 2
+        with sqlite3.connect(server.data) as file:
+            assert file.execute("select count(*) from persons").fetchone() == (0,)
+        assert again.vote(round, 2)["kind"] == "ack"
+        lecturer.counted(total=1, counts=[0, 0, 1])  # still one vote
+        again.send("self", linked=True)
+        assert again.reply(again.answer("tour", "line", {"choice": 1}))["kind"] == "ack"
+        lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "csv"]
+        numbers = {row["person"] for row in exported(lecturer)} - {"unlinked"}
+        assert len(numbers) == 1 and not numbers & linked, "another number than in an earlier table"
+
+
 def test_the_gain_is_of_those_who_answered_both_times_and_of_no_few(server, lecturer, students):
     more = [*students, *(Student(server) for _ in range(4))]
     for k, student in enumerate(more):

@@ -175,9 +175,9 @@ class Reset(Struct, tag="reset", **FIELDS):
 
 
 class Request(Struct, tag="request", **FIELDS):
-    """A copy of the screen of the person of that number."""
+    """A copy of the screen of the person at that place of the class."""
 
-    person: Count
+    place: Count
 
 
 class Export(Struct, tag="export", **FIELDS):

@@ -48,11 +48,12 @@ class Allowance:
 
 @dataclass(eq=False)
 class Person:
-    """The user of one browser, in one or more tabs. key: a hash of its token, under which its answers are kept."""
+    """The user of one browser, in one or more tabs."""
 
     token: str
-    key: str
-    number: int
+    key: str  # a hash of its token, under which its answers are kept
+    place: int  # in the class, by which lecturers know the person
+    number: int  # random, in the table of answers; never sent, as a name could be joined to it
     name: str = ""
     linked: bool = True
     tabs: set["Browser"] = field(default_factory=set)
@@ -136,7 +137,8 @@ class Room:
         self.has_own_code = "code" in kept
         self._code = kept.get("code") or self._hash(code)
         self._sessions: dict[str, None] = dict.fromkeys(msgspec.json.decode(kept.get("sessions", "[]"), type=list[str]))
-        self._numbers = store.persons()
+        self._numbers = store.persons()  # by key, of those who have linked answers
+        self._places: dict[str, int] = {}  # by key, of all since the server began
         self.rounds = store.rounds()
         self.orders = msgspec.json.decode(kept.get("orders", '{"kind":"orders"}'), type=p.Orders)
         self.persons: dict[str, Person] = {}  # present ones, by key
@@ -171,14 +173,15 @@ class Room:
         person.tabs.discard(browser)
         if not person.tabs and self.persons.get(person.key) is person:
             del self.persons[person.key]
-            self._gone.add(person.number)
+            self._gone.add(person.place)
             self._changed.discard(person)
 
     def _hello(self, browser: Browser, hello: p.Hello) -> None:
         key = hashlib.sha256(f"{self._salt} {hello.token}".encode()).hexdigest()[:32]
         person = self.persons.get(key)
         if person is None:
-            person = Person(hello.token, key, self._numbers.get(key) or self._new_number())
+            place = self._places.setdefault(key, len(self._places) + 1)
+            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number())
         person.name = name_of(hello.name)
         self._link(person, hello.linked)
         browser.person = person
@@ -188,7 +191,7 @@ class Room:
             self._become_lecturer(browser, session)
         else:
             self._join_class(browser)
-        browser.send(p.encode("welcome", lecturer=browser.is_lecturer, number=person.number))
+        browser.send(p.encode("welcome", lecturer=browser.is_lecturer))
         browser.send(self._orders_text())
         if browser.is_lecturer:
             self._tell_everything(browser)
@@ -199,7 +202,7 @@ class Room:
         assert browser.person is not None
         browser.person.tabs.add(browser)
         self.persons[browser.person.key] = browser.person
-        self._gone.discard(browser.person.number)
+        self._gone.discard(browser.person.place)
         self._changed.add(browser.person)
 
     def _tell_of(self, person: Person) -> None:
@@ -328,8 +331,8 @@ class Room:
             if not one.is_lecturer:
                 one.send(text) if state.once else one.show(text)
 
-    def _request(self, browser: Browser, number: int) -> None:
-        person = next((one for one in self.persons.values() if one.number == number), None)
+    def _request(self, browser: Browser, place: int) -> None:
+        person = next((one for one in self.persons.values() if one.place == place), None)
         if person is None:
             browser.send(p.encode("done", what="This student is gone."))
             return
@@ -472,8 +475,8 @@ class Room:
                 self._order(hidden=on)
             case p.Reset():
                 self._order(reset=self.orders.reset + 1)
-            case p.Request(number):
-                self._request(browser, number)
+            case p.Request(place):
+                self._request(browser, place)
             case p.Invite(address):
                 address = address or self.address
                 browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
@@ -524,7 +527,7 @@ class Room:
 
 def _described(person: Person) -> dict[str, object]:
     """A person for a lecturer's page."""
-    return {"number": person.number, "name": person.name, "at": person.at}
+    return {"place": person.place, "name": person.name, "at": person.at}
 
 
 def _qr_code(text: str) -> str:

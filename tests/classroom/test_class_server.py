@@ -47,13 +47,13 @@ def students(server):
 
 
 def people(lecturer):
-    """Who is here as the lecturer's page has it, by number."""
+    """Who is here as the lecturer's page has it, by place."""
     found = {}
     for message in lecturer.heard:
         if message["kind"] == "people":
             found = {} if message.get("all") else found
-            found |= {one["number"]: one for one in message["people"]}
-            found = {number: one for number, one in found.items() if number not in message["gone"]}
+            found |= {one["place"]: one for one in message["people"]}
+            found = {place: one for place, one in found.items() if place not in message["gone"]}
     return found
 
 
@@ -139,13 +139,14 @@ def test_all_are_gathered_frozen_and_reset_and_the_truth_is_hidden(server, lectu
 
 
 def test_the_lecturer_opens_a_copy_of_a_students_screen(lecturer, students):
-    number = students[0].wait("welcome")["number"]
-    lecturer.send("request", person=number)
+    wait_until(lambda: len(people(lecturer)) == 3)
+    place = next(place for place, one in people(lecturer).items() if one["name"] == "Mira")
+    lecturer.send("request", place=place)
     wanted = students[0].wait("request")["number"]
     students[1].send("copy", number=wanted, state={"not": "mine"})
     students[0].send("copy", number=wanted, state=STATE)
     assert lecturer.wait("copy")["state"] == STATE
-    lecturer.send("request", person=1)
+    lecturer.send("request", place=999_999)
     assert "gone" in lecturer.wait("done")["what"]
 
 
@@ -216,16 +217,17 @@ def test_a_restart_loses_nothing():
         lecturer.send("hide", on=True)
         round = lecturer.ask()
         assert student.vote(round, 1, right=False)["kind"] == "ack"
-        number = student.wait("welcome")["number"]
+        number = exported(lecturer)[0]["person"]
         server.restart()
         lecturer = Lecturer(server, lecturer.token, lecturer.session)
         student = Student(server, student.token)
-        assert student.wait("welcome")["number"] == number and lecturer.wait("welcome")["lecturer"]
+        assert lecturer.wait("welcome")["lecturer"]
         orders = student.last("orders")
         assert orders["asked"]["round"] == round and orders["hidden"] and orders["gather"]["step"] == "line"
         lecturer.counted(total=1, counts=[0, 1])
         assert student.vote(round, 0, right=True)["kind"] == "ack"
         lecturer.counted(total=1, counts=[1])
+        assert [row["person"] for row in exported(lecturer)] == [number]
         server.stop()
 
 
@@ -249,8 +251,9 @@ def test_without_a_lecturer_students_are_let_go():
 
 
 def exported(lecturer):
+    before = lecturer.last("csv")
     lecturer.send("export")
-    return list(csv.DictReader(io.StringIO(lecturer.wait("csv")["text"])))
+    return list(csv.DictReader(io.StringIO(lecturer.wait("csv", lambda m: m is not before)["text"])))
 
 
 def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(server, lecturer, students):
@@ -259,6 +262,9 @@ def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(serve
         student.vote(round, 1, right=True)
     own = students[0].answer("tour", "hand", {"place": [1.5, 2]}, right=False, seconds=12.34)
     students[0].reply(own)
+    number = next(row["person"] for row in exported(lecturer) if row["item"] == "hand")
+    numbers = {row["person"] for row in exported(lecturer)}
+    assert len(numbers) == 3 and "unlinked" not in numbers
     students[1].send("self", linked=False)
     unlinked = students[1].answer("questions", "line", {"choice": 0}, phase="before", right=True, sure=False)
     students[1].reply(unlinked)
@@ -266,7 +272,6 @@ def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(serve
     lecturer.counted(total=3, counts=[0, 2, 1])  # still one vote each
     rows = exported(lecturer)
     assert list(rows[0]) == "person form item phase answer right sure seconds".split()
-    number = str(students[0].wait("welcome")["number"])
     assert {(row["item"], row["phase"], row["answer"], row["right"]) for row in rows if row["person"] == number} == {
         ("eyes", "round 1", "2", "1"),
         ("hand", "own", "1.5 2", "0"),
@@ -277,7 +282,29 @@ def test_all_answers_are_exported_and_those_of_who_wants_it_are_not_linked(serve
         ("questions", "before", "guess"),
         ("tour", "round 1", ""),
     ]
-    assert str(students[1].wait("welcome")["number"]) not in {row["person"] for row in rows}
+    assert {row["person"] for row in rows} < numbers | {"unlinked"}, "the number of who is not linked is gone"
+
+
+def numbers_in(value):
+    """All numbers of a message, as texts."""
+    if isinstance(value, dict):
+        return {one for part in value.values() for one in numbers_in(part)}
+    if isinstance(value, list):
+        return {one for part in value for one in numbers_in(part)}
+    return {str(value)}
+
+
+def test_the_numbers_of_the_table_are_not_sent_with_names(lecturer, students):
+    for student in students:
+        assert student.reply(student.answer("tour", "line", {"choice": 0}))["kind"] == "ack"
+        student.send("at", lesson="tour", step="line")
+    numbers = {row["person"] for row in exported(lecturer)}
+    assert len(numbers) == 3
+    wait_until(lambda: len([one for one in people(lecturer).values() if one["at"]]) == 3)
+    for browser in (lecturer, *students):
+        for message in browser.heard:
+            if message["kind"] != "csv":
+                assert not numbers & numbers_in(message), message
 
 
 def test_who_asks_for_it_while_offline_is_not_linked_from_the_next_connection_on():
@@ -291,7 +318,6 @@ def test_who_asks_for_it_while_offline_is_not_linked_from_the_next_connection_on
         student.close()
         wait_until(lambda: not people(lecturer))
         again = Student(server, student.token, linked=False)
-        lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "csv"]
         assert [row["person"] for row in exported(lecturer)] == ["unlinked"] * 2
         with sqlite3.connect(server.data) as file:
             assert file.execute("select count(*) from persons").fetchone() == (0,)
@@ -299,7 +325,6 @@ def test_who_asks_for_it_while_offline_is_not_linked_from_the_next_connection_on
         lecturer.counted(total=1, counts=[0, 0, 1])  # still one vote
         again.send("self", linked=True)
         assert again.reply(again.answer("tour", "line", {"choice": 1}))["kind"] == "ack"
-        lecturer.heard[:] = [m for m in lecturer.heard if m["kind"] != "csv"]
         numbers = {row["person"] for row in exported(lecturer)} - {"unlinked"}
         assert len(numbers) == 1 and not numbers & linked, "another number than in an earlier table"
 

@@ -5,7 +5,7 @@
  * @typedef {import("./class-link.js").Message} Message
  * @typedef {{lesson: string, step: string, number: number, count: number, answered: boolean, motions: number,
  *   E: number | null, off: number | null, path: number[], demonstrator: number[] | null}} At
- * @typedef {{number: number, name: string, at: At | null}} Person
+ * @typedef {{place: number, name: string, at: At | null}} Person
  * @typedef {{item: string, persons: number, before: number, after: number}} Item
  */
 import {tab} from "./class-link.js";
@@ -51,8 +51,8 @@ export class Lecturer {
     if (kind === "leader") this.isLeader = message.here;
     else if (kind === "people") {
       if (message.all) this.people.clear();
-      for (const one of message.people) this.people.set(one.number, one);
-      for (const number of message.gone) this.people.delete(number);
+      for (const one of message.people) this.people.set(one.place, one);
+      for (const place of message.gone) this.people.delete(place);
     } else if (kind === "count") {
       this.count = message;
       this.results = message.results;
@@ -221,13 +221,13 @@ export class Lecturer {
         elsewhere ? make("small", {}, `${elsewhere} at its beginning, its end, or a question`) : null);
     });
     const sorts = make("p", {class: "class-sort"}, "Sort by ", ...Object.keys(SORTS).map(name => make("button", {type: "button", "aria-pressed": String(name === this.sort), onclick: () => { this.sort = name; this.draw(); }}, name)));
-    const tiles = all.sort((a, b) => SORTS[this.sort](a) - SORTS[this.sort](b) || a.number - b.number).map(one => this.#tile(one, lessons, isHidden));
+    const tiles = all.sort((a, b) => SORTS[this.sort](a) - SORTS[this.sort](b) || a.place - b.place).map(one => this.#tile(one, lessons, isHidden));
     return make("div", {class: "class-inside"}, ...counts, all.length ? sorts : make("p", {class: "text"}, "Nobody is here yet. Students open the address under “Join”."),
       make("div", {class: "class-tiles"}, ...tiles));
   }
 
   /** @param {Person} one @param {any[]} lessons @param {boolean} isHidden */
-  #tile({number, name, at}, lessons, isHidden) {
+  #tile({place: person, name, at}, lessons, isHidden) {
     const lesson = lessons.find(found => found.name === at?.lesson), step = lesson?.steps.find((/** @type {any} */ found) => found.id === at?.step);
     const where = step ? `${at?.number} ${plain(step.title)}` : lesson?.short ?? "";
     const scene = this.room.lesson.stage()?.scene, {width, height} = TILE;
@@ -235,7 +235,7 @@ export class Lecturer {
     const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isHidden && at?.demonstrator ? place(at.demonstrator) : null;
     const drawing = scene && last ? `<svg viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="way" d="M${path.map(p => p.join(" ")).join("L")}"/>${goal ? `<path class="goal" d="M${goal[0]} ${goal[1]}m-4 0l4-4 4 4-4 4z"/>` : ""}<circle cx="${last[0]}" cy="${last[1]}" r="3.6"/></svg>` : "";
     const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isHidden && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
-    return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(number), title: "Open a copy of this screen", onclick: () => this.order("request", {person: number}),
+    return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(person), title: "Open a copy of this screen", onclick: () => this.order("request", {place: person}),
       html: `<b>${escaped(name || "Student")}</b><span>${escaped(where)}${at?.answered ? " ✓" : ""}</span>${drawing}<small>${escaped(facts.join(" · "))}</small>`});
   }
 

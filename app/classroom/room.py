@@ -17,7 +17,7 @@ import msgspec
 import segno
 
 from . import protocol as p
-from .report import QUESTIONS, as_csv, learned
+from .report import as_csv, learned
 from .store import Row, Store, unlinked
 from .votes import Round, Vote, results
 
@@ -401,6 +401,15 @@ class Room:
         for browser in self.browsers:
             browser.send(p.encode("resend"))
 
+    async def _saved(self, browser: Browser) -> list[Row]:
+        """Return all answers that are on the disk, and tell the browser how many are not."""
+        rows = await self.store.saved()
+        if self.store.problem is not None:
+            what = f"Number of answers missing here: {self.store.unsaved}, as {self.store.problem}"
+            browser.send(p.encode("done", what=what))
+        linked = set(self._numbers.values())  # the file does not know yet who withdrew while writes fail
+        return [row if row.person in linked else row._replace(person=None) for row in rows]
+
     def _set_self(self, person: Person, said: p.Self) -> None:
         person.name = name_of(said.name)
         self._tell_of(person)
@@ -483,11 +492,9 @@ class Room:
             case p.Allow(votes):
                 self._allow(votes)
             case p.Export():
-                await self.store.flush()
-                browser.send(p.encode("csv", text=as_csv(self.store.answers())))
+                browser.send(p.encode("csv", text=as_csv(await self._saved(browser))))
             case p.Gain():
-                await self.store.flush()
-                browser.send(p.encode("gain", form=QUESTIONS, learned=learned(self.store.answers())))
+                browser.send(p.encode("gain", learned=learned(await self._saved(browser))))
             case p.NewClass():
                 self._new_class()
 

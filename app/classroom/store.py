@@ -20,6 +20,8 @@ from .votes import Round, Vote
 
 BATCH_S = 0.01  # answers of this time are written at once
 RETRY_S = 1.0  # after a write that failed
+LOCKED_S = 0.5  # of waiting for another program's lock on the file
+ADD_ANSWER = "insert or replace into answers values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 TABLES = """
 create table if not exists kept (key text primary key, value text);
 create table if not exists persons (key text primary key, number integer unique);
@@ -68,12 +70,15 @@ class Store:
         self.problem: str | None = None  # why the last write failed
         self._changes: list[Change] = []
         self._done: list[Callable[[], None]] = []  # to be called once all changes are written
+        self._tried: list[Callable[[], None]] = []  # to be called once a write has ended, well or not
         self._thread = ThreadPoolExecutor(1)
         self._wake = asyncio.Event()
         if path is not None and not path.exists():
             path.touch(0o600)  # for its owner alone
         try:
-            self._file = sqlite3.connect(str(path or ":memory:"), check_same_thread=False, isolation_level=None)
+            self._file = sqlite3.connect(
+                str(path or ":memory:"), timeout=LOCKED_S, check_same_thread=False, isolation_level=None
+            )
             self._file.execute("pragma journal_mode=wal")
             self._file.execute("pragma synchronous=full")
             self._file.executescript(TABLES)
@@ -144,7 +149,7 @@ class Store:
         answer = msgspec.json.encode(vote.answer).decode()
         values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
         self._done.append(done)
-        self._add("insert or replace into answers values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", values)
+        self._add(ADD_ANSWER, values)
 
     def unlink(self, person: str, token: str) -> None:
         """Let none of a person's answers tell whose it is, nor which others are the same person's."""
@@ -168,32 +173,48 @@ class Store:
             await self._wake.wait()
             await asyncio.sleep(BATCH_S)
             self._wake.clear()
-            changes, self._changes, done, self._done = self._changes, [], self._done, []
+            changes, done, tried, self._tried = self._changes[:], self._done[:], self._tried, []
             try:
                 await loop.run_in_executor(self._thread, self._commit, changes)
             except sqlite3.Error as error:
                 if self.problem is None:
                     log.error("answers are not saved: %s", error)
                 self.problem = f"answers are not saved: {error}"
-                self._changes, self._done = changes + self._changes, done + self._done
+                done = []
+            else:
+                self.problem = None
+                del self._changes[: len(changes)], self._done[: len(done)]
+            for call in done + tried:
+                call()
+            if self.problem is not None:
                 await asyncio.sleep(RETRY_S)
                 self._wake.set()
-                continue
-            self.problem = None
-            for call in done:
-                call()
 
     async def flush(self) -> None:
-        """Return once all that is to be written now is on the disk."""
-        written = asyncio.Event()
-        self._done.append(written.set)
-        self._wake.set()
-        await written.wait()
+        """Return once all that is to be written now is on the disk, or at once while writes fail (`problem`)."""
+        if self.problem is None:
+            tried = asyncio.Event()
+            self._tried.append(tried.set)
+            self._wake.set()
+            await tried.wait()
+
+    async def saved(self) -> list[Row]:
+        """Return all answers that are written, after those that wait, unless writes fail."""
+        await self.flush()
+        return await asyncio.get_running_loop().run_in_executor(self._thread, self.answers)
+
+    @property
+    def unsaved(self) -> int:
+        """How many answers wait to be written."""
+        return sum(statement == ADD_ANSWER for statement, _ in self._changes)
 
     def close(self) -> None:
-        """Write the rest, and close the file."""
+        """Write the rest, or log how many answers it lacks, and close the file."""
         self._thread.shutdown()
-        self._commit(self._changes)
+        try:
+            self._commit(self._changes)
+        except sqlite3.Error as error:
+            log.error("number of answers that could not be saved: %d: %s", self.unsaved, error)
         self._file.close()
 
     def _commit(self, changes: list[Change]) -> None:

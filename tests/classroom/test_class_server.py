@@ -374,6 +374,32 @@ def test_an_answer_that_cannot_be_saved_is_not_acknowledged_until_it_is():
         assert server.log.count("answers are not saved") == 1
 
 
+def test_while_answers_cannot_be_saved_the_lecturer_has_the_others_and_the_server_ends():
+    with ClassServer() as server:
+        lecturer, students = Lecturer(server), [Student(server) for _ in range(2)]
+        round = lecturer.ask()
+        for student in students:
+            assert student.vote(round, 1)["kind"] == "ack"
+        other = sqlite3.connect(server.data, isolation_level=None)
+        other.execute("begin exclusive")
+        students[0].answer("tour", "line", {"choice": 0})
+        students[1].send("self", linked=False)
+        begun = time.monotonic()
+        rows = exported(lecturer)
+        assert [(row["item"], row["person"] == "unlinked") for row in rows] == [("eyes", True), ("eyes", False)]
+        assert "missing here: 1, as answers are not saved" in lecturer.wait("done")["what"]
+        lecturer.send("gain")
+        assert not lecturer.wait("gain")["learned"]["enough"]
+        lecturer.send("reveal")
+        lecturer.orders(lambda o: o["asked"]["revealed"])
+        assert time.monotonic() - begun < 4
+        begun = time.monotonic()
+        server.stop()
+        assert time.monotonic() - begun < 8
+        assert "answers that could not be saved: 1:" in server.log and "Traceback" not in server.log
+        other.close()
+
+
 def test_proxies_are_believed_only_if_they_are_trusted():
     forwarded = lambda k: {"X-Forwarded-For": f"198.51.100.{k}"}
     for options, kinds in (((), ["ack", "refused"]), (("--trust-proxy", "127.0.0.1"), ["ack", "ack"])):

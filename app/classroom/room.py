@@ -12,6 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import msgspec
 import segno
@@ -27,6 +28,8 @@ CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # wrong codes of one network address
 RELEASE_S = 15.0  # without a lecturer, after which students are released
 MAX_SESSIONS = 20  # browsers that are logged in as the lecturer's
 PERSON_NUMBERS = range(100_000, 1_000_000)
+FIRST_NUMBERS = 500_000  # of orders: that of a new file is a random one below it
+RELEASED: dict[str, Any] = {"asked": None, "lead": False, "frozen": False, "hidden": False}  # orders of no lecturer
 log = logging.getLogger(__name__)
 
 
@@ -141,6 +144,8 @@ class Room:
         self._places: dict[str, int] = {}  # by key, of all since the server began
         self.rounds = store.rounds()
         self.orders = msgspec.json.decode(kept.get("orders", '{"kind":"orders"}'), type=p.Orders)
+        first = max((one.number for one in self.rounds), default=secrets.randbelow(FIRST_NUMBERS))
+        self._last_order = int(kept.get("last order") or first)
         self.persons: dict[str, Person] = {}  # present ones, by key
         self.browsers: set[Browser] = set()
         self.leader: Browser | None = None
@@ -295,6 +300,12 @@ class Room:
         for browser in self.browsers:
             browser.send(text)
 
+    def _new_order(self) -> int:
+        """Return a number that no order had before, as browsers remember which ones they have followed."""
+        self._last_order += 1
+        self.store.keep("last order", str(self._last_order))
+        return self._last_order
+
     def _orders_text(self) -> str:
         return msgspec.json.encode(self.orders).decode()
 
@@ -306,7 +317,7 @@ class Room:
 
     def _ask(self, ask: p.Ask) -> None:
         times = 1 + sum((r.lesson, r.step, r.phase) == (ask.lesson, ask.step, ask.phase) for r in self.rounds)
-        number = 1 + max((one.number for one in self.rounds), default=0)
+        number = self._new_order()
         asked = Round(number, ask.lesson, ask.step, ask.phase, times)
         self.rounds.append(asked)
         self.store.add_round(asked)
@@ -351,7 +362,7 @@ class Room:
     def _new_class(self) -> None:
         self.store.clear()
         self.rounds, self._numbers = [], {}
-        self._order(asked=None, lead=False, frozen=False, gather=None, reset=self.orders.reset + 1)
+        self._order(**RELEASED, gather=None, reset=self.orders.reset + 1)
 
     # Answers
 
@@ -476,8 +487,7 @@ class Room:
             case p.Lead(on):
                 self._order(lead=on)
             case p.Gather(lesson, step, seed):
-                number = 1 + (self.orders.gather.number if self.orders.gather else 0)
-                self._order(gather=p.Place(number, lesson, step, seed), lead=False, asked=None)
+                self._order(gather=p.Place(self._new_order(), lesson, step, seed), lead=False, asked=None)
             case p.Freeze(on):
                 self._order(frozen=on)
             case p.Hide(on):
@@ -504,9 +514,9 @@ class Room:
         """Tell lecturers what has changed, and release students if no lecturer is left. Call it often."""
         if self._absent_since is not None and self._clock() - self._absent_since > RELEASE_S:
             self._absent_since = None
-            if self.orders.asked or self.orders.lead or self.orders.frozen:
+            if msgspec.structs.replace(self.orders, **RELEASED) != self.orders:
                 log.info("no lecturer is here: students are released")
-                self._order(asked=None, lead=False, frozen=False)
+                self._order(**RELEASED)
         lecturers = self._lecturers()
         if self._changed or self._gone:
             people = [_described(one) for one in self._changed]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import browser as chromium
 import pytest
-from class_server import CODE, ClassServer
+from class_server import CODE, ClassServer, Student
 from waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -18,6 +18,7 @@ LECTURER, STUDENT = {"width": 1280, "height": 720}, {"width": 1000, "height": 70
 PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touch": True, "device_scale_factor": 2}
 PATIENCE_MS = 60_000
 BAR = ".class-bar"
+WALK = Path(__file__).parents[1] / "lessons" / "walk.toml"
 TOKEN = "Object.entries(localStorage).find(([key]) => key.endsWith('token'))[1]"
 FLUSHED_MS = 6000  # Chromium writes what pages keep every five seconds
 
@@ -282,6 +283,43 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
     for student in students:
         student.sees("what do you say?")
         student.close()
+
+
+def test_every_bet_reaches_the_class_and_an_asked_one_is_counted_before_the_reveal(browser):
+    with ClassServer("--lesson", str(WALK)) as server:
+        student, other = Tab(browser, server), Student(server)
+        student.page.evaluate("lesson.goTo(lesson.lessons()[0].name, 'bet')")
+        student.at("bet")
+        student.page.keyboard.press("7")
+        student.page.click("#foot .primary:has-text('Show me')")
+        student.page.click("#foot .primary:has-text('Next run')")
+        student.page.keyboard.press("3")
+        student.wait("!classroom.link.waiting().length && lesson.answer()?.bet === 30")
+        student.page.wait_for_timeout(500)
+        student.wait("!classroom.link.waiting().length")
+        lecturer = logged_in(browser, server)
+        lecturer.page.click(f"{BAR} .class-count")
+        lecturer.page.click(".class-tabs >> text=More")
+        with lecturer.page.expect_download() as download:
+            lecturer.page.click("text=Answers as CSV")
+        rows = list(csv.DictReader(io.StringIO(Path(download.value.path()).read_text())))
+        assert [(row["item"], row["phase"], row["answer"]) for row in rows] == [("bet", "own", "70 30")]
+        lecturer.page.keyboard.press("Escape")
+        lecturer.page.evaluate("lesson.goTo(lesson.lessons()[0].name, 'bet')")
+        lecturer.press("Ask the class")
+        student.sees("what do you say?")
+        student.page.keyboard.press("8")
+        student.sees("Your answer is in")
+        lecturer.sees("1 of 2 answered")
+        lecturer.wait("classroom.lecturer.results.now.values[0][0] === 80")
+        lecturer.press("Reveal")
+        student.sees("1 answer")
+        lecturer.press("Close the question")
+        student.wait("lesson.answer()?.bet === 30")
+        assert not student.problems and not lecturer.problems
+        other.close()
+        for tab in (student, lecturer):
+            tab.close()
 
 
 def test_a_copy_of_a_students_screen_opens_and_the_lecturer_leaves_with_one_click(browser, server, lecturer):

@@ -243,11 +243,44 @@ def test_without_a_lecturer_students_are_let_go():
     with ClassServer() as server:
         lecturer, student = Lecturer(server), Student(server)
         lecturer.send("freeze", on=True)
+        lecturer.send("hide", on=True)
         lecturer.ask()
-        student.orders(lambda o: o["frozen"] and o["asked"])
+        student.orders(lambda o: o["frozen"] and o["hidden"] and o["asked"])
         lecturer.close()
-        stays(lambda: student.last("orders")["frozen"], 3)
-        student.orders(lambda o: not o["frozen"] and not o["asked"])
+        stays(lambda: student.last("orders")["frozen"] and student.last("orders")["hidden"], 3)
+        student.orders(lambda o: not o["frozen"] and not o["hidden"] and not o["asked"])
+
+
+def test_a_truth_that_is_hidden_alone_is_released_too():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        lecturer.send("hide", on=True)
+        student.orders(lambda o: o["hidden"])
+        lecturer.close()
+        student.orders(lambda o: not o["hidden"])
+
+
+def test_a_new_class_shows_the_truth_and_uses_no_number_of_an_order_again():
+    with ClassServer() as server:
+        lecturer, student = Lecturer(server), Student(server)
+        lecturer.send("hide", on=True)
+        lecturer.send("gather", lesson="tour", step="line")
+        gathered = student.orders(lambda o: o["gather"])["gather"]["number"]
+        round = lecturer.ask()
+        assert student.vote(round, 1)["kind"] == "ack"
+        lecturer.send("new")
+        student.orders(lambda o: not o["hidden"] and not o["asked"] and not o["gather"])
+        again = lecturer.ask()
+        assert again > round and lecturer.last("orders")["asked"]["times"] == 1
+        assert student.vote(round, 1)["kind"] == "refused", "a late answer to the earlier class"
+        lecturer.send("new")
+        lecturer.orders(lambda o: not o["asked"])
+        assert exported(lecturer) == []
+        server.restart()
+        lecturer = Lecturer(server, lecturer.token, lecturer.session)
+        assert lecturer.ask() > again
+        lecturer.send("gather", lesson="tour", step="line")
+        assert lecturer.orders(lambda o: o["gather"])["gather"]["number"] > gathered
 
 
 def exported(lecturer):

@@ -22,6 +22,7 @@ import {byId as $} from "../view/page.js";
 const NAME = /^[\w .-]{0,60}$/, MAX_DEPTH = 6; // of a screen that another page has sent
 const QUESTIONS = "questions"; // the form of the eight
 const ANSWER_MS = 250, AT_MS = 1000, LEAD_MS = 100; // between two messages
+const NO_IDEA = 50; // %, for a run without a bet
 const MAX_POSTURES = 40, DEGREE = Math.PI / 180;
 
 /** @type {Orders} */
@@ -33,8 +34,7 @@ export function given(answer, stage) {
   if (answer.pose) return {posture: answer.pose};
   if (answer.number !== undefined) return {number: answer.number};
   if (answer.selected) return {values: [...answer.selected, ...answer.reason === undefined ? [] : [answer.reason]]};
-  if (stage?.bets?.length) return {values: stage.bets.map((/** @type {number | null} */ bet) => bet ?? 50)};
-  if (answer.bet !== undefined) return {number: answer.bet};
+  if (answer.bet !== undefined) return {values: Array.from(Object.assign([...stage.bets], {[stage.run]: answer.bet}), bet => bet ?? NO_IDEA)};
   if (stage?.rounds?.length) {
     const off = (/** @type {{mark: number[], to: number[]}} */ {mark, to}) => Math.hypot(mark[0] - to[0], mark[1] - to[1]);
     return {values: stage.rounds.map((/** @type {any} */ round) => Math.round(10 * off(round)) / 10)};

@@ -518,6 +518,24 @@ def test_a_logarithmic_slider_reaches_its_ends(opened):
     assert "1 px²" in body(page)
 
 
+def test_a_slider_of_numbers_counts_its_steps_from_its_low_end(opened):
+    page = opened("choice")
+    page.evaluate("""() => {
+        const {ask} = lesson.data.lessons[0].steps.find(({id}) => id === "number");
+        Object.assign(ask, {low: 1, high: 25, step: 2, logarithmic: false});
+        lesson.goTo("walk", "number");
+    }""")
+    settled(page)
+    page.locator(".ask input").fill("5")
+    settled(page)
+    assert at(page)["answer"] == {"number": 5} and "5 px²" in body(page)
+    page.focus(".ask input")
+    press(page, "ArrowRight", "ArrowRight")
+    assert at(page)["answer"] == {"number": 9}
+    press(page, "End")
+    assert at(page)["answer"] == {"number": 25}
+
+
 def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(opened):
     page = opened("choice")
     page.evaluate("""() => {

@@ -210,9 +210,13 @@ function begin(data) {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
     others: () => others && "counts" in others ? others : null,
-    links: now => isServed ? {lab: `../lab${labAddress(now, location.pathname.split("/").pop() + location.hash)}`,
-      viewimit: instrument ? `../?s=${instrument}` : viewimitAddress(now) && `../${viewimitAddress(now)}`,
-      words: instrument ? "Back to viewimit" : "Open in viewimit"} : null,
+    links: now => {
+      if (!isServed) return [];
+      const lab = labAddress(now, location.pathname.split("/").pop() + location.hash), viewimit = viewimitAddress(now);
+      return [...lab ? [{of: "lab", href: `../lab${lab}`, words: "Open in the lab"}] : [],
+        ...instrument ? [{of: "viewimit", href: `../?s=${instrument}`, words: "Back to viewimit"}]
+          : viewimit ? [{of: "viewimit", href: `../${viewimit}`, words: "Open in viewimit"}] : []];
+    },
   };
 
   function show() {

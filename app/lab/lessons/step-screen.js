@@ -19,7 +19,7 @@
  * @property {(seed: number) => void} restart the step anew
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {lab: string, viewimit: string | null, words: string} | null} links
+ * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state opens
  *
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
  * @typedef {Object} Screen
@@ -357,9 +357,9 @@ export class StepScreen {
   #drawLegend(drawn) {
     const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) =>
       drawn.has(layer)).map(([, html]) => html))];
-    const {lab = null, viewimit = null, words = ""} = this.course.links(this.stage) ?? {};
-    const html = rows.map(one => `<li>${one}</li>`).join("")
-      + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
+    const links = this.course.links(this.stage).map(({href, words, of}) =>
+      `<a class="to-${of}" href="${href}">${words}</a>`).join(" ");
+    const html = rows.map(one => `<li>${one}</li>`).join("") + (links && `<li class="elsewhere">${links}</li>`);
     if (this.legend.dataset.html !== html) {
       this.legend.dataset.html = html;
       this.legend.innerHTML = html;

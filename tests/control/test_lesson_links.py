@@ -9,7 +9,7 @@ from quiet_page import QuietPage
 from viewimit.app.control.commands.display import LetGo
 from viewimit.app.control.commands.session import Step
 from viewimit.app.lab.lessons.source import shipped
-from viewimit.app.panels.guide.lessons import offers
+from viewimit.app.panels.guide.lessons import LessonsPanel, offers
 from viewimit.app.sessions.link import read
 
 from viewimit.loop.settings import Settings
@@ -44,3 +44,14 @@ def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():
     own = msgspec.structs.replace(shipped()["ray"], title="Mine")
     html = listed(QuietPage(Settings.paper()), {"mine-01234567": own, **shipped()})
     assert re.search(rf'{OFFER}" role="dialog" aria-label="Mine".*href="lab/mine-01234567#page=', html)
+
+
+def test_the_way_back_is_not_written_for_every_motion_but_the_offer_goes_at_once():
+    page = QuietPage(Settings.paper())
+    panel = page.page.panel(LessonsPanel)
+    page.tick()
+    state = page.page.model.state(page.now)
+    assert panel.period(state) > 1
+    page.page.put(LetGo())
+    page.page.tick(page.now + 0.05)
+    assert panel.period(page.page.model.state(page.now)) == 0

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from ..sensing.files import escape
+from . import BadInput
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 STORE = "VIEWIMIT_STORE"  # environment variable, instead of --store
@@ -59,7 +60,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     if args.lecturer:
-        raise ValueError("--lecturer: a class has a server of its own now, `viewimit class`")
+        raise BadInput("--lecturer: a class has a server of its own now: viewimit class")
     settings = settings_from(args)
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own

@@ -1,4 +1,4 @@
-"""Where the lab's lessons are opened, the tour of which is offered once."""
+"""Links to the lab's lessons, and the offer of one of them to somebody who is new here."""
 
 from collections.abc import Mapping
 from urllib.parse import quote
@@ -14,19 +14,25 @@ from ..panel import Layout, Panel
 from ..widgets import put_html
 
 TOUR = "tour"
+REWRITTEN_EVERY = 2.0  # s
 
 
 class LessonsPanel(Panel):
     """Links to all lessons, each with the way back to what the page shows now."""
 
     def build(self, layout: Layout, state: PageState) -> None:
-        self._lessons = layout.lessons
+        self._lessons, self._offered = layout.lessons, not state.tour_offered
         self._list = layout.gui.add_html("")
 
     def depends_on(self, state: PageState) -> tuple:
         return state.tour_offered, state.present, state.view, state.speed
 
+    def period(self, state: PageState) -> float:
+        """The way back is written anew now and then, as that takes time; the offer goes at once."""
+        return REWRITTEN_EVERY if state.tour_offered == self._offered else 0.0
+
     def show(self, state: PageState) -> None:
+        self._offered = state.tour_offered
         put_html(self._list, offers(state, self._lessons))
 
 
@@ -40,8 +46,8 @@ def offers(state: PageState, lessons: Mapping[str, Lesson]) -> str:
     listed = f'<div class="vi-lessons">Lessons: {links}</div>'
     if not state.tour_offered or not lessons:
         return listed
-    own = next(iter(lessons))
-    name = TOUR if own in ORDER else own
+    first = next(iter(lessons))
+    name = TOUR if first in ORDER else first  # a lecturer's own come first
     tour = lessons[name]
     take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
     no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')

@@ -86,6 +86,10 @@ def mark(page, x=0.5, y=0.5, tap=False):
 def test_it_begins_with_what_it_is_and_how_long_it_takes(opened):
     page = opened()
     assert "A walk" in body(page) and "6 minutes" in body(page) and "8 questions" in body(page)
+    assert "and 4 for each round of 8 questions" in body(page)
+    page.evaluate("lesson.data.lessons[0].questions.length = 4; dispatchEvent(new Event('hashchange'))")
+    settled(page)
+    assert "and 2 for each round of 4 questions" in body(page)
     click(page, "text=Without the questions")
     assert at(page)["step"] == "choice"
     assert page.inner_text("#left").endswith("min left")

@@ -89,6 +89,5 @@ export function reply(stage) {
     const truth = Number(judged(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
     return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
   }
-  if (ask.kind === "select") return ask.reasons?.[answer.reason ?? -1]?.because ?? "";
-  return (isRight(stage) === false ? ask.far : ask.close) ?? "";
+  return ask.kind === "select" ? ask.reasons?.[answer.reason ?? -1]?.because ?? "" : "";
 }

@@ -15,8 +15,8 @@
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
 import {inline, isTouched, letGo, make, plain, touched, track} from "./dom.js";
-import {energy, fill, measure} from "./measures.js";
-import {short} from "./measured.js";
+import {fill, measure} from "./measures.js";
+import {energy, short} from "./measured.js";
 
 const BET_STEP = 5, SCALE_STEPS = 200;
 

@@ -4,8 +4,8 @@ import {inline, make, plain} from "./dom.js";
 import {labAddress, viewimitAddress} from "./elsewhere.js";
 import {FIGURES} from "./figures/registry.js";
 import {grade} from "./measures.js";
+import {QUESTION_S} from "./questions.js";
 import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
-import {slidersOf} from "./sliders-row.js";
 import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
@@ -40,7 +40,7 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
-const QUESTION_S = 28, FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
+const FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
 
 /** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
 function secondsOf(step) {
@@ -145,7 +145,6 @@ function begin(data) {
       || carried.motions.length < 2)) return known;
     const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
-    for (const {name, start} of slidersOf(made)) if (!made.sliders.has(name)) made.sliders.set(name, start);
     made.truthHidden = isTruthHidden;
     if (was) recall(made, was);
     stages.set(id, made);

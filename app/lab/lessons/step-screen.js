@@ -38,6 +38,7 @@ import {Marks} from "./marks.js";
 import {grade, measure} from "./measures.js";
 import {SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
+import {smoothstep} from "../view/svg.js";
 
 const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
 const MAX_SEED = 9999;
@@ -232,7 +233,7 @@ export class StepScreen {
     const from = stage.moment.theta, to = stage.moment.thetaDemo;
     this.#play(lasts, (share, isOver) => {
       stage.reveal = Math.max(1e-6, share);
-      const eased = share * share * (3 - 2 * share);
+      const eased = smoothstep(share);
       if (step.meets) stage.observe(isOver ? to : from.map((v, k) => v + eased * (to[k] - v)));
     }, () => {
       stage.graded ??= grade(stage);
@@ -260,7 +261,7 @@ export class StepScreen {
   #solve() {
     const {stage} = this, found = solution(stage), from = new Map(stage.sliders);
     this.#play(SOLVE_MS, share => {
-      const eased = share * share * (3 - 2 * share);
+      const eased = smoothstep(share);
       for (const [name, to] of found) {
         const start = from.get(name) ?? to;
         stage.slide(name, start + eased * (to - start));

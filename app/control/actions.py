@@ -22,7 +22,7 @@ Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
-    """Actions as (number, control, value). load: of the page, in a browser, whose numbers these are."""
+    """Actions as (number, control, value), numbered from 1 in each load of the page; load: a word for that load."""
 
     load: Annotated[str, msgspec.Meta(max_length=40)]
     acts: Annotated[list[tuple[Number, Control, Value]], msgspec.Meta(max_length=MAX_ACTIONS)]

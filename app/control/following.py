@@ -12,16 +12,16 @@ from .queue import CommandQueue
 
 
 class Following:
-    """One page's.
+    """The link that a page follows, if any.
 
     Parameters
     ----------
     page_id
         By which the scripts' player knows the page.
     scripts
-        Of all pages.
+        The player of all pages' scripts.
     queue
-        The page's.
+        Of the page, into which the played session comes.
     become
         Make the page what a link holds, whose script led to a session.
     """

@@ -1,6 +1,6 @@
 """Scripts are played beside the pages: in one thread of a process, some passes of each in turn, into new sessions.
 
-A pass takes 2 to 160 ms. Between two turns the thread rests as long as the turn took, which leaves the pages time.
+Between two turns the thread rests as long as the turn took, which leaves the pages time.
 """
 
 import threading
@@ -71,12 +71,12 @@ class ScriptPlayer:
             began = time.monotonic()
             made = self._turn(job)
             with self._changed:
-                if self._jobs.get(page_id) is not job:  # cancelled, or another took its place
-                    continue
-                del self._jobs[page_id]
-                if made is None:
+                is_wanted = self._jobs.get(page_id) is job  # else cancelled, or another took its place
+                if is_wanted:
+                    del self._jobs[page_id]
+                if is_wanted and made is None:
                     self._jobs[page_id] = job  # the last in turn
-            if made is not None:
+            if is_wanted and made is not None:
                 job.done(made)
             time.sleep(time.monotonic() - began)
 

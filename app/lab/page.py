@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from viewimit.assets import ROOT
 
-from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
+from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.sensing.files import parse_toml
@@ -59,12 +59,10 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         For a scene of other than two moving joints, or with lenses that distort.
     """
     given = scene or load_scene(SHIPPED)
-    offered = [preset for preset in presets() if scene is None or not preset.scene]
     shapes, scenes, chosen = Shapes(), {}, []
     robot = describe_robot(given.robot, shapes, MAX_FACES)
-    for preset in offered:
-        used = load_scene(preset.scene) if preset.scene else given
-        used = extended(used, {"head": preset.head}) if preset.head else used
+    for preset in _offered(scene):
+        used = _scene_of(preset, given)
         key = preset.name if preset.scene else "given"
         if key not in scenes:
             page = {"scene": _named_on_the_page(preset, name), "layouts": list(used.points)}
@@ -78,6 +76,16 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
     return lab_html(TITLE, data, shapes.packed)
+
+
+def _offered(scene: Scene | None) -> list[Preset]:
+    """The presets of a lab that was given a scene, or None."""
+    return [preset for preset in presets() if scene is None or not preset.scene]
+
+
+def _scene_of(preset: Preset, given: Scene) -> Scene:
+    used = load_scene(preset.scene) if preset.scene else given
+    return extended(used, {"head": preset.head}) if preset.head else used
 
 
 def _named_on_the_page(preset: Preset, given: str) -> str:
@@ -99,6 +107,21 @@ def _stage(scene: Scene, shapes: Shapes) -> dict[str, Any]:
     demo = np.radians(scene.posture_deg)[scene.moving]
     stage = describe_stage(world, shapes, [np.radians(scene.start_deg), demo])
     return stage
+
+
+@cache
+def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, dict[str, Any]]:
+    """Return the scene of each preset in the lab that `served_page` returns, as the engine has it."""
+    if (name, robot) == (SHIPPED, None):
+        scene = None
+    else:
+        try:
+            scene = load_scene(name, robot)
+            require_scene(scene)
+        except ValueError:
+            scene = None
+    given = scene or load_scene(SHIPPED)
+    return {preset.name: engine_scene(with_few_points(_scene_of(preset, given))) for preset in _offered(scene)}
 
 
 @cache

@@ -2,6 +2,9 @@
 import {pathToFileURL} from "node:url";
 
 const load = path => import(pathToFileURL(`${process.argv[2]}/${path}`).href);
-const [{FIGURES}, {MEASURES}] = await Promise.all(["figures/registry.js", "measures.js"].map(load));
+const [{FIGURES}, {MEASURES}, ...groups] = await Promise.all(["figures/registry.js", "measures.js",
+  ...["ray", "tour", "jacobian", "limits"].map(name => `measures_${name}.js`)].map(load));
 const figures = Object.fromEntries(Object.entries(FIGURES).map(([name, {layers}]) => [name, layers]));
-process.stdout.write(JSON.stringify({figures, measures: Object.keys(MEASURES)}));
+process.stdout.write(JSON.stringify({figures, measures: Object.keys(MEASURES).sort(),
+  ofGroups: groups.flatMap(group => Object.entries(group).filter(([name]) => name.endsWith("_MEASURES"))
+    .flatMap(([, all]) => Object.keys(all)))}));

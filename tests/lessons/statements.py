@@ -39,7 +39,7 @@ def dealt(key: str) -> list[Situation]:
     lesson, step = shipped()[key.split("/")[0]], step_named(key)
     origin = step if step.carry is None else next(other for other in lesson.step if other.id == step.carry)
     count = step_data.SCENE_DEALS if origin.dealt else step_data.DEALS
-    return facts.deals(state(key), origin.id, count, step_data.DEAL_SEED)
+    return facts.deals(state(key), count, step_data.DEAL_SEED)
 
 
 def fact(key: str, name: str) -> float:

@@ -171,7 +171,16 @@ def test_a_hand_that_copies_the_circle_draws_it():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.5, "half"), (0.1, "a tenth"), (1 / 11, "an 11th"), (0.0209, "a 48th"), (1 / 23, "a 23rd")]
+    ("value", "text"),
+    [
+        (0.5, "half"),
+        (0.1, "a tenth"),
+        (1 / 11, "an 11th"),
+        (0.0209, "a 48th"),
+        (1 / 23, "a 23rd"),
+        (1 / 800, "an 800th"),
+        (3.0, "3 times"),
+    ],
 )
 def test_shares_are_written_as_fractions(value, text):
     assert facts.share(value) == text
@@ -180,7 +189,7 @@ def test_shares_are_written_as_fractions(value, text):
 @pytest.mark.parametrize(("lesson", "step"), [("tour", "servo"), ("jacobian", "knobs"), ("jacobian", "forty")])
 def test_dealt_postures_are_off_the_middle_and_can_be_reached(lesson, step):
     one = dealing(lesson, step)
-    dealt = facts.deals(one, step, step_data.DEALS, step_data.DEAL_SEED)
+    dealt = facts.deals(one, step_data.DEALS, step_data.DEAL_SEED)
     assert len({other.digest for other in dealt}) == step_data.DEALS
     for other in dealt:
         demo, start = np.array(other.settings.demonstrator_deg), np.array(other.settings.start_deg)
@@ -189,13 +198,13 @@ def test_dealt_postures_are_off_the_middle_and_can_be_reached(lesson, step):
         found = records.landscape(other, 1.0)
         assert np.nanmin(found.E) < 2.0 and len(records.minima(other)) == 1
         assert other.start.E > 8 and found.E[45, 90] > (one.goal or 2)
-    again = facts.deals(one, step, 3, step_data.DEAL_SEED)
+    again = facts.deals(one, 3, step_data.DEAL_SEED)
     assert [other.settings for other in again] == [other.settings for other in dealt[:3]]
 
 
 def test_dealt_scenes_show_enough_points_and_are_shipped():
     one = dealing("design", "design")
-    dealt = facts.deals(one, "design", step_data.SCENE_DEALS, step_data.DEAL_SEED)
+    dealt = facts.deals(one, step_data.SCENE_DEALS, step_data.DEAL_SEED)
     for other in dealt:
         assert other.digest in design.shipped_rounds(), "run python assets/build_rounds.py"
         ranges = {one.name: one for one in one.dealt}
@@ -212,7 +221,7 @@ def test_dealt_scenes_show_enough_points_and_are_shipped():
 
 def test_shipped_rounds_are_what_the_library_computes():
     one = dealing("design", "design")
-    dealt = facts.deals(one, "design", step_data.SCENE_DEALS, step_data.DEAL_SEED)
+    dealt = facts.deals(one, step_data.SCENE_DEALS, step_data.DEAL_SEED)
     for k, other in enumerate(dealt):
         made = design.shipped_rounds()[other.digest]
         assert set(made["runs"]) == {f"{t}/{s}" for t in one.choices["transfer"] for s in one.choices["servo"]}

@@ -5,8 +5,9 @@ import sys
 
 import pytest
 from drawn import parsed
+from msgspec.structs import replace
 from viewimit.app.lab.lessons import sheet, source
-from viewimit.app.lab.lessons.format import Choice
+from viewimit.app.lab.lessons.format import Choice, Number
 from viewimit.app.lab.lessons.handout import BLANK, handout
 
 from viewimit.commands.cli import main
@@ -63,6 +64,17 @@ def test_a_click_is_a_cross_on_paper():
     words = re.sub(r"\s+", " ", words_of(handout(LESSONS["tour"], "html")))
     assert "Mark in L with a cross where the two lines cross." in words
     assert "Mark on the empty map with a cross where E is smallest." in words and "Click" not in words
+
+
+@pytest.mark.parametrize("high", [1.0, 3.0, 40.0, 360.0, 100_000.0])
+def test_a_scale_of_any_length_has_a_few_round_numbers(high):
+    lesson = LESSONS["tour"]
+    ask = Number(question="How many?", unit="", low=0.0, high=high, truth="E", close="", far="")
+    asking = replace(lesson, step=(replace(lesson.step[0], ask=ask),))
+    texts = [element.text for page in pages_of(handout(asking, "html")) for element in page.iter()]
+    ticks = [float(text) for text in texts if text and re.fullmatch(r"\d[\d.]*(e\+\d+)?", text)]
+    assert 0.0 in ticks and 4 <= len(ticks) <= 10, texts
+    assert max(ticks) <= high and max(ticks) >= 0.8 * high
 
 
 def test_numbers_of_the_library_stand_in_the_solutions():

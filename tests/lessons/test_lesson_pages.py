@@ -4,22 +4,28 @@ import asyncio
 import base64
 import json
 import re
+import subprocess
 import time
 import zlib
 from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import urlopen
 
 import numpy as np
 import pytest
+import typescript
 from serving import Server
 from viewimit.app.lab.lessons import page, source, step_data
 from viewimit.app.lab.lessons.checks import figure_kinds, measure_table, measure_units
 from viewimit.app.lab.lessons.facts import FACTS
 from viewimit.app.lab.lessons.format import measures_of
+from viewimit.app.lab.page import lab_page
 
 from viewimit.commands.cli import main
 
+HERE = Path(__file__).parent
+LAB = HERE.parent.parent / "app" / "lab"
 LESSONS = source.shipped()
 LIBRARY_MEASURES = measure_table()["library"]
 
@@ -131,6 +137,41 @@ def test_a_step_that_carries_on_has_the_deals_of_the_one_before(data):
     for name in ("claim", "bowl", "feel"):
         states = [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps[name]["deals"]]
         assert states == [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps["servo"]["deals"]]
+
+
+def test_a_step_links_to_the_lab_and_to_viewimit_only_where_they_have_its_scene(data):
+    lab = data_in(lab_page())
+    command = [typescript.node(), str(HERE / "elsewhere.mjs"), str(LAB)]
+    asked = json.dumps({"pages": list(data.values()), "lab": lab})
+    done = subprocess.run(command, input=asked, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    for one in found:
+        assert one["wrong"] == [], one
+        assert one["preset"] is None or (one["isSame"] and one["turned"] < 1e-3), one
+        assert one["moved"] in (None, [None, None]), one
+    named = {scene.rsplit("-", 1)[0] for scene in (one["scene"] for one in found)}
+    assert named == {"panda", "panda-toed", "panda-forearm"} and any(one["moved"] for one in found)
+    links = {one["step"]: (one["preset"], one["viewimit"]) for one in found}
+    assert links["tour/servo"] == ("paper", True)
+    assert {links[step] for step in links if "panda-toed" in scene_of(found, step)} == {("toed", True)}
+    assert {links[step] for step in links if "panda-forearm" in scene_of(found, step)} == {(None, True)}
+    assert links["limits/minimum"] == (None, False)
+    dealt = [
+        one for one in found if one["step"].startswith("design/") and one["scene"] != scene_of(found, "tour/servo")
+    ]
+    assert dealt and all((one["preset"], one["viewimit"]) == (None, False) for one in dealt)  # their heads
+
+
+def scene_of(found: list[dict], step: str) -> str:
+    return next(one["scene"] for one in found if one["step"] == step)
+
+
+def test_a_lesson_beside_a_lab_of_another_scene_links_to_that_scene_only():
+    lesson = {"limits": LESSONS["limits"]}
+    scenes = page.page_data(lesson, lab=("panda-toed", None))["scenes"]
+    presets = {key.rsplit("-", 1)[0]: scene["page"]["preset"] for key, scene in scenes.items()}
+    assert presets == {"panda": None, "panda-toed": "paper", "panda-forearm": None}
 
 
 def test_the_eight_questions_come_with_the_tour(data):

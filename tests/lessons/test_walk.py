@@ -86,6 +86,10 @@ def mark(page, x=0.5, y=0.5, tap=False):
 def test_it_begins_with_what_it_is_and_how_long_it_takes(opened):
     page = opened()
     assert "A walk" in body(page) and "6 minutes" in body(page) and "8 questions" in body(page)
+    assert "and 4 for each round of 8 questions" in body(page)
+    page.evaluate("lesson.data.lessons[0].questions.length = 4; dispatchEvent(new Event('hashchange'))")
+    settled(page)
+    assert "and 2 for each round of 4 questions" in body(page)
     click(page, "text=Without the questions")
     assert at(page)["step"] == "choice"
     assert page.inner_text("#left").endswith("min left")
@@ -353,6 +357,62 @@ def test_a_class_freezes_leads_and_shows_what_others_answered(opened):
     assert at(page)["revealed"] and "6 · 60 %" in body(page)
 
 
+def test_a_class_that_is_asked_predicts_in_rounds_and_sees_the_truth_when_it_is_shown(opened):
+    page = opened("knobs")
+    page.evaluate("window.told = []; lesson.onAnswer = step => told.push(step); lesson.hold(true)")
+    settled(page)
+    for turn in range(2):
+        assert page.inner_text(".primary") == ("Your answer?", "Answered")[turn]
+        page.locator(".sliders input").nth(turn).fill("8")
+        mark(page, 0.4, 0.4)
+        assert page.inner_text(".primary").startswith("Turn")
+        press(page, "Enter")
+        assert len(at(page)["rounds"]) == turn + 1 and not at(page)["revealed"]
+    page.locator(".sliders input").nth(0).fill("8")
+    mark(page, 0.4, 0.4)
+    assert page.inner_text(".primary") == "Answered" and page.locator(".primary").is_disabled()
+    assert page.evaluate("told") == ["knobs", "knobs"]
+    page.evaluate("lesson.hold(false); lesson.reveal()")
+    settled(page)
+    assert at(page)["revealed"] and not at(page)["answer"].get("shown")
+
+
+def test_a_class_that_is_asked_reaches_a_goal_and_sees_the_truth_when_it_is_shown(opened):
+    page = opened("servo")
+    page.evaluate("window.told = []; lesson.onAnswer = (...all) => told.push(all); lesson.hold(true)")
+    for slider, value in ((0, 70), (1, -65)):
+        page.locator(".sliders input").nth(slider).fill(str(value))
+        page.locator(".sliders input").nth(slider).dispatch_event("change")
+        settled(page)
+    assert page.evaluate("lesson.stage().moment.E") < 30 and not at(page)["revealed"]
+    assert page.evaluate("told") == [["servo", {"done": True}, True]] and page.inner_text(".primary") == "Answered"
+    page.reload()
+    wait_until(lambda: page.evaluate("typeof lesson === 'object'"))
+    settled(page)
+    assert at(page)["answer"] == {"done": True} and not at(page)["revealed"]
+    page.evaluate("lesson.hold(true); lesson.reveal()")
+    settled(page)
+    assert at(page)["revealed"] and not at(page)["answer"].get("shown")
+
+
+def test_what_was_put_aside_comes_back_with_its_seed_its_answer_and_its_motions(opened):
+    page = opened("servo", seed=3)
+    page.locator(".sliders input").nth(0).fill("10")
+    page.locator(".sliders input").nth(0).dispatch_event("change")
+    settled(page)
+    own = at(page)
+    assert own["seed"] == 3 and len(own["motions"]) == 2
+    page.evaluate("lesson.aside(); lesson.goTo('walk', 'servo', 4); lesson.askAnew(); lesson.reveal()")
+    settled(page)
+    assert at(page)["seed"] == 4 and at(page)["revealed"]
+    page.evaluate("lesson.back()")
+    settled(page)
+    assert at(page) == own
+    page.evaluate("lesson.goTo('walk', 'choice'); lesson.goTo('walk', 'servo')")
+    settled(page)
+    assert at(page) == own
+
+
 def test_a_page_follows_another_and_goes_back_to_its_own(opened):
     leader, page = opened("place"), opened("choice")
     press(page, "1", "Enter")
@@ -516,6 +576,24 @@ def test_a_logarithmic_slider_reaches_its_ends(opened):
     assert "2000 px²" in body(page)
     press(page, "Home")
     assert "1 px²" in body(page)
+
+
+def test_a_slider_of_numbers_counts_its_steps_from_its_low_end(opened):
+    page = opened("choice")
+    page.evaluate("""() => {
+        const {ask} = lesson.data.lessons[0].steps.find(({id}) => id === "number");
+        Object.assign(ask, {low: 1, high: 25, step: 2, logarithmic: false});
+        lesson.goTo("walk", "number");
+    }""")
+    settled(page)
+    page.locator(".ask input").fill("5")
+    settled(page)
+    assert at(page)["answer"] == {"number": 5} and "5 px²" in body(page)
+    page.focus(".ask input")
+    press(page, "ArrowRight", "ArrowRight")
+    assert at(page)["answer"] == {"number": 9}
+    press(page, "End")
+    assert at(page)["answer"] == {"number": 25}
 
 
 def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(opened):

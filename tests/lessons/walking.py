@@ -36,6 +36,6 @@ def data() -> dict:
 
 def written(path: Path, monkeypatch) -> Path:
     """The page, written to a file."""
-    monkeypatch.setattr(page, "page_data", lambda lessons, others=None: data())
+    monkeypatch.setattr(page, "page_data", lambda *_: data())
     path.write_text(page.lesson_page({"walk": load(WALK)}), "utf-8")
     return path

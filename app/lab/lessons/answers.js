@@ -37,6 +37,13 @@ export function isReached(stage) {
     && value > above;
 }
 
+/** How many rounds a step has at most; 1 of the kinds that have none. @param {Ask} ask */
+export const roundsOf = ({times}) => times ?? 1;
+
+/** Whether the rounds of predictions are over: the goal is reached, or all are made. @param {Stage} stage */
+export const arePlayed = stage => stage.rounds.length > 0
+  && (isReached(stage) || stage.rounds.length >= roundsOf(stage.step.ask));
+
 /** @param {Ask} ask @param {number} number @param {number} truth */
 export function isNear({factor, within}, number, truth) {
   return factor ? truth > 0 && number / truth <= factor && truth / number <= factor
@@ -82,6 +89,5 @@ export function reply(stage) {
     const truth = Number(judged(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
     return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
   }
-  if (ask.kind === "select") return ask.reasons?.[answer.reason ?? -1]?.because ?? "";
-  return (isRight(stage) === false ? ask.far : ask.close) ?? "";
+  return ask.kind === "select" ? ask.reasons?.[answer.reason ?? -1]?.because ?? "" : "";
 }

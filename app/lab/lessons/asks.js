@@ -15,8 +15,8 @@
  */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
 import {inline, isTouched, letGo, make, plain, touched, track} from "./dom.js";
-import {energy, fill, measure} from "./measures.js";
-import {short} from "./measured.js";
+import {fill, measure} from "./measures.js";
+import {energy, short} from "./measured.js";
 
 const BET_STEP = 5, SCALE_STEPS = 200;
 
@@ -94,8 +94,8 @@ function pose(stage) {
 function number(stage, host) {
   const {low = 0, high = 1, step, logarithmic, unit = "", question} = stage.step.ask;
   const even = (/** @type {number} */ value) => logarithmic ? Math.log(value) : value;
-  const round = (/** @type {number} */ value) => step && !logarithmic ? Math.round(value / step) * step
-    : Number(value.toPrecision(2));
+  const round = (/** @type {number} */ value) => step && !logarithmic
+    ? Number((low + Math.round((value - low) / step) * step).toPrecision(12)) : Number(value.toPrecision(2));
   const input = make("input", {type: "range", min: even(low), max: even(high), step: step && !logarithmic ? step
     : (even(high) - even(low)) / SCALE_STEPS * (1 - 1e-9),
     value: even(logarithmic ? Math.sqrt(low * high) : (low + high) / 2),

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # Demonstrator postures off the middle of the sliders, with one minimum of E, which is below LEAST_E: ranges of both
 # joints, degrees.
 REGIONS = (((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60)))
-MAX_TRIED = 100  # postures for each that is dealt, of which one in a few is fair
+MAX_TRIED = 200  # postures for each that is dealt
 LEAST_E, APART_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
 RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # dealt starts over which servos are compared; px²
 FAR_DEG = 30.0  # of a start in rounds from the demonstrator, the joint that is farthest
@@ -60,18 +60,18 @@ def deal_postures(situation: Situation, count: int, seed: int) -> list[Situation
     tried = 0
     low, high = np.array(situation.scene.range_deg, float).T
     while len(found) < count:
-        region = np.array(REGIONS[len(found) % len(REGIONS)], float)
-        demo = rng.uniform(*region.T).round()
-        start = rng.uniform(low, high).round()
-        if np.abs(start - demo).min() < APART_DEG:
-            continue
-        dealt = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
         tried += 1
         if tried > MAX_TRIED * count:
             raise ValueError(
                 f"of {tried - 1} dealt postures only {len(found)} begin far above the goal and have one minimum: "
                 "choose another goal, or no `deal`"
             )
+        region = np.array(REGIONS[len(found) % len(REGIONS)], float)
+        demo = rng.uniform(*region.T).round()
+        start = rng.uniform(low, high).round()
+        if np.abs(start - demo).min() < APART_DEG:
+            continue
+        dealt = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
         if is_fair(dealt):
             found.append(dealt)
     return found
@@ -150,13 +150,20 @@ HEADS: Mapping[str, Any] = {  # values of a head that can be dealt
 
 
 def deal_start(situation: Situation, seed: int | Sequence[int]) -> tuple[float, ...]:
-    """Deal a learner's start in whole degrees, one of whose joints is far from the demonstrator's."""
+    """Deal a learner's start in whole degrees, one of whose joints is far from the demonstrator's.
+
+    Raises
+    ------
+    ValueError
+        If the joints' ranges leave no such start.
+    """
     rng, (low, high) = np.random.default_rng(seed), np.array(situation.scene.range_deg, float).T
     demo = np.radians(situation.settings.demonstrator_deg or np.degrees(situation.start.theta_demo))
-    while True:
+    for _ in range(MAX_TRIED):
         start = rng.uniform(low, high).round()
         if degrees_off(np.radians(start), demo) > FAR_DEG:
             return tuple(start.tolist())
+    raise ValueError(f"no start is {FAR_DEG:g}° from the demonstrator's posture: the joints' ranges are too narrow")
 
 
 def _stepped(one: Any, value: float) -> float:

@@ -5,20 +5,28 @@ import {pageLink} from "../view/link.js";
 
 const DEGREE = Math.PI / 180;
 
-/** @param {Stage} stage @returns {import("../view/address.js").State} */
-function stateOf({moment, session: {settings}, state}) {
+/** @param {Stage} stage @param {string} preset @returns {import("../view/address.js").State} */
+function stateOf({moment, session: {settings}, state}, preset) {
   const {transfer, servo, noisePx = 0, missing = 0, seed = 7} = settings;
-  return {preset: "paper", demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo,
+  return {preset, demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo,
     noisePx, missing, seed, steps: 0};
 }
 
-/** Of the lab, with the way back. @param {Stage} stage @param {string} back */
+/** Whether a slider has moved the eyes, as it can nowhere else. @param {Stage} stage */
+const areEyesMoved = ({scene, world}) => world.scene !== scene
+  && JSON.stringify(world.scene.cameras) !== JSON.stringify(scene.cameras);
+
+/** Of the lab, with the way back; null where it has no such scene. @param {Stage} stage @param {string} back */
 export function labAddress(stage, back) {
-  const {demonstrator, start, points, transfer, servo, noisePx, missing, seed} = stateOf(stage);
+  const {preset} = stage.scene.page ?? {};
+  if (!preset || areEyesMoved(stage)) return null;
+  const {demonstrator, start, points, transfer, servo, noisePx, missing, seed} = stateOf(stage, preset);
   const degrees = (/** @type {number[]} */ angles) => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
-  return `#demo=${degrees(demonstrator)}&start=${degrees(start)}&points=${points}&transfer=${transfer}&law=${servo}&noise=${noisePx}&lost=${Number((100 * missing).toFixed(3))}&seed=${seed}&back=${encodeURIComponent(back)}`;
+  return `#preset=${preset}&demo=${degrees(demonstrator)}&start=${degrees(start)}&points=${points}&transfer=${transfer}&law=${servo}&noise=${noisePx}&lost=${Number((100 * missing).toFixed(3))}&seed=${seed}&back=${encodeURIComponent(back)}`;
 }
 
 /** Of viewimit's page; null where it has no such scene. @param {Stage} stage */
-export const viewimitAddress = stage => stage.scene.page
-  ? `?s=${pageLink(stateOf(stage), stage.scene.page.scene, stage.scene.page.layouts)}` : null;
+export function viewimitAddress(stage) {
+  const {scene = null, layouts = [], preset = ""} = stage.scene.page ?? {};
+  return scene && !areEyesMoved(stage) ? `?s=${pageLink(stateOf(stage, preset ?? ""), scene, layouts)}` : null;
+}

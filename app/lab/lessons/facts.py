@@ -81,14 +81,12 @@ def compute(
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
 
 
-def deals(situation: Situation, step: str, count: int, seed: int) -> list[Situation]:
+def deals(situation: Situation, count: int, seed: int) -> list[Situation]:
     """Deal states of a step by a seed: postures of both arms, or scenes where the step deals them.
 
     Parameters
     ----------
     situation : Situation
-    step : str
-        Id of the step that deals.
     count, seed : int
 
     Returns
@@ -104,12 +102,15 @@ def deals(situation: Situation, step: str, count: int, seed: int) -> list[Situat
 
 
 def share(value: float) -> str:
-    """Write a share of one as a fraction: "a tenth", "a 48th"."""
+    """Write a share of one as a fraction: "a tenth", "a 48th"; as a multiple above two thirds."""
     whole = round(1 / value)
+    if whole < 2:
+        return f"{value:.2g} times"
     if whole in TENTH:
         return TENTH[whole]
     ending = "th" if whole % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(whole % 10, "th")
-    return f"{'an' if whole in (8, 11, 18) or 80 <= whole < 90 else 'a'} {whole}{ending}"
+    leading = str(whole)  # as it is spoken: an eighth, an eighteenth, an eight hundredth, an eleventh
+    return f"{'an' if leading[0] == '8' or whole in (11, 18) else 'a'} {whole}{ending}"
 
 
 def _far(situation: Situation) -> Situation:

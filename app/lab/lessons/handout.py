@@ -5,7 +5,7 @@ Numbers that the library has computed stand in the texts. A measure that only a 
 
 import re
 from collections.abc import Iterable
-from math import log
+from math import floor, log, log10
 from typing import Literal, overload
 
 from . import facts
@@ -301,7 +301,8 @@ class _Column:
             self.canvas.path([(x, y), (x + side, y), (x + side, y + side), (x, y + side)], INK, 0.3, closed=True)
             if k == right:
                 self.canvas.path([(x + 0.6, y + 1.7), (x + 1.4, y + 2.6), (x + 3.0, y + 0.3)], INK, 0.6)
-            self.y += write(self.canvas, (x + 5.0, self.y), f"{'abcdefgh'[k]})  {answer}", BODY, self.width - 5.0) + 0.9
+            text = f"{chr(ord('a') + k % 26)})  {answer}"
+            self.y += write(self.canvas, (x + 5.0, self.y), text, BODY, self.width - 5.0) + 0.9
 
     def blank_lines(self, count: int) -> None:
         for _ in range(count):
@@ -340,7 +341,9 @@ def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
         marks = [m * 10.0**k for k in range(-4, 5) for m in (1, 2, 5)]
         inside = [mark for mark in marks if low <= mark <= high]
         return [mark for mark in inside if len(inside) <= 9 or f"{mark:e}"[0] == "1"]
-    step = next(s for k in range(-3, 4) for s in (10.0**k, 2 * 10.0**k, 5 * 10.0**k) if (high - low) / s <= 8)
+    decade = floor(log10(high - low)) - 1
+    steps = (factor * 10.0**k for k in (decade, decade + 1) for factor in (1, 2, 5))
+    step = next(each for each in steps if (high - low) / each <= 8)
     first = -(-low // step)
     return [step * (first + k) for k in range(20) if step * (first + k) <= high + 1e-9]
 

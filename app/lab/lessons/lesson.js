@@ -1,11 +1,11 @@
 /** Lessons: which screen is shown, what the keys do, and what others may ask of the page. */
-import {isAnswered, isRight} from "./answers.js";
+import {isAnswered, isRight, roundsOf} from "./answers.js";
 import {inline, make, plain} from "./dom.js";
 import {labAddress, viewimitAddress} from "./elsewhere.js";
 import {FIGURES} from "./figures/registry.js";
 import {grade} from "./measures.js";
+import {QUESTION_S} from "./questions.js";
 import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
-import {slidersOf} from "./sliders-row.js";
 import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
@@ -40,24 +40,19 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
-const USUAL_ROUNDS = 4; // of predictions, where the step names no number
-const QUESTION_S = 28, FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
-
-/** How many rounds a step is likely to have. @param {Step} step */
-const roundsOf = ({ask: {kind, times}}) => kind === "predict" ? times ?? USUAL_ROUNDS : kind === "bet" ? times ?? 1
-  : 1;
+const FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
 
 /** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
 function secondsOf(step) {
   const {text, ask, say, after = "", play} = step,
     words = `${text} ${ask.question} ${say} ${after}`.split(/\s+/).length;
   return words / WORDS_A_MINUTE * 60 + (["do", "predict", "pose"].includes(ask.kind) ? ACTING_S : LOOKING_S)
-    + (play ?? 0) + ROUND_S * (roundsOf(step) - 1);
+    + (play ?? 0) + ROUND_S * (roundsOf(ask) - 1);
 }
 
 /** Rounds that are behind, but for the last. @param {Stage} stage */
 const roundsMade = ({step, rounds, run}) =>
-  Math.min(roundsOf(step) - 1, step.ask.kind === "bet" ? run : rounds.length);
+  Math.min(roundsOf(step.ask) - 1, step.ask.kind === "bet" ? run : rounds.length);
 
 /** @param {Data} data */
 function begin(data) {
@@ -79,7 +74,7 @@ function begin(data) {
    * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside
    */
   let before = null;
-  let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, began = performance.now();
+  let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false;
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
@@ -104,9 +99,6 @@ function begin(data) {
 
   /** @param {Lesson} next @param {Place} to @param {number} [seed] of what is dealt */
   function enter(next, to, seed) {
-    const now = place.kind === "step" ? kept().steps[place.id] : null;
-    if (now) now.seconds += (performance.now() - began) / 1000;
-    began = performance.now();
     if (next !== lesson) {
       stages = new Map();
       seeds = new Map();
@@ -153,7 +145,6 @@ function begin(data) {
       || carried.motions.length < 2)) return known;
     const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
-    for (const {name, start} of slidersOf(made)) if (!made.sliders.has(name)) made.sliders.set(name, start);
     made.truthHidden = isTruthHidden;
     if (was) recall(made, was);
     stages.set(id, made);
@@ -185,8 +176,7 @@ function begin(data) {
     const {answer, mark, seed, motions, rounds, step, carried, run, bets, graded} = stage;
     kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs,
       right: stage.isRevealed ? isRight(stage) : null, run, bets, graded,
-      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders],
-        seconds: kept().steps[step.id]?.seconds ?? 0};
+      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders]};
     store.save(lesson.name);
     hooks.onChange();
   }
@@ -219,9 +209,13 @@ function begin(data) {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
     others: () => others && "counts" in others ? others : null,
-    links: now => isServed ? {lab: `../lab${labAddress(now, location.pathname.split("/").pop() + location.hash)}`,
-      viewimit: instrument ? `../?s=${instrument}` : viewimitAddress(now) && `../${viewimitAddress(now)}`,
-      words: instrument ? "Back to viewimit" : "Open in viewimit"} : null,
+    links: now => {
+      if (!isServed) return [];
+      const lab = labAddress(now, location.pathname.split("/").pop() + location.hash), viewimit = viewimitAddress(now);
+      return [...lab ? [{of: "lab", href: `../lab${lab}`, words: "Open in the lab"}] : [],
+        ...instrument ? [{of: "viewimit", href: `../?s=${instrument}`, words: "Back to viewimit"}]
+          : viewimit ? [{of: "viewimit", href: `../${viewimit}`, words: "Open in viewimit"}] : []];
+    },
   };
 
   function show() {
@@ -449,8 +443,9 @@ function begin(data) {
       stages = new Map();
       const {lesson: name, place: at, seeds: dealt} = before;
       before = null;
-      enter(name, at);
+      lesson = name;
       seeds = dealt;
+      enter(name, at);
     },
     /** @param {string} name @param {string} step @param {number} [seed] */
     goTo(name, step, seed) {

@@ -99,9 +99,9 @@ export class Marks {
     }
     const cross = own ?? (between ? between[0] : null);
     if (cross) {
-      const [x, y] = cross, isRight = x < 110;
+      const [x, y] = cross, isLabelRight = x < 110;
       html += `<g class="mark-own"><circle cx="${px(x)}" cy="${px(y)}" r="11"/><path d="M${px(x - 17)} ${px(y)}h11m12 0h11M${px(x)} ${px(y - 17)}v11m0 12v11"/></g>
-<text class="mark-name vi-halo${isRight ? "" : " vi-end"}" x="${px(x + (isRight ? 23 : -23))}" y="${px(y + 5)}">your mark</text>`;
+<text class="mark-name vi-halo${isLabelRight ? "" : " vi-end"}" x="${px(x + (isLabelRight ? 23 : -23))}" y="${px(y + 5)}">your mark</text>`;
     }
     const viewBox = `0 0 ${clientWidth} ${clientHeight}`;
     if (this.svg.getAttribute("viewBox") !== viewBox) this.svg.setAttribute("viewBox", viewBox);

@@ -5,7 +5,7 @@
  * @typedef {import("./stage.js").Measured} Measured
  * @typedef {import("./stage.js").Mark} Mark
  */
-import {fixed} from "../view/svg.js";
+import {energyText, fixed} from "../view/svg.js";
 
 const MISSING = "–";
 
@@ -27,6 +27,9 @@ export function told(value, unit = "", digits = null, missing = MISSING) {
   return {value, unit, text: Number.isFinite(value)
     ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
 }
+
+/** px², in as many digits as the lab has. @param {number} E @returns {Measured} */
+export const energy = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
 
 /** A place or a posture, which no sentence has. @param {ArrayLike<number> | number[][]} value @returns {Measured} */
 export const placed = value => ({value, unit: "", text: MISSING});

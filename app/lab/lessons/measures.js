@@ -6,17 +6,13 @@
  * @typedef {import("./stage.js").Measure} Measure
  * @typedef {import("./stage.js").Measured} Measured
  */
-import {energyText} from "../view/svg.js";
-import {distance, placed, told} from "./measured.js";
+import {distance, energy, placed, told} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
 import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
 import {RAY_MEASURES} from "./measures_ray.js";
 import {TOUR_MEASURES} from "./measures_tour.js";
 
 const DEGREE = Math.PI / 180;
-
-/** px², in as many digits as the lab has. @param {number} E @returns {Measured} */
-export const energy = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
 
 /** Motions after which E was below the goal first. @param {ArrayLike<number>} E @param {number | null} goal */
 export function reached(E, goal) {
@@ -73,31 +69,23 @@ export const MEASURES = {
   "outcome": stage => ({value: outcome(stage), unit: "", text: outcome(stage) ? "true" : "false"}),
   "penalty": stage => told(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
   "E": stage => energy(stage.moment.E),
-  "start E": stage => energy(stage.motions[0].E),
   "E alike": stage => energy(stage.ghost().E),
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
   "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
-  "off": stage => told(degreesApart(stage.moment.theta, stage.moment.thetaDemo), "°", 1),
   "your error": stage => told(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
     : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
-  "moved": stage => told(degreesApart(stage.moment.thetaDemo, stage.state.demonstrator), "°", 0),
-  "your motions": stage => told(stage.motions.length - 1, "", 0),
   "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal)
     : told(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
-  "motions of the paper's law": stage => raced(stage, "gradient"),
-  "points": stage => told(stage.moment.usable.length, "", 0),
   "the demonstrator's posture": stage => placed(stage.moment.thetaDemo.map(v => v / DEGREE)),
   "your first joint is off": stage => told(Math.abs(stage.guessed[0] - stage.moment.thetaDemo[0]) / DEGREE, "°", 0),
   "your second joint is off": stage => told(Math.abs(stage.guessed[1] - stage.moment.thetaDemo[1]) / DEGREE, "°", 0),
   "E of your posture": stage => energy(energyAt(stage, stage.guessed)),
-  "noise": stage => told(stage.session.settings.noisePx ?? 0, " px"),
-  "lost points": stage => told(100 * (stage.session.settings.missing ?? 0), " %", 0),
   ...LIMITS_MEASURES,
 };
 

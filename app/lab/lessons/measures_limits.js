@@ -7,21 +7,17 @@
  * @typedef {import("./figures/crossing.js").Crossing} Crossing
  */
 import {projectPoint} from "../engine/engine.js";
-import {energyText} from "../view/svg.js";
 import {angleOf, crossingOf, ellipseOf, shiftOf} from "./figures/crossing.js";
 import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
 import {chosenRuns, roundsOf, there} from "./figures/rounds.js";
 import {runOf} from "./figures/sign.js";
 import {Altered, energyAt} from "./maps.js";
-import {told} from "./measured.js";
+import {energy, told} from "./measured.js";
 
 const FEWEST = 4; // matches
 const NEAR_ZERO = 1, NEAR_DEG = 5; // px², of an E that is explained; degrees
 const ASIDE_M = 1e-4; // for the slope of a projection
-
-/** @param {number} E px² @returns {Measured} */
-const energy = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
 
 /** Of all matches, thousands apart. @param {number} E @returns {Measured} */
 const rounded = E => ({value: E, unit: " px²", text: `${Math.round(E)} px²`});

@@ -76,10 +76,6 @@ export const RAY_MEASURES = {
   "fifth left out, alike": stage => told(fifthLeftOut(fiveMatches(stage, stage.moment.thetaDemo)), " px", 1),
   "fifth left out, different": stage =>
     told(fifthLeftOut(fiveMatches(stage, DIFFERENT_DEG.map(v => v * DEGREE))), " px", 0),
-  "crossing angle": stage => {
-    const [first, second] = both(stage);
-    return told(first && second ? angleBetween(first, second) / DEGREE : NaN, "°", 0);
-  },
   "px along a px across": stage => {
     const [first, second] = both(stage);
     return told(first && second ? 1 / Math.tan(angleBetween(first, second)) : NaN, "", 1);

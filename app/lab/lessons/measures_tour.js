@@ -5,18 +5,15 @@
  * @typedef {import("./stage.js").Measure} Measure
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {placed, short, told} from "./measured.js";
+import {energy, placed, short, told} from "./measured.js";
 import {carriedPlaces, energyCarried} from "./places.js";
-import {energyText, fixed} from "../view/svg.js";
+import {fixed} from "../view/svg.js";
 
 const DEGREE = Math.PI / 180;
 /** Points that the images name: one of the hand, whose arrow is short though it has far to go, and one of the base. */
 export const HAND_POINT = 9;
 export const BASE_POINT = 3;
 const STEP_DEG = 1; // of the map on which poses below the goal are counted
-
-/** px² @param {number} E */
-const squared = E => ({value: E, unit: " px²", text: `${energyText(E)} px²`});
 
 /** A point in L, px. @param {Float64Array} images @param {number} i */
 const inL = (images, i) => [images[4 * i], images[4 * i + 1]];
@@ -91,9 +88,9 @@ export const TOUR_MEASURES = {
   "arrow of 9": stage => told(arrowOf(stage, HAND_POINT), " px", 0),
   "way of 9": stage => told(wayOf(stage, HAND_POINT), " px", 0),
   "cosine": stage => told(cosine(stage), "", 2),
-  "E sideways": stage => squared(energyCarried(stage, [0, 0.5])),
-  "E back": stage => squared(energyCarried(stage, [0.5, 0])),
-  "E nearer": stage => squared(energyCarried(stage, [-0.3, 0])),
+  "E sideways": stage => energy(energyCarried(stage, [0, 0.5])),
+  "E back": stage => energy(energyCarried(stage, [0.5, 0])),
+  "E nearer": stage => energy(energyCarried(stage, [-0.3, 0])),
   "times by place": stage => {
     const E = [stage.moment.E, ...carriedPlaces(stage).map(place => place.E)];
     return told(Math.max(...E) / Math.min(...E), "", 1);

@@ -14,11 +14,12 @@ from string import Template
 from typing import Any
 
 from viewimit import __version__
-from viewimit.drawing.export.engine_scene import describe_hulls
+from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle, packed, styles
 from viewimit.drawing.glossary import glossary
+from viewimit.simulation.scene import load_scene
 
-from ..page import SHIPPED, served_page
+from ..page import SHIPPED, served_page, served_scenes, with_few_points
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of
@@ -35,6 +36,7 @@ def lesson_page(
     more_styles: str = "",
     policy: str = "",
     others: Mapping[str, Lesson] | None = None,
+    lab: tuple[str, str | None] = (SHIPPED, None),
 ) -> str:
     """Return lessons as one HTML page.
 
@@ -50,6 +52,8 @@ def lesson_page(
         Directives that the page's content policy has besides, such as ";connect-src 'self'".
     others
         Lessons that are served beside this page, which then has links to them by name.
+    lab
+        Scene and robot of the lab beside this page, as settings name them.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def lesson_page(
         For lessons of more than one robot, or a scene that the lab cannot compute.
     """
     first = next(iter(lessons.values()))
-    data = json.dumps(page_data(lessons, others), separators=(",", ":"), allow_nan=False)
+    data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
     title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
     return _template().substitute(
         version=html.escape(__version__),
@@ -71,7 +75,11 @@ def lesson_page(
     )
 
 
-def page_data(lessons: Mapping[str, Lesson], others: Mapping[str, Lesson] | None = None) -> dict[str, Any]:
+def page_data(
+    lessons: Mapping[str, Lesson],
+    others: Mapping[str, Lesson] | None = None,
+    lab: tuple[str, str | None] = (SHIPPED, None),
+) -> dict[str, Any]:
     """Return what the page's script reads: hulls, scenes, glossary, catalogue and lessons."""
     scenes = Scenes()
     plain = [lesson_data(name, lesson, scenes) for name, lesson in lessons.items()]
@@ -87,11 +95,26 @@ def page_data(lessons: Mapping[str, Lesson], others: Mapping[str, Lesson] | None
     robot = _robot_of(lessons.values())
     return {
         "hulls": describe_hulls(robot),
-        "scenes": scenes,
+        "scenes": {key: _with_links(scene, lab) for key, scene in scenes.items()},
         "glossary": terms(),
         "catalogue": _in_order(catalogue),
         "lessons": plain,
     }
+
+
+def _with_links(scene: dict[str, Any], lab: tuple[str, str | None]) -> dict[str, Any]:
+    """The scene with the lab's preset and viewimit's name for it; None where they have no such scene."""
+    plain = {name: field for name, field in scene.items() if name != "page"}
+    page = scene["page"]
+    shown = engine_scene(with_few_points(load_scene(page["scene"] or SHIPPED)))
+    preset = next((name for name, offered in served_scenes(*lab).items() if _is_equal(offered, plain)), None)
+    named = page["scene"] if _is_equal(shown, plain) else None
+    return {**plain, "page": {**page, "scene": named, "preset": preset}}
+
+
+def _is_equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether two scenes are the same as JSON, which has no tuples."""
+    return json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True)
 
 
 def _in_order(catalogue: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -129,7 +152,7 @@ class LabPages:
         self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None, **how: Any
     ):
         self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}
-        self._scene, self._robot, self._how = scene, robot, how
+        self._lab, self._how = (scene, robot), how
         self._pages: dict[str, str] = {}
         self._locks = {name: threading.Lock() for name in self.lessons}
 
@@ -140,13 +163,13 @@ class LabPages:
         a second once the lesson's data are in the cache.
         """
         if not name:
-            return served_page(self._scene, self._robot)
+            return served_page(*self._lab)
         if name not in self.lessons:
             return None
         with self._locks[name]:
             if name not in self._pages:
                 self._pages[name] = in_another_process(
-                    partial(lesson_page, {name: self.lessons[name]}, others=self.lessons, **self._how)
+                    partial(lesson_page, {name: self.lessons[name]}, others=self.lessons, lab=self._lab, **self._how)
                 )
             return self._pages[name]
 

@@ -11,6 +11,8 @@
 import {inline, make, plain} from "./dom.js";
 import {dealtOrder} from "./stage.js";
 
+export const QUESTION_S = 28; // of each question, to estimate what a round takes
+
 /**
  * In which order a person gets the answers of a question.
  * @param {Question} question

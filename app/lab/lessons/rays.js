@@ -10,6 +10,7 @@
 import {dot} from "../engine/algebra.js";
 import {projectPoint} from "../engine/camera.js";
 import {compose, transform} from "../engine/kinematics.js";
+import {smoothstep} from "../view/svg.js";
 
 /** T⁻¹ of a rigid transform. @param {ArrayLike<number>} T */
 function inverse(T) {
@@ -196,10 +197,8 @@ export function camerasOf(stage, distance = stage.sliders.get("camera distance")
  * @param {number} reveal 0 … 1
  */
 export function sliding(reveal) {
-  const between = (/** @type {number} */ from, /** @type {number} */ to) => {
-    const t = Math.min(1, Math.max(0, (reveal - from) / (to - from)));
-    return t * t * (3 - 2 * t);
-  };
+  const between = (/** @type {number} */ from, /** @type {number} */ to) =>
+    smoothstep(Math.min(1, Math.max(0, (reveal - from) / (to - from))));
   const [near, far, home] = [between(DRAWN_FIRST, TURN_BACK), between(TURN_BACK, GO_HOME), between(GO_HOME, 1)];
   const away = FIRST_SHARE + far * (LAST_SHARE - FIRST_SHARE);
   const share = reveal < TURN_BACK ? 1 + near * (FIRST_SHARE - 1) : away + home * (1 - away);

@@ -7,7 +7,7 @@
  * @typedef {import("./step-screen.js").Button} Button
  */
 import {inline, make} from "./dom.js";
-import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
+import {linked, orderOf, outcome, questionOf, QUESTION_S, reviewOf} from "./questions.js";
 
 /** @implements {Screen} Where lessons begin. */
 export class HomeScreen {
@@ -24,9 +24,9 @@ export class HomeScreen {
     this.start = () => acts.start(lesson);
     this.words = stateOf(lesson).words;
     const cards = lessons.map(one => {
-      const {words, done, isAsked} = stateOf(one), count = one.steps.length,
-        hasQuestions = Boolean(one.questions?.length);
-      const times = `${one.minutes} minutes${hasQuestions ? `, and 4 for each round of ${one.questions?.length} questions` : ""}`;
+      const {words, done, isAsked} = stateOf(one), count = one.steps.length, questions = one.questions?.length ?? 0,
+        hasQuestions = questions > 0, round = Math.max(1, Math.round(QUESTION_S * questions / 60));
+      const times = `${one.minutes} minutes${hasQuestions ? `, and ${round} for each round of ${questions} questions` : ""}`;
       return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`},
         make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
         make("p", {class: "hint"},

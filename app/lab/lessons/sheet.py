@@ -187,11 +187,6 @@ def wrapped(text: str, size: float, width: float, bold: bool = False) -> list[li
     return [line for line in lines if line]
 
 
-def text_height(text: str, size: float, width: float, bold: bool = False) -> float:
-    """Return how high a text is [mm] when it is broken into lines."""
-    return len(wrapped(text, size, width, bold)) * size * PT * LEADING
-
-
 def write(
     canvas: Canvas, at: Point, text: str, size: float, width: float, bold: bool = False, colour: str = INK
 ) -> float:

@@ -56,11 +56,6 @@ def off_deg(last: Snapshot) -> NDArray[np.float64]:
     return np.degrees(np.abs(last.theta - last.theta_demo))
 
 
-def certified(last: Snapshot) -> float:
-    """The probability that the learner's certificate gives its claim; NaN where it makes none."""
-    return claim_probability(last.certificate) if last.status.is_claim and last.certificate else np.nan
-
-
 @cache
 def runs_record() -> list[dict[str, Any]]:
     """All runs as the page has them: the learner's knowledge, and the truth."""

@@ -7,16 +7,8 @@
 import {inline, letGo, make, track} from "./dom.js";
 import {short} from "./measured.js";
 
-const KNOBS = /** @type {Slider[]} */ (["A", "B"].map((name, k) =>
-  ({name: `knob ${k + 1}`, label: `Knob ${name}`, low: -1, high: 1, start: 0, step: .05, unit: null})));
 const LOGARITHMIC_STEPS = 200, WHOLE = 1 - 1e-9; // so that rounding does not put the last step beyond the end
 const ACTS = ["do", "pose", "predict"]; // kinds whose sliders are there before the answer
-
-/** @param {Stage} stage @returns {Slider[]} */
-export function slidersOf({step}) {
-  const own = step.sliders ?? [];
-  return step.ask.kind === "predict" && !own.some(({name}) => name.startsWith("knob ")) ? [...KNOBS, ...own] : own;
-}
 
 /** Whether they are in reach. @param {Stage} stage */
 export function areOpen({step, isRevealed}) {
@@ -34,7 +26,7 @@ export class SlidersRow {
   constructor(box, stage, slid, released) {
     this.stage = stage;
     this.box = box;
-    this.rows = slidersOf(stage).map(slider => {
+    this.rows = (stage.step.sliders ?? []).map(slider => {
       const even = (/** @type {number} */ value) => slider.logarithmic ? Math.log(value) : value,
         {low, high, step = 1, logarithmic} = slider;
       const input = make("input", {type: "range", min: even(low), max: even(high), step: logarithmic

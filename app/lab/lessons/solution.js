@@ -1,7 +1,6 @@
 /** What somebody who is stuck is shown: where the sliders reach the goal. */
 import {isReached} from "./answers.js";
 import {measure} from "./measures.js";
-import {slidersOf} from "./sliders-row.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
 
@@ -15,7 +14,7 @@ const GRID = 9, ROUNDS = 40, MIN_SHARE = 1e-4; // values of a slider at first; r
  * @returns {Map<string, number>}
  */
 export function solution(stage) {
-  const sliders = slidersOf(stage), {measure: name, below} = stage.step.ask, before = new Map(stage.sliders),
+  const {sliders = []} = stage.step, {measure: name, below} = stage.step.ask, before = new Map(stage.sliders),
     {changed} = stage;
   const sign = below !== null && below !== undefined ? 1 : -1, posture = stage.moment.theta;
   stage.changed = () => {};

@@ -2,8 +2,8 @@
  * A step of a lesson at one moment: its two arms, what was answered, and how far its reveal has gone. Figures, measures
  * and the card read it and nothing else. It touches no document.
  *
- * @typedef {import("../engine/world.js").Scene & {page?: {scene: string, layouts: string[]}}} Scene
- *   page: as viewimit's page names it
+ * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[],
+ *   preset: string | null}}} Scene page: as viewimit's page names it, and the lab's preset; null where there is none
  * @typedef {import("../engine/session.js").Moment} Moment
  * @typedef {[number, number]} Mark a place in a figure, in its unit
  * @typedef {{value: any, unit: string, text: string}} Measured value: a number,

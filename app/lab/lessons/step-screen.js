@@ -19,7 +19,7 @@
  * @property {(seed: number) => void} restart the step anew
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {lab: string, viewimit: string | null, words: string} | null} links
+ * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state opens
  *
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
  * @typedef {Object} Screen
@@ -29,7 +29,7 @@
  * @property {() => Button | null} skip
  * @property {() => void} remove
  */
-import {isAnswered, isReached} from "./answers.js";
+import {arePlayed, isAnswered, isReached} from "./answers.js";
 import {isSet} from "./asks.js";
 import {Card} from "./card.js";
 import {inline, make, touched} from "./dom.js";
@@ -38,9 +38,10 @@ import {Marks} from "./marks.js";
 import {grade, measure} from "./measures.js";
 import {SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
+import {smoothstep} from "../view/svg.js";
 
 const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
-const MAX_SEED = 9999, MAX_ROUNDS = 12;
+const MAX_SEED = 9999;
 const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
 const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -179,7 +180,8 @@ export class StepScreen {
     if (ask.kind !== "do" || stage.isRevealed || this.stop || !isReached(stage)) return;
     stage.answer = {done: true};
     this.course.answered(stage);
-    this.reveal(false);
+    if (this.course.isHeld()) this.course.keep();
+    else this.reveal(false);
   }
 
   /** Both knobs turn the arm, and the prediction is compared with what came of it. */
@@ -197,7 +199,7 @@ export class StepScreen {
       for (const name of ["knob 1", "knob 2"]) stage.sliders.set(name, 0);
       this.course.answered(stage);
       this.course.keep();
-      if (isReached(stage) || stage.rounds.length >= (ask.times ?? MAX_ROUNDS)) this.reveal(false);
+      if (arePlayed(stage) && !this.course.isHeld()) this.reveal(false);
       this.course.redraw();
     });
   }
@@ -208,7 +210,7 @@ export class StepScreen {
   show() {
     const {stage} = this, {ask} = stage.step;
     if (stage.isRevealed || this.stop) return;
-    if (isAnswered(stage) && ask.kind !== "predict") return this.reveal(false);
+    if (isAnswered(stage) && (ask.kind !== "predict" || arePlayed(stage))) return this.reveal(false);
     if (!this.wantsToSee && ask.kind !== "do" && ask.kind !== "predict") {
       this.wantsToSee = true;
       this.course.note(touched(FIRST));
@@ -231,7 +233,7 @@ export class StepScreen {
     const from = stage.moment.theta, to = stage.moment.thetaDemo;
     this.#play(lasts, (share, isOver) => {
       stage.reveal = Math.max(1e-6, share);
-      const eased = share * share * (3 - 2 * share);
+      const eased = smoothstep(share);
       if (step.meets) stage.observe(isOver ? to : from.map((v, k) => v + eased * (to[k] - v)));
     }, () => {
       stage.graded ??= grade(stage);
@@ -259,7 +261,7 @@ export class StepScreen {
   #solve() {
     const {stage} = this, found = solution(stage), from = new Map(stage.sliders);
     this.#play(SOLVE_MS, share => {
-      const eased = share * share * (3 - 2 * share);
+      const eased = smoothstep(share);
       for (const [name, to] of found) {
         const start = from.get(name) ?? to;
         stage.slide(name, start + eased * (to - start));
@@ -308,10 +310,11 @@ export class StepScreen {
       key: "→", filled: true, disabled: course.isLocked(), act: () => this.#nextRun()};
     if (stage.isRevealed) return {words: "Next", key: "→", filled: true, disabled: course.isLocked(),
       act: () => { this.stop?.(); course.go(1); }};
-    if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
-    if (stage.step.ask.kind === "predict" && isSet(stage)) return {words: "Turn", key: "↵", filled: true,
+    const isPredicted = stage.step.ask.kind === "predict", isOver = !isPredicted || arePlayed(stage);
+    if (!isOver && isSet(stage)) return {words: "Turn", key: "↵", filled: true,
       disabled: course.isLocked() || Boolean(this.stop), act: () => this.turn()};
-    const isReady = isAnswered(stage) && stage.step.ask.kind !== "predict";
+    if (course.isHeld()) return {words: isAnswered(stage) ? "Answered" : "Your answer?", disabled: true, act: () => {}};
+    const isReady = isAnswered(stage) && isOver;
     return {words: "Show me", key: isReady ? "↵" : undefined, filled: isReady, disabled: course.isLocked()
       || Boolean(this.stop), act: () => this.show()};
   }
@@ -355,9 +358,9 @@ export class StepScreen {
   #drawLegend(drawn) {
     const rows = [...new Set(this.mounted.flatMap(({kind}) => Object.entries(kind.legend ?? {})).filter(([layer]) =>
       drawn.has(layer)).map(([, html]) => html))];
-    const {lab = null, viewimit = null, words = ""} = this.course.links(this.stage) ?? {};
-    const html = rows.map(one => `<li>${one}</li>`).join("")
-      + (lab ? `<li class="elsewhere"><a href="${lab}">Open in the lab</a>${viewimit ? ` <a href="${viewimit}">${words}</a>` : ""}</li>` : "");
+    const links = this.course.links(this.stage).map(({href, words, of}) =>
+      `<a class="to-${of}" href="${href}">${words}</a>`).join(" ");
+    const html = rows.map(one => `<li>${one}</li>`).join("") + (links && `<li class="elsewhere">${links}</li>`);
     if (this.legend.dataset.html !== html) {
       this.legend.dataset.html = html;
       this.legend.innerHTML = html;

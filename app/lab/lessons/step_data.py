@@ -113,7 +113,7 @@ def dealt_situations(lesson: Lesson, step: Step) -> list[Situation]:
     if not origin.deal:
         return []
     count = SCENE_DEALS if origin.dealt else DEALS
-    return facts.deals(situation_of(lesson, step), origin.id, count, DEAL_SEED)
+    return facts.deals(situation_of(lesson, step), count, DEAL_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:
@@ -239,12 +239,11 @@ def _sources() -> Iterator[Path]:
     lab = Path(__file__).parent.parent
     package = Path(viewimit.__file__).parent
     computing = ("geometry", "estimation", "servo", "sensing", "simulation", "loop", "analysis", "experiments")
-    yield package / "drawing" / "export" / "engine_scene.py"
-    yield from sorted(lab.glob("lessons/*.py"))
+    yield from (package / "drawing" / "export" / "engine_scene.py", package / "drawing" / "svg.py", lab / "page.py")
+    yield from sorted([*lab.glob("lessons/*.py"), *lab.glob("lessons/*.toml")])
     for folder in computing:
         yield from sorted((package / folder).rglob("*.py"))
-
-    yield from sorted(ROOT.glob("scenes/*.toml"))
+    yield from sorted([*ROOT.glob("scenes/*.toml"), *ROOT.glob("robots/**/*.urdf"), *ROOT.glob("lessons/*.json")])
 
 
 def _cache_folder() -> Path | None:

@@ -12,7 +12,6 @@
  * @property {{theta: number[], E: number, probe: boolean}[]} motions
  * @property {import("./stage.js").Round[]} rounds
  * @property {[string, number][]} sliders
- * @property {number} seconds
  * @property {Record<string, import("./stage.js").Measured> | null} [graded] the numbers that judged the answer
  * @property {number} [run]
  * @property {(number | null)[]} [bets]

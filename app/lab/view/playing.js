@@ -1,4 +1,5 @@
 /** Playing: while it is on, a learner at rest wakes when the demonstrator moves. */
+import {smoothstep} from "./svg.js";
 
 /** ms of a step, by law */
 const PERIOD_MS = {broyden: 620, gradient: 6, "gradient-retuned": 20}, PROBE_MS = 1100;
@@ -92,7 +93,7 @@ export class Player {
     const {now, session} = this.experiment;
     if (!this.glide) return now;
     const {from, began, lasts} = this.glide, share = Math.min(1, (performance.now() - began) / lasts);
-    const eased = share * share * (3 - 2 * share);
+    const eased = smoothstep(share);
     return session.observe(now.theta.map((v, k) => from[k] + eased * (v - from[k])));
   }
 

@@ -7,7 +7,7 @@ import {listen} from "./keys.js";
 import {byId as $, copy} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
-import {energyText, fixed, say} from "./svg.js";
+import {energyText, fixed, say, smoothstep} from "./svg.js";
 import {residualText, SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 /** @typedef {import("./recorded.js").Run} Run @typedef {import("./view.js").View} View */
@@ -142,7 +142,7 @@ export class Replay {
   /** The arm on its way to the next moment. @param {number} share of the way */
   #glide(share) {
     const {moment, recorded, chosen, now} = this, {theta} = recorded.moments[Math.min(now + 1, this.last)];
-    const eased = share * share * (3 - 2 * share), between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
+    const eased = smoothstep(share), between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
     this.view.drawSpace(this.world, {
       moment: {...moment, theta: between}, recovered: moment.recovered, lines: recorded.lines(now, chosen),
       chosen, goal: $("goal").checked, ease: 1, rays: $("rays").checked,

@@ -1,4 +1,4 @@
-/** SVG elements whose attributes are rewritten in place, and numbers as text. */
+/** SVG elements whose attributes are rewritten in place, numbers as text, and the pace of what moves. */
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
@@ -38,3 +38,6 @@ export const px = value => value.toFixed(1);
 
 /** How many px a drawing's unit is: its marks and letters grow with the page's own. */
 export const drawingUnit = () => Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
+
+/** The share of a way that begins and ends at rest (smoothstep). @param {number} share of the time */
+export const smoothstep = share => share * share * (3 - 2 * share);

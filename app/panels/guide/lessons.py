@@ -1,4 +1,4 @@
-"""Where the lab's lessons are opened, the tour of which is offered once."""
+"""Links to the lab's lessons, and the offer of one of them to somebody who is new here."""
 
 from collections.abc import Mapping
 from urllib.parse import quote
@@ -46,8 +46,8 @@ def offers(state: PageState, lessons: Mapping[str, Lesson]) -> str:
     listed = f'<div class="vi-lessons">Lessons: {links}</div>'
     if not state.tour_offered or not lessons:
         return listed
-    own = next(iter(lessons))
-    name = TOUR if own in ORDER else own
+    first = next(iter(lessons))
+    name = TOUR if first in ORDER else first  # a lecturer's own come first
     tour = lessons[name]
     take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
     no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')

@@ -10,8 +10,9 @@ import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
 import {farthest} from "./bowl.js";
 import {
-  axis, circles, crossHair, dots, Drawing, legend, legendHeight, Names, path, polyline, text, widthOf,
+  axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, text, widthOf,
 } from "./drawing.js";
+import {Names} from "./names.js";
 
 const FLOOR = .01, HIGHEST = 30; // degrees; smaller ones are raised to the floor
 const ASKED = 10; // times the distance
@@ -55,7 +56,7 @@ function drawn({width, height}, stage, layers) {
   const bottom = height - foot, x = axis(1, 30, LEFT, right, true), y = axis(FLOOR, HIGHEST, bottom, HEAD, true);
   const at = (/** @type {number} */ v, /** @type {number} */ value) =>
     [x(v), y(Math.min(Math.max(value, FLOOR), HIGHEST))];
-  const names = new Names(LEFT, HEAD, right, bottom);
+  const names = new Names([LEFT, HEAD, right, bottom]);
   let svg = path("vi-rule", DEGREES.map(v => `M${LEFT} ${px(y(v))}H${px(right)}`).join(""));
   const ticks = TIMES.map(v => `M${px(x(v))} ${px(bottom)}v4`).join("");
   svg += path("vi-axis", `M${LEFT} ${HEAD}V${px(bottom)}H${px(right)}${ticks}`);
@@ -64,7 +65,7 @@ function drawn({width, height}, stage, layers) {
   svg += text((LEFT + right) / 2, bottom + 34, "distance of the eyes", "vi-2nd vi-mid");
   for (const name of shown) {
     const points = degrees[name].map((value, k) => at(times[k], value));
-    names.takeLine(points, 4);
+    names.keepLine(points, 4);
     svg += path(`lesson-bias lesson-bias-${STYLES.get(name)}`, polyline(points));
   }
   const end = (/** @type {string} */ name) => y(Math.max(degrees[name][times.length - 1], FLOOR));
@@ -74,19 +75,24 @@ function drawn({width, height}, stage, layers) {
   if (layers.has("here")) {
     svg += path("lesson-here", `M${px(x(here))} ${HEAD}V${px(bottom)}`);
     if (now !== null) svg += path("lesson-bias-dots lesson-bias-used", dots([at(here, now)]));
-    names.takeLine([[x(here), HEAD], [x(here), bottom]], 2);
-    if (now !== null) names.takePoint(at(here, now), 6);
-    svg += names.beside([x(here), HEAD + 10], "here", "");
+    names.keepLine([[x(here), HEAD], [x(here), bottom]], 2);
+    if (now !== null) names.keep(at(here, now), 6);
+    names.put("here", [x(here), HEAD + 14], "", {first: [1, 0]});
   }
   const found = valueAt(ASKED, times, degrees[used]), goal = at(ASKED, found), guess = stage.answer.number;
-  if (layers.has("found")) names.takePoint(goal, 9);
+  if (layers.has("found")) names.keep(goal, 9);
   const you = guess !== undefined && layers.has("foretold") ? at(ASKED, guess) : null;
-  if (you) names.takePoint(you, 16);
+  if (you) names.keep(you, 16);
   if (layers.has("found") && you) svg += path("lesson-apart", polyline([you, goal]));
-  if (layers.has("found"))
-    svg += path("lesson-ring", circles([goal], 6.5)) + names.beside(goal, `${short(found)}°`, "", {reach: 4});
-  if (you) svg += crossHair(you) + names.beside(you, `you: ${short(Number(guess))}°`, "", {reach: 10});
-  return svg;
+  if (layers.has("found")) {
+    svg += path("lesson-ring", circles([goal], 6.5));
+    names.put(`${short(found)}°`, goal, "", {away: 13});
+  }
+  if (you) {
+    svg += crossHair(you);
+    names.put(`you: ${short(Number(guess))}°`, you, "", {away: 19});
+  }
+  return svg + names.html;
 }
 
 /**

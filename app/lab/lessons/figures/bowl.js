@@ -13,7 +13,8 @@
 import {stageMap, stageSmallest} from "../maps.js";
 import {EnergyMap} from "../../view/map.js";
 import {add, fixed, px} from "../../view/svg.js";
-import {circles, crosses, diamonds, dots, Names, path, polyline, text} from "./drawing.js";
+import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
+import {Names} from "./names.js";
 
 const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
 const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
@@ -70,33 +71,33 @@ function marks(map, stage, layers) {
   const place = (/** @type {ArrayLike<number>} */ theta) => map.place([theta[0], theta[1]]);
   const lowest = layers.has("smallest") ? stageSmallest(stage) : null, mark = markOf(stage);
   const demo = layers.has("demonstrator") && !stage.truthHidden ? place(stage.moment.thetaDemo) : null;
-  const cross = lowest && place(lowest), ways = waysOf(stage, layers), names = new Names(...map.plot);
-  for (const each of [cross, demo]) if (each) names.takePoint(each, 9);
+  const cross = lowest && place(lowest), ways = waysOf(stage, layers), names = new Names(map.plot);
+  for (const each of [cross, demo]) if (each) names.keep(each, 9);
   if (mark) takeMark(names, place(mark), stage.isRevealed ? cross : null);
   let below = "", above = "";
   for (const way of ways) {
     const points = way.postures.map(place);
-    names.takeLine(points);
+    names.keepLine(points);
     below += drawnWay(points, way);
   }
   if (cross) above += path("lesson-cross-case", crosses([cross], 8)) + path("vi-cross", crosses([cross], 8));
   if (demo) above += path("vi-seen", diamonds([demo], 6.5));
   const now = layers.has("paths") && turnsOwn(stage) ? place(stage.moment.theta) : null;
   if (now) {
-    names.takePoint(now, 9);
+    names.keep(now, 9);
     above += `<circle class="vi-now" cx="${px(now[0])}" cy="${px(now[1])}" r="6.5"/>`;
-    above += names.beside(now, "now", "vi-of-own");
+    names.put("now", now, "vi-of-own");
   }
-  for (const way of ways)
-    above += names.beside(place(way.postures[way.best]), way.name, `lesson-way-${way.role}-words`, {reach: 3});
-  if (demo) above += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
-  if (cross) above += names.beside(cross, "smallest E", "");
+  for (const {name, role, postures, best} of ways)
+    names.put(name, place(postures[best]), `lesson-way-${role}-words`);
+  if (demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
+  if (cross) names.put("smallest E", cross, "", {first: [-1, 0]});
   if (ways.some(({probes, best}) => probes.slice(0, best + 1).some(Boolean))) above += noted(map.plot, names);
   for (const level of map.levels.querySelectorAll(".vi-level")) {
     const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
     level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
   }
-  return below + above;
+  return below + above + names.html;
 }
 
 /** Whether sliders turn the learner's arm freely. @param {Stage} stage */
@@ -111,17 +112,17 @@ const turnsOwn = ({step: {ask, sliders}, isRevealed}) =>
  * @param {number[] | null} truth
  */
 function takeMark(names, [x, y], truth) {
-  names.takePoint([x, y], 18);
-  if (x < NEAR_EDGE) names.take([x, y - 10, x + MARK_WIDE, y + 10]);
-  else names.take([x - MARK_WIDE, y - 10, x, y + 10]);
-  if (truth) names.takePoint([(x + truth[0]) / 2, (y + truth[1]) / 2], 16);
+  names.keep([x, y], 18);
+  if (x < NEAR_EDGE) names.keepBox([x, y - 10, x + MARK_WIDE, y + 10]);
+  else names.keepBox([x - MARK_WIDE, y - 10, x, y + 10]);
+  if (truth) names.keep([(x + truth[0]) / 2, (y + truth[1]) / 2], 16);
 }
 
 /** What hollow marks are, in a corner that is free. @param {number[]} plot @param {Names} names */
 function noted([left, top, right, bottom], names) {
   for (const y of [bottom, top + 24]) for (const x of [right - NOTE_WIDE, left + 8]) {
     if (!names.isFree([x, y - 21, x + NOTE_WIDE - 6, y - 3])) continue;
-    names.take([x, y - 21, x + NOTE_WIDE - 6, y - 3]);
+    names.keepBox([x, y - 21, x + NOTE_WIDE - 6, y - 3]);
     return text(x, y - 8, NOTE, "vi-2nd vi-halo");
   }
   return "";

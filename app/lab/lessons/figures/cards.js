@@ -14,6 +14,25 @@ export function named(box, kind, name) {
 }
 
 /**
+ * A figure of words and numbers in a named box, written anew where they differ.
+ *
+ * @param {string} kind class of the box
+ * @param {string} name
+ * @param {(stage: import("../stage.js").Stage, layers: Set<string>) => string} write HTML
+ * @returns {import("../stage.js").FigureKind["create"]}
+ */
+export const written = (kind, name, write) => box => {
+  named(box, kind, name);
+  let last = "";
+  return {
+    draw(stage, layers) {
+      const html = write(stage, layers);
+      if (html !== last) box.innerHTML = last = html;
+    },
+  };
+};
+
+/**
  * A card with a small head.
  *
  * @param {"learner" | "truth" | "plain"} kind

@@ -22,7 +22,9 @@
  */
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";
-import {disc, Names, plain, Plane, widthOf} from "./plane.js";
+import {escaped, widthOf} from "./drawing.js";
+import {Names} from "./names.js";
+import {disc, Plane} from "./plane.js";
 
 const TICK = 12, NAME = 13; // letters, drawing units
 const MOST_DOTS = 80; // of a curve, of which each point is drawn
@@ -47,11 +49,11 @@ export class Chart {
    * @param {string} [extra] drawn behind the curves, by `place`
    */
   draw(axes, curves, label, extra = "") {
-    const {width, height} = this.plane, names = new Names(width, height), isLow = height < LOW;
+    const {width, height} = this.plane, names = new Names([0, 0, width, height]), isLow = height < LOW;
     const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);
     const list = isLow ? curves.filter(({name, role}) => name && role !== "bar") : [];
-    const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, TICK, 600))) + 22 : 0;
-    const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), TICK, 400)));
+    const listed = list.length ? Math.max(...list.map(({name = ""}) => widthOf(name, true, TICK))) + 22 : 0;
+    const left = 14 + Math.max(...ticks.map(value => widthOf(tickText(value), false, TICK)));
     const box = isLow ? [6, 12, width - 8 - listed, height - 8]
       : [left, 10 + (axes.yName ? ROOM : 0), width - 14, height - (axes.xName ? 36 : 22)];
     const up = (/** @type {number} */ v) => axes.log ? Math.log(Math.max(v, 1e-12)) : v, [low, high] = axes.y.map(up);
@@ -61,7 +63,7 @@ export class Chart {
     let html = extra;
     const text = (/** @type {number} */ a, /** @type {number} */ b, /** @type {string} */ words,
       /** @type {string} */ kind) => {
-      html += `<text class="${kind}" style="font-size:${TICK}px" x="${px(a)}" y="${px(b)}">${plain(words)}</text>`;
+      html += `<text class="${kind}" style="font-size:${TICK}px" x="${px(a)}" y="${px(b)}">${escaped(words)}</text>`;
     };
     let under = Infinity;
     for (const value of ticks) {
@@ -72,7 +74,7 @@ export class Chart {
     }
     let free = -Infinity;
     for (const [value, words] of isLow ? [] : axes.xTicks) {
-      const wide = widthOf(words, TICK, 400), at = Math.min(width - wide / 2 - 2, Math.max(wide / 2 + 2, x(value)));
+      const wide = widthOf(words, false, TICK), at = Math.min(width - wide / 2 - 2, Math.max(wide / 2 + 2, x(value)));
       if (at - wide / 2 < free) continue;
       free = at + wide / 2 + 8;
       html += `<path class="vi-axis" d="M${px(x(value))} ${px(box[3])}v4"/>`;
@@ -83,13 +85,16 @@ export class Chart {
     if (axes.xName && !isLow) text(width - 6, height - 6, axes.xName, "vi-2nd vi-end");
     const drawn = curves.map(curve => ({...curve, at: curve.points.slice(0, curve.shown ?? curve.points.length)
       .filter(p => Number.isFinite(p[1])).map(p => [x(p[0]), y(p[1])])})).filter(({at}) => at.length);
-    for (const {at} of drawn) at.forEach((p, k) => { if (k) names.keepLine(at[k - 1], p, 3); else names.keep(p, 4); });
+    for (const {at} of drawn) {
+      names.keep(at[0], 4);
+      names.keepLine(at);
+    }
     names.keepBox([0, box[3], width, height]);
     names.keepBox([0, 0, box[0], height]);
     for (const [value, words, role] of axes.levels ?? []) {
       html += `<path class="draw-level draw-of-${role}" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
-      names.keepLine([box[0], y(value)], [box[2], y(value)], 2);
-      if (!isLow) names.put(words, [box[2] - widthOf(words, TICK, 600) / 2 - 4, y(value)], `draw-name-${role}`,
+      names.keepLine([[box[0], y(value)], [box[2], y(value)]], 2);
+      if (!isLow) names.put(words, [box[2] - widthOf(words, true, TICK) / 2 - 4, y(value)], `draw-name-${role}`,
         {size: TICK, away: 5, first: [0, -1]});
     }
     for (const {at, role, hollow = [], line = true, points} of drawn) {

@@ -10,8 +10,9 @@ import {Landscape} from "../../engine/engine.js";
 import {contour} from "../../view/map.js";
 import {fixed, px} from "../../view/svg.js";
 import {Altered, smallest} from "../maps.js";
-import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, Names, path, polyline, rectangle, text,
+import {axis, circles, crosses, diamonds, dots, Drawing, legend, legendHeight, path, polyline, rectangle, text,
   within} from "./drawing.js";
+import {Names} from "./names.js";
 
 const DEGREE = Math.PI / 180, ROOM = 1.06; // of the posture that is farthest
 const LEFT = 52, TOP = 26, RIGHT = 12, FOOT = 44; // units
@@ -84,28 +85,27 @@ function scales({width, height}, stage) {
 function drawn(drawing, stage, layers, known) {
   const to = scales(drawing, stage), {x, y, right, bottom} = to, clouds = cloudsOf(stage);
   const at = (/** @type {ArrayLike<number>} */ theta) => [x(theta[1]), y(theta[0])], demo = at(stage.moment.thetaDemo);
-  const names = new Names(LEFT, TOP, right, bottom), shown = SHOWN.filter(name => layers.has(name) && clouds[name]);
+  const names = new Names([LEFT, TOP, right, bottom]), shown = SHOWN.filter(name => layers.has(name) && clouds[name]);
   let inside = layers.has("contours") ? path("vi-contour", rings(stage, to, known)) : "";
   for (const name of shown) inside += path(`lesson-cloud lesson-cloud-${name}`, dots(clouds[name].map(at)));
   let svg = rectangle("vi-plane", LEFT, TOP, right - LEFT, bottom - TOP) + within([LEFT, TOP, right, bottom], inside);
   svg += ticks(to, stage.world.scene.names);
   svg += legend(rowsOf(stage, layers), 4, bottom + FOOT + 8, drawing.width).drawn;
   if (layers.has("spread")) shown.forEach((name, row) => svg += spread(clouds[name], name, row, to, names));
-  names.takePoint(demo, 9);
-  for (const name of shown) for (const theta of clouds[name]) names.takePoint(at(theta), 2);
+  names.keep(demo, 9);
+  for (const name of shown) for (const theta of clouds[name]) names.keep(at(theta), 2);
   const middle = layers.has("middle") && clouds.averaged ? at(moments(clouds.averaged).mean) : null;
   const lowest = layers.has("bias") ? smallest(...undisturbed(stage)) : null, cross = lowest && at(lowest);
-  for (const each of [middle, cross]) if (each) names.takePoint(each, 10);
+  for (const each of [middle, cross]) if (each) names.keep(each, 10);
   if (cross) svg += path("lesson-apart", polyline([cross, demo]));
   svg += path("vi-seen", diamonds([demo], 6.5));
   if (middle) svg += path("lesson-middle-case", circles([middle], 8)) + path("lesson-middle", circles([middle], 8));
   if (cross) svg += path("lesson-cross-case", crosses([cross], 7)) + path("vi-cross", crosses([cross], 7));
-  const reach = shown.length ? 26 : 0;
-  if (middle || !reach)
-    svg += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo", reach, clear: 9});
-  if (cross) svg += names.beside(cross, "smallest E without noise", "", {reach: 26, clear: 9});
-  if (middle) svg += names.beside(middle, "middle of the cloud", "lesson-cloud-words-averaged", {reach: 26, clear: 9});
-  return svg;
+  const far = {away: 35, clear: 9}, of = {lead: "vi-lead-demo", ...shown.length ? far : {}};
+  if (middle || !shown.length) names.put("demonstrator", demo, "vi-of-demo", of);
+  if (cross) names.put("smallest E without noise", cross, "", far);
+  if (middle) names.put("middle of the cloud", middle, "lesson-cloud-words-averaged", far);
+  return svg + names.html;
 }
 
 /** What is seen of both arms without noise. @param {Stage} stage @returns {Parameters<typeof smallest>} */
@@ -168,7 +168,8 @@ function spread(cloud, name, row, {x, y, right, bottom}, names) {
   const d = `M${px(across)} ${px(low)}V${px(high)}M${px(across - 5)} ${px(low)}h10M${px(across - 5)} ${px(high)}h10`
     + `M${px(first)} ${px(down)}H${px(last)}M${px(first)} ${px(down - 5)}v10M${px(last)} ${px(down - 5)}v10`;
   const kind = `vi-b vi-halo lesson-cloud-words-${name}`, words = off.map(v => `± ${fixed(v / DEGREE)}°`);
-  names.take([across - 70, high - 6, across + 8, low + 6], [first - 6, down - 9, last + 70, down + 9]);
+  names.keepBox([across - 70, high - 6, across + 8, low + 6]);
+  names.keepBox([first - 6, down - 9, last + 70, down + 9]);
   const said = text(across - 9, (low + high) / 2 + 4.5, words[0], `${kind} vi-end`);
   return path(`lesson-bracket lesson-cloud-${name}`, d) + said + text(last + 9, down + 4.5, words[1], kind);
 }

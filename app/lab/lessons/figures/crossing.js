@@ -11,8 +11,9 @@
  */
 import {fixed, px} from "../../view/svg.js";
 import {
-  arrows, diamonds, Drawing, legend, legendHeight, Names, path, pill, polyline, rectangle, text, within,
+  arrows, diamonds, Drawing, legend, legendHeight, path, pill, polyline, rectangle, text, within,
 } from "./drawing.js";
+import {Names} from "./names.js";
 
 const MOST_PX = 8, ROOM = .36; // units a pixel at most; share of a side that the way of the crossing may take
 const HEAD = 24, GAP = 14;
@@ -100,7 +101,7 @@ function drawn({width, height}, stage, layers, found) {
   const middle = [width / 2, (HEAD + bottom) / 2], way = found.movedAt.map((v, k) => Math.abs(v - found.at[k]));
   const scale = Math.min(MOST_PX, ...size.map((v, k) => ROOM * v / Math.max(way[k], 1e-9)));
   const place = (/** @type {number[]} */ p) => p.map((v, k) => (v - found.at[k]) * scale + middle[k]);
-  const names = new Names(4, HEAD + 4, width - 4, bottom - 4);
+  const names = new Names([4, HEAD + 4, width - 4, bottom - 4]);
   let svg = pixels(found.at, scale, size, middle);
   const spread = layers.has("ellipse") ? ellipseOf(stage) : null;
   if (spread) svg += drawnEllipse(middle, spread.halfAxes.map(v => v * scale), spread.direction);
@@ -111,12 +112,12 @@ function drawn({width, height}, stage, layers, found) {
   if (layers.has("moved line")) strokes.push([found.moved, "lesson-line-moved"]);
   for (const [line, kind] of strokes) {
     const ends = chord(line, found.at, Math.hypot(...size) / scale).map(place);
-    names.takeLine(ends, 2);
+    names.keepLine(ends, 2);
     svg += path(kind, polyline(ends));
   }
   if (layers.has("moved line")) {
     const from = place(found.at), to = place(found.movedAt);
-    names.takeLine([from, to], 8);
+    names.keepLine([from, to], 8);
     svg += `<g class="lesson-large-arrow">${arrows([from], [to], 12)}</g>`;
     svg += pill(from, to, `${fixed(shiftOf(found))} px`, names);
   }

@@ -1,15 +1,12 @@
 /**
- * Drawings of lessons: SVG as large as its box, in units that grow with the page's letters, and names that keep clear
- * of each other.
+ * Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
  *
  * @typedef {[number, number]} Place in units of a drawing
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing
  */
 import {add, drawingUnit, px, set} from "../../view/svg.js";
 
-const LINE = 16, LETTER_PX = 12.5; // height of a line, size of letters, in units
-const BESIDE = [[1, -.5], [-1, -.5], [1, .5], [-1, .5], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a mark: right, down
-const REACHES = [9, 22, 38, 58, 80, 110, 150]; // units from a mark to its name: from the second on, a line leads there
+const LETTER_PX = 12.5; // size of letters, in units
 const PILL_HIGH = 21;
 
 /** @type {CanvasRenderingContext2D | null} */
@@ -54,70 +51,6 @@ export class Drawing {
   show(inside, label) {
     set(this.svg, {"aria-label": label});
     if (inside !== this.last) this.svg.innerHTML = this.last = inside;
-  }
-}
-
-/** Occupied rectangles of a drawing: a name goes where nothing is yet. */
-export class Names {
-  /** @param {number} left @param {number} top @param {number} right @param {number} bottom within which names stay */
-  constructor(left, top, right, bottom) {
-    this.bounds = {left, top, right, bottom};
-    /** @type {Rectangle[]} */
-    this.taken = [];
-  }
-
-  /** @param {...Rectangle} rectangles that no name may cover */
-  take(...rectangles) {
-    this.taken.push(...rectangles);
-  }
-
-  /** @param {number[]} at @param {number} radius */
-  takePoint([x, y], radius) {
-    this.take([x - radius, y - radius, x + radius, y + radius]);
-  }
-
-  /** @param {number[][]} points of a polyline @param {number} [clear] units on both sides that names leave free */
-  takeLine(points, clear = 3) {
-    for (let k = 1; k < points.length; k++) {
-      const [a, b] = [points[k - 1], points[k]], steps = Math.ceil(Math.hypot(b[0] - a[0], b[1] - a[1]) / 6);
-      for (let i = 0; i <= steps && steps < 400; i++)
-        this.takePoint([a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps], clear);
-    }
-  }
-
-  /** @param {Rectangle} box */
-  isFree([left, top, right, bottom]) {
-    const {bounds, taken} = this;
-    return left >= bounds.left && right <= bounds.right && top >= bounds.top && bottom <= bounds.bottom
-      && taken.every(other => right <= other[0] || left >= other[2] || bottom <= other[1] || top >= other[3]);
-  }
-
-  /**
-   * A name beside a mark, in the first free place, with a line that leads there where it is far; empty without a place.
-   *
-   * @param {number[]} at
-   * @param {string} words
-   * @param {string} kind classes of the words
-   * @param {{lead?: string, reach?: number, clear?: number}} [options] lead: class of the line; reach: added to the
-   *   distance from the mark; clear: the mark's radius, where a line begins
-   */
-  beside(at, words, kind, {lead = "vi-lead", reach = 0, clear = 6} = {}) {
-    const wide = widthOf(words, true) + 4;
-    for (const [k, out] of REACHES.entries()) for (const [right, down] of BESIDE) {
-      const away = out + reach, x = at[0] + right * away + (right - 1) * wide / 2;
-      const y = at[1] + down * (right && k ? 2 : 1) * away + (right ? 0 : down * LINE / 2) - LINE / 2;
-      /** @type {Rectangle} */
-      const box = [x, y, x + wide, y + LINE];
-      if (!this.isFree(box)) continue;
-      this.take(box);
-      const near = [Math.min(Math.max(at[0], box[0]), box[2]), Math.min(Math.max(at[1], box[1] + 3), box[3] - 3)];
-      const long = Math.hypot(near[0] - at[0], near[1] - at[1]);
-      const from = Math.min(clear, long) / Math.max(long, 1e-9);
-      const line = k || reach > clear ? `<path class="${lead}" d="M${px(at[0] + (near[0] - at[0]) * from)} ${
-        px(at[1] + (near[1] - at[1]) * from)}L${px(near[0])} ${px(near[1])}"/>` : "";
-      return line + text(x + 2, y + 12.5, words, `${kind} vi-b vi-halo`);
-    }
-    return "";
   }
 }
 
@@ -177,13 +110,11 @@ export function arrows(from, to, head = 6) {
   return path("vi-e", lines) + path("vi-tip", tips);
 }
 
-/** The visitor's own mark: a cross hair. @param {number[]} at @param {Names} [names] with which it gets its own */
-export function crossHair([x, y], names) {
-  names?.takePoint([x, y], 16);
-  const name = names?.beside([x, y], "your mark", "", {reach: 10}) ?? "";
+/** The visitor's own mark: a cross hair. @param {number[]} at */
+export function crossHair([x, y]) {
   const hair = circles([[x, y]], 9.5) + [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) =>
     `M${px(x + 7 * u)} ${px(y + 7 * v)}l${8 * u} ${8 * v}`).join("");
-  return `${path("lesson-you-case", hair)}${path("lesson-you", hair)}${name}`;
+  return path("lesson-you-case", hair) + path("lesson-you", hair);
 }
 
 /**
@@ -192,7 +123,7 @@ export function crossHair([x, y], names) {
  * @param {number[]} at
  * @param {number[]} to
  * @param {string} words
- * @param {Names} names
+ * @param {import("./names.js").Names} names
  */
 export function pill(at, to, words, names) {
   const wide = widthOf(words, true) + 18, long = Math.hypot(to[0] - at[0], to[1] - at[1]);
@@ -203,7 +134,7 @@ export function pill(at, to, words, names) {
     /** @type {Rectangle} */
     const box = [x - wide / 2, y - PILL_HIGH / 2, x + wide / 2, y + PILL_HIGH / 2];
     if (!names.isFree(box)) continue;
-    names.take(box);
+    names.keepBox(box);
     return `<rect class="lesson-pill" x="${px(box[0])}" y="${px(box[1])}" width="${px(wide)}" height="${PILL_HIGH}"
  rx="${PILL_HIGH / 2}"/>${text(x, y + 4.5, words, "lesson-pill-words vi-b vi-mid")}`;
   }

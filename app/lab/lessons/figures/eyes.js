@@ -10,7 +10,8 @@ import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, through} from "../rays.js";
-import {around, arrow, clipped, disc, isStill, Names, Plane} from "./plane.js";
+import {Names} from "./names.js";
+import {around, arrow, clipped, disc, isStill, Plane} from "./plane.js";
 
 const MARGIN = /** @type {[number, number, number, number]} */ ([24, 40, 24, 36]); // drawing units, that stay free
 const STICK_PX = 60; // of a stick that the window of picture 1 holds
@@ -42,7 +43,7 @@ class Picture {
     const {plane} = this, cameras = camerasOf(stage), camera = cameras[this.number - 1];
     const see = (/** @type {ArrayLike<number>} */ p) => projectPoint(camera, p);
     plane.box.classList.toggle("framed", layers.has("framed"));
-    const names = new Names(plane.width, plane.height);
+    const names = new Names([0, 0, plane.width, plane.height]);
     names.keepBox([0, 0, 90, 26]); // the figure's title
     const moves = layers.has("three marks") ? this.#arm(stage, layers, cameras, see, names)
       : this.#stick(stage, layers, cameras, see, names);
@@ -67,7 +68,7 @@ class Picture {
       const whole = plane.ends(rayLine(cameras[1], first, mark));
       const part = reveal < 1 ? [at(onRay(first, mark, PLACES[0])), at(onRay(first, mark, slide.reached))] : whole;
       html += `<path class="draw-line" d="M${part.map(p => p.map(px).join(" ")).join("L")}"/>`;
-      if (part.length) names.keepLine(part[0], part[1], 4);
+      if (part.length) names.keepLine(part, 4);
     }
     if (layers.has("dots")) for (const share of PLACES.filter(slide.passed)) {
       const p = at(onRay(first, mark, share));
@@ -79,7 +80,7 @@ class Picture {
       html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/>` +
         `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
       names.keep(p, 8);
-      names.keepLine(p, foot, 4);
+      names.keepLine([p, foot], 4);
     }
     if (reveal > 0 && this.number === 1) names.put("does not move", at(now), "vi-chosen", {away: 13, first: [1, -1]});
     if (reveal === 1 && this.number === 2) names.put("epipolar line", at(onRay(first, mark, PLACES[5])), "vi-chosen",
@@ -119,7 +120,7 @@ class Picture {
         const ends = grown < 1 ? towards(at[k], hole, grown, plane) : plane.ends(line);
         if (!ends.length) return;
         html += `<path class="draw-line" d="M${ends.map(p => p.map(px).join(" ")).join("L")}"/>`;
-        names.keepLine(ends[0], ends[1], 3);
+        names.keepLine(ends);
       });
     }
     at.forEach(p => { html += `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`; });
@@ -157,7 +158,7 @@ class Picture {
     const u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));
     const tip = [edge[0] - 8 * u[0], edge[1] - 8 * u[1]], tail = [tip[0] - 34 * u[0], tip[1] - 34 * u[1]];
     const [shaft, head] = arrow(tail, tip, 9);
-    names.keepLine(tail, tip, 6);
+    names.keepLine([tail, tip], 6);
     names.put(`epipole, ${Math.round(far)} px that way`, tail, "vi-chosen", {away: 10});
     return `<path class="draw-beyond" d="${shaft}"/><path class="draw-beyond-tip" d="${head}"/>`;
   }

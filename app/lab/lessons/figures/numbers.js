@@ -8,7 +8,7 @@
 import {energyText, fixed} from "../../view/svg.js";
 import {measure} from "../measures.js";
 import {Chart, stepTicks} from "./chart.js";
-import {plain} from "./plane.js";
+import {escaped} from "./drawing.js";
 
 const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
@@ -54,7 +54,7 @@ export const counts = written(stage => {
   const rows = [["E", measure(stage, "E").text, "draw-name-E"],
     ["Crossing to the ghost", of("crossing to ghost"), ""], ["Crossing to own point", of("crossing to own point"), ""]];
   const html = rows.map(([name, value, kind]) =>
-    `<div><dt>${plain(name)}</dt><dd class="${kind}">${plain(value)}</dd></div>`).join("");
+    `<div><dt>${escaped(name)}</dt><dd class="${kind}">${escaped(value)}</dd></div>`).join("");
   return [`<dl>${html}</dl>`, rows.map(([name, value]) => `${name}: ${value}`).join(". ")];
 }, "draw-counts", {aspect: 2.6});
 
@@ -75,13 +75,13 @@ export const formula = written(stage => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
     const kind = isLongest && stage.isRevealed ? "longest" : "", name = share > 4 ? i : "";
     return `<span style="width:${fixed(share, 2)}%" class="${kind}"><i></i><small>${name}</small></span>`;
-  }).join("")}</div><p>together <b>${plain(energyText(sum))} px²</b></p></div>`;
+  }).join("")}</div><p>together <b>${escaped(energyText(sum))} px²</b></p></div>`;
   const E = (sums[0] + sums[1]) / (2 * count);
   const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
 ${row(squares[0], "L", sums[0])}${row(squares[1], "R", sums[1])}
 <p class="draw-sum"><span>E = </span><span class="draw-ratio">
-<span>${plain(sums.map(energyText).join(" + "))}</span><span>2 · ${count} points</span></span>
-<span> = <b class="draw-name-E">${plain(energyText(E))} px²</b></span></p>`;
+<span>${escaped(sums.map(energyText).join(" + "))}</span><span>2 · ${count} points</span></span>
+<span> = <b class="draw-name-E">${escaped(energyText(E))} px²</b></span></p>`;
   return [html, `E is ${energyText(sums[0])} plus ${energyText(sums[1])}, divided by two times ${count} points: ` +
     `${energyText(E)} px².`];
 }, "draw-formula", {aspect: 1.3});
@@ -103,7 +103,7 @@ export const progress = {
         const now = stage.moment.E;
         const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
         const share = `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))}`;
-        const html = `<p class="draw-big draw-name-E">E ${plain(energyText(now))}<small> px²</small></p>
+        const html = `<p class="draw-big draw-name-E">E ${escaped(energyText(now))}<small> px²</small></p>
 <p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : "&nbsp;"}</p>
 <p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
         if (html !== last) words.innerHTML = last = html;
@@ -156,9 +156,9 @@ export const standings = written(stage => {
   const sample = (/** @type {string} */ role) =>
     `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/>` +
       `</svg>`;
-  const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${plain(title)}</th>`
-    + `${cells.map(cell => `<td>${plain(cell)}</td>`).join("")}</tr>`).join("");
-  const head = heads.map(words => `<th scope="col">${plain(words)}</th>`).join("");
+  const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${escaped(title)}</th>`
+    + `${cells.map(cell => `<td>${escaped(cell)}</td>`).join("")}</tr>`).join("");
+  const head = heads.map(words => `<th scope="col">${escaped(words)}</th>`).join("");
   return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
     `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
 }, "draw-standings", {aspect: 2.2});

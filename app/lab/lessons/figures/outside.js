@@ -11,7 +11,8 @@ import {add, px} from "../../view/svg.js";
 import {
   camerasOf, FIRST_SHARE, LAST_SHARE, MARKS, markOf, marksOf, onRay, OUTSIDE, outsideMark, PLACES, sliding, targetOf,
 } from "../rays.js";
-import {disc, Names} from "./plane.js";
+import {Names} from "./names.js";
+import {disc} from "./plane.js";
 
 const FLOOR_M = 0.5; // from line to line
 const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170; // drawings that are smaller have shorter names, or fewer
@@ -84,9 +85,10 @@ class Room {
     }, `From outside: the orange demonstrator, the blue learner, and ` +
       `${layers.has("eyes") ? "the two eyes on a pole that look at both" : "the room"}.`);
     this.floor.setAttribute("d", this.#grid());
-    const names = new Names(view.width, view.height), at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
+    const names = new Names([0, 0, view.width, view.height]);
+    const at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     for (const body of frames) body.slice(1).forEach((T, k) =>
-      names.keepLine(at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]]), 18));
+      names.keepLine([at([body[k][3], body[k][7], body[k][11]]), at([T[3], T[7], T[11]])], 18));
     const bars = layers.has("eyes") ? [[0, 1], [2, 3]]
       .map(([l, r]) => [cameras[l].centre, cameras[r].centre, "draw-bar"]) : [];
     const lines = [[head, foot, "draw-pole"], ...bars,
@@ -95,7 +97,7 @@ class Room {
     let html = "";
     for (const [from, to, kind] of /** @type {[number[], number[], string][]} */ (lines)) {
       html += `<path class="${kind}" d="M${at(from).map(px).join(" ")}L${at(to).map(px).join(" ")}"/>`;
-      names.keepLine(at(from), at(to), 3);
+      names.keepLine([at(from), at(to)], 3);
     }
     const size = Math.min(view.width, view.height) < SMALL_SIDE ? 11 : NAME_PX;
     names.put("demonstrator", at([bases[0][0], bases[0][1], 0]), "vi-of-demo", {size, away: 8, first: [0, 1]});
@@ -114,16 +116,16 @@ class Room {
   /** @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
-    const names = new Names(view.width, view.height), isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE;
-    const {reveal} = stage;
+    const names = new Names([0, 0, view.width, view.height]);
+    const isSmall = view.width < SMALL_PX || view.height < SMALL_SIDE, {reveal} = stage;
     const segment = (/** @type {ArrayLike<number>} */ p, /** @type {ArrayLike<number>} */ q) => {
-      names.keepLine(at(p), at(q));
+      names.keepLine([at(p), at(q)], 2);
       return `M${at(p).map(px).join(" ")}L${at(q).map(px).join(" ")}`;
     };
     let html = "";
     if (layers.has("cameras")) cameras.forEach(camera => {
       const plate = at(onAxis(camera, .16));
-      names.keepLine(at(camera.centre), plate, 12);
+      names.keepLine([at(camera.centre), plate], 12);
     });
     const draws = (/** @type {string} */ kind,
       /** @type {string} */ d) => { html += `<path class="${kind}" d="${d}"/>`; };

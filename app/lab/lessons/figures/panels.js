@@ -13,7 +13,8 @@
  */
 import {EnergyMap} from "../../view/map.js";
 import {add} from "../../view/svg.js";
-import {crosses, diamonds, Names, path, polyline, text} from "./drawing.js";
+import {crosses, diamonds, path, polyline, text} from "./drawing.js";
+import {Names} from "./names.js";
 
 /** Boxes of a figure that has several parts. @param {HTMLElement} within @param {string} kind */
 export function part(within, kind) {
@@ -48,20 +49,20 @@ export class MapPanel {
     this.words.textContent = words;
     if (key !== this.ground) map.ground(made?.landscape ?? null, {lower, upper, joints});
     this.ground = key;
-    const [left, top, right, bottom] = map.plot, names = new Names(left, top, right, bottom);
+    const [left, top, right, bottom] = map.plot, names = new Names(map.plot);
     const at = lowest.map(theta => map.place(theta)), demo = demonstrator && map.place(demonstrator);
-    for (const each of [...at, ...demo ? [demo] : []]) names.takePoint(each, 8);
+    for (const each of [...at, ...demo ? [demo] : []]) names.keep(each, 8);
     let over = apart && demo && at.length ? path("lesson-apart", polyline([at[0], demo])) : "";
-    if (apart && demo && at.length) names.takeLine([at[0], demo]);
+    if (apart && demo && at.length) names.keepLine([at[0], demo]);
     const cross = crosses(at.slice(1), 3.5) + crosses(at.slice(0, 1), 7.5);
     over += path("lesson-cross-case", cross) + path("vi-cross", cross);
     if (demo) over += path("vi-seen", diamonds([demo], 5.5));
-    if (apart && demo) over += names.beside(demo, "demonstrator", "vi-of-demo", {lead: "vi-lead-demo"});
-    if (apart && at.length) over += names.beside(at[0], "smallest E", "");
+    if (apart && demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
+    if (apart && at.length) names.put("smallest E", at[0], "", {first: [-1, 0]});
     const size = instead.length > 1 ? "lesson-large" : "lesson-huge";
     const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
     if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
-    map.moving.innerHTML = over;
+    map.moving.innerHTML = over + names.html;
     for (const level of map.levels.querySelectorAll(".vi-level")) {
       const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
       level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));

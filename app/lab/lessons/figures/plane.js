@@ -1,6 +1,6 @@
 /**
  * A drawing with a window on something measured in its own unit: px of an image, px of a view from outside, metres of a
- * plan. The window can glide. Names find a free place.
+ * plan. The window can glide.
  *
  * @typedef {{x: number, y: number, scale: number}} Window what lies at the drawing's corner, and drawing units per unit
  * @typedef {[number, number, number, number]} Box left, top, right, bottom
@@ -9,12 +9,8 @@ import {add, drawingUnit, px, set} from "../../view/svg.js";
 
 const GLIDE = 0.16; // share of its way that a window goes in a frame
 const STILL = 0.3; // drawing units from where a window has arrived
-const LETTERS = "Inter, system-ui, sans-serif";
 
 export const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
-
-/** Text without what HTML would read. @param {string} text */
-export const plain = text => text.replace(/[&<>"]/g, c => `&#${c.charCodeAt(0)};`);
 
 export class Plane {
   /**
@@ -155,99 +151,6 @@ export function around(points) {
     box[3] = Math.max(box[3], p[1]);
   }
   return box;
-}
-
-let /** @type {CanvasRenderingContext2D | null} */ ruler = null;
-
-/** How wide a text is, drawing units. @param {string} text @param {number} size @param {number} weight */
-export function widthOf(text, size, weight) {
-  ruler ??= document.createElement("canvas").getContext("2d");
-  if (!ruler) return .6 * size * text.length;
-  ruler.font = `${weight} ${size}px ${LETTERS}`;
-  return ruler.measureText(text).width;
-}
-
-const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]]; // of a place, for its name
-const MAX_RINGS = 8, RING = 14; // how far a name goes from its place, drawing units
-const LED = 14; // from its place at which a name has a line to it
-
-/** Names in a drawing that cover neither each other nor what has to be seen. */
-export class Names {
-  /** @param {number} width @param {number} height */
-  constructor(width, height) {
-    this.width = width;
-    this.height = height;
-    /** @type {Box[]} */
-    this.taken = [];
-    this.html = "";
-  }
-
-  /** Keep a place free. @param {ArrayLike<number>} p drawing units @param {number} radius */
-  keep(p, radius) {
-    if (Number.isFinite(p[0] + p[1])) this.taken.push([p[0] - radius, p[1] - radius, p[0] + radius, p[1] + radius]);
-  }
-
-  /** Keep a segment free. @param {ArrayLike<number>} p @param {ArrayLike<number>} q @param {number} [radius] */
-  keepLine(p, q, radius = 2) {
-    const part = clipped([p[0], p[1]], [q[0], q[1]], [0, 0, this.width, this.height]);
-    if (!part.length) return;
-    const [[a, b], [c, d]] = part, count = Math.ceil(Math.hypot(c - a, d - b) / 6);
-    for (let k = 0; k <= count; k++) this.keep([a + (c - a) * k / (count || 1), b + (d - b) * k / (count || 1)],
-      radius);
-  }
-
-  /** @param {Box} box */
-  keepBox(box) {
-    this.taken.push(box);
-  }
-
-  /**
-   * A name near a place, where most room is left.
-   *
-   * @param {string} text
-   * @param {ArrayLike<number>} at drawing units
-   * @param {string} kind classes of the text
-   * @param {{size?: number, weight?: number, away?: number, first?: number[]}} [options] away:
-   *   from the place; first: side that is tried first
-   */
-  put(text, at, kind, {size = 13, weight = 600, away = 9, first} = {}) {
-    const wide = widthOf(text, size, weight) + 2, high = size * 1.15;
-    const sides = first ? [first, ...SIDES] : SIDES;
-    let best = /** @type {Box | null} */ (null), least = Infinity;
-    for (let ring = 0; ring < MAX_RINGS && least > 0; ring++) for (const [right, down] of sides) {
-      const gap = away + ring * RING, slant = right && down ? .8 : 1;
-      const left = at[0] + (right > 0 ? gap * slant : right < 0 ? -gap * slant - wide : -wide / 2);
-      const top = at[1] + (down > 0 ? gap * slant : down < 0 ? -gap * slant - high : -high / 2);
-      const box = /** @type {Box} */ ([left, top, left + wide, top + high]);
-      const out = Math.max(0, 3 - left) + Math.max(0, 3 - top) + Math.max(0, left + wide + 3 - this.width)
-        + Math.max(0, top + high + 3 - this.height);
-      const cost = this.#covered(box) + 60 * out + 4 * ring;
-      if (out > 0 && best && ring) continue;
-      if (cost < least - 1e-9) [least, best] = [cost, box];
-    }
-    if (!best) return;
-    const [left, top, right, bottom] = best;
-    this.taken.push([left - 2, top - 1, right + 2, bottom + 1]);
-    const near = [Math.min(Math.max(at[0], left), right), Math.min(Math.max(at[1], top), bottom)];
-    const gap = Math.hypot(near[0] - at[0], near[1] - at[1]);
-    if (gap > away + LED) {
-      const u = [(near[0] - at[0]) / gap, (near[1] - at[1]) / gap];
-      this.html += `<path class="draw-lead" d="M${px(at[0] + u[0] * away * .8)} ` +
-        `${px(at[1] + u[1] * away * .8)}L${px(near[0] - 2 * u[0])} ${px(near[1] - 2 * u[1])}"/>`;
-    }
-    this.html += `<text class="${kind} vi-halo" style="font-size:${size}px;font-weight:${weight}" ` +
-      `x="${px(left + 1)}" y="${px(top + size * .93)}">${plain(text)}</text>`;
-  }
-
-  /** @param {Box} box */
-  #covered([left, top, right, bottom]) {
-    let area = 0;
-    for (const [a, b, c, d] of this.taken) {
-      const w = Math.min(right, c) - Math.max(left, a), h = Math.min(bottom, d) - Math.max(top, b);
-      if (w > 0 && h > 0) area += w * h;
-    }
-    return area;
-  }
 }
 
 /** @param {number} x @param {number} y @param {number} r */

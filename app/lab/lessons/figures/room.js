@@ -9,7 +9,8 @@ import {outermost, silhouette} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
 import {carriedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
-import {around, Names, Plane} from "./plane.js";
+import {Names} from "./names.js";
+import {around, Plane} from "./plane.js";
 
 const GRID_M = 0.5, PEDESTAL_M = 0.15; // between lines; half its side
 const HEAD_M = 0.05; // half a head's depth in the drawing
@@ -56,7 +57,8 @@ class Room {
 
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
-    const {plane} = this, {arms, scene} = stage.world, {moment} = stage, names = new Names(plane.width, plane.height);
+    const {plane} = this, {arms, scene} = stage.world, {moment} = stage;
+    const names = new Names([0, 0, plane.width, plane.height]);
     const places = placesOf(stage), count = layers.has("places") ? Math.ceil(stage.reveal * places.length) : 0;
     const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) => {
       const frames = arms[who].linkFrames(theta);

@@ -12,7 +12,8 @@ import {px} from "../../view/svg.js";
 import {GAIN_STEPS, GAINS, gainRuns, THERE_PX, turnedPoint, turnedRuns, TURNED_STEPS} from "../measures_jacobian.js";
 import {rolled, stepsTo} from "../teach_by_showing.js";
 import {Chart, stepTicks} from "./chart.js";
-import {around, disc, Names, Plane} from "./plane.js";
+import {Names} from "./names.js";
+import {around, disc, Plane} from "./plane.js";
 
 const DEGREE = Math.PI / 180;
 const ROLES = ["plain", "learner", "opponent"]; // of the three gains, and of still, old, Broyden
@@ -143,7 +144,7 @@ class Turned {
       const {hulls} = seenInL(stage, this.hulls, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
-    const names = new Names(plane.width, plane.height);
+    const names = new Names([0, 0, plane.width, plane.height]);
     const outline = (/** @type {number[][][]} */ hulls) => hulls.map(points => plane.path(points, true)).join("");
     let html = arms.map(({hulls, kind}) => kind ? `<path class="${kind}" d="${outline(hulls)}"/>`
       : `<path class="vi-hull" d="${outline(hulls)}"/>`).join("");
@@ -152,7 +153,7 @@ class Turned {
       html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
       if (role !== "plain") html +=
         `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
-      at.forEach((p, k) => { if (k) names.keepLine(at[k - 1], p, 4); });
+      names.keepLine(at, 4);
     }
     const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
     const ring = plane.at(goal), from = plane.at(start);

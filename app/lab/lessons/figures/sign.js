@@ -21,7 +21,7 @@
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {card, named, table} from "./cards.js";
+import {card, named, table, written} from "./cards.js";
 import {
   axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
 } from "./drawing.js";
@@ -34,16 +34,7 @@ export const CLAIM = {
   layers: ["learner knows", "truth"],
   title: "",
   aspect: 1.2,
-  create(box) {
-    named(box, "lesson-claim", "The claim of a run, and what is known of it");
-    let last = "";
-    return {
-      draw(stage, layers) {
-        const html = claimed(stage, layers);
-        if (html !== last) box.innerHTML = last = html;
-      },
-    };
-  },
+  create: written("lesson-claim", "The claim of a run, and what is known of it", claimed),
 };
 
 /** @type {FigureKind} */

@@ -9,7 +9,8 @@
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
 import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
-import {arrow, diamond, disc, Names} from "./plane.js";
+import {Names} from "./names.js";
+import {arrow, diamond, disc} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
 const LITTLE = 3; // drawing units of an arrow that is not drawn
@@ -23,22 +24,21 @@ const learnerIn = (frame, {world}, theta) => {
 
 /** Names that keep clear of the arm, its points and its arrows. @param {Frame} frame @param {Stage} stage */
 function namesOver(frame, stage) {
-  const {moment, world} = stage, names = new Names(frame.width, frame.height), {layers} = frame;
+  const {moment, world} = stage, names = new Names([0, 0, frame.width, frame.height]), {layers} = frame;
   const bones = (/** @type {number[]} */ theta, /** @type {string} */ name, /** @type {number} */ radius) => {
-    const points = frame.outlines.of(world, "learner", theta, name)[frame.side].bones.map(frame.at);
-    points.slice(1).forEach((p, k) => names.keepLine(points[k], p, radius));
+    names.keepLine(frame.outlines.of(world, "learner", theta, name)[frame.side].bones.map(frame.at), radius);
   };
   bones(moment.theta, "own", 9);
   if (layers.has("ghost")) bones(moment.thetaDemo, "ghost", 9);
   for (const [found, own] of residuals(frame, stage)) {
     names.keep(own, 5);
     if (layers.has("recovered points")) names.keep(found, 6);
-    if (layers.has("arrows")) names.keepLine(found, own, 3);
+    if (layers.has("arrows")) names.keepLine([found, own], 3);
   }
   const lines = [["line from l", 0, moment], ["line from r", 1, moment]];
   for (const [layer, eye] of lines) if (layers.has(String(layer))) {
     const line = stage.line(Number(eye), frame.side), ends = line && chord(frame, line);
-    if (ends) names.keepLine(ends[0], ends[1], 3);
+    if (ends) names.keepLine(ends);
   }
   return names;
 }
@@ -134,7 +134,7 @@ export const TOUR_LAYERS_ABOVE = {
   "needed displacement": (frame, stage) => {
     if (frame.isDemo || stage.truthHidden) return "";
     const all = ways(frame, stage), names = namesOver(frame, stage);
-    all.forEach(({from, to}) => names.keepLine(from, to, 4));
+    all.forEach(({from, to}) => names.keepLine([from, to], 4));
     for (const {i, from} of all) if (i === HAND_POINT || i === BASE_POINT)
       names.put(i === HAND_POINT ? "hand" : "base", from, "vi-of-E", {away: 10});
     const drawn = all.filter(({from, to}) => Math.hypot(from[0] - to[0], from[1] - to[1]) > LITTLE)
@@ -152,12 +152,13 @@ export const TOUR_LAYERS_ABOVE = {
     return arrows(ends, "vi-e", "vi-tip");
   },
   "five points": (frame, stage) => {
-    const names = new Names(frame.width, frame.height), found = frame.layers.has("pencil") ? pencilOf(stage) : null;
+    const names = new Names([0, 0, frame.width, frame.height]);
+    const found = frame.layers.has("pencil") ? pencilOf(stage) : null;
     const places = frame.shown.map(i => frame.of(frame.images, i));
     places.forEach(p => names.keep(p, 7));
     for (const line of found ? frame.isDemo ? found.first : found.second : []) {
       const ends = chord(frame, line);
-      if (ends) names.keepLine(ends[0], ends[1], 3);
+      if (ends) names.keepLine(ends);
     }
     const marks = places.map(([x, y]) => frame.isDemo ? diamond(x, y, 5) : disc(x, y, 4.6)).join("");
     places.forEach((p, k) => names.put(String(frame.shown[k] + 1), p, frame.isDemo ? "vi-of-demo" : "vi-of-own",
@@ -185,7 +186,7 @@ export const TOUR_LAYERS_ABOVE = {
     if (mark && stage.step.ask.figure === frame.name) {
       const own = frame.at(mark);
       names.keep(own, 20);
-      names.keepLine(own, at, 16);
+      names.keepLine([own, at], 16);
       names.keepBox([own[0] - MARK_WIDE, own[1] - 12, own[0] + MARK_WIDE, own[1] + 12]);
     }
     const words = frame.width > 230 ? "where the lines cross" : "crossing";

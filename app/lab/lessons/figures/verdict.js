@@ -9,7 +9,7 @@
  * @property {number[][]} swapped pairs of points that the learner takes to bear each other's names
  */
 import {energyText, fixed} from "../../view/svg.js";
-import {card, named} from "./cards.js";
+import {card, written} from "./cards.js";
 import {escaped} from "./drawing.js";
 
 const ENDINGS = new Map([
@@ -23,16 +23,7 @@ export const VERDICT = {
   layers: ["learner", "truth"],
   title: "What the learner says",
   aspect: 4,
-  create(box) {
-    named(box, "lesson-verdict", "What the learner says of itself, and what is true");
-    let last = "";
-    return {
-      draw(stage, layers) {
-        const html = drawn(stage, layers);
-        if (html !== last) box.innerHTML = last = html;
-      },
-    };
-  },
+  create: written("lesson-verdict", "What the learner says of itself, and what is true", drawn),
 };
 
 /** @param {Stage} stage @param {Set<string>} layers */

@@ -286,10 +286,10 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
 
 
 def test_every_bet_reaches_the_class_and_an_asked_one_is_counted_before_the_reveal(browser):
-    with ClassServer("--lesson", str(WALK)) as server:
+    with ClassServer("--lesson", "sign") as server:
         student, other = Tab(browser, server), Student(server)
-        student.page.evaluate("lesson.goTo(lesson.lessons()[0].name, 'bet')")
-        student.at("bet")
+        student.page.evaluate("lesson.goTo('sign', 'sign')")
+        student.at("sign")
         student.page.keyboard.press("7")
         student.page.click("#foot .primary:has-text('Show me')")
         student.page.click("#foot .primary:has-text('Next run')")
@@ -303,9 +303,9 @@ def test_every_bet_reaches_the_class_and_an_asked_one_is_counted_before_the_reve
         with lecturer.page.expect_download() as download:
             lecturer.page.click("text=Answers as CSV")
         rows = list(csv.DictReader(io.StringIO(Path(download.value.path()).read_text())))
-        assert [(row["item"], row["phase"], row["answer"]) for row in rows] == [("bet", "own", "70 30")]
+        assert [(row["item"], row["phase"], row["answer"]) for row in rows] == [("sign", "own", "70 30")]
         lecturer.page.keyboard.press("Escape")
-        lecturer.page.evaluate("lesson.goTo(lesson.lessons()[0].name, 'bet')")
+        lecturer.page.evaluate("lesson.goTo('sign', 'sign')")
         lecturer.press("Ask the class")
         student.sees("what do you say?")
         student.page.keyboard.press("8")

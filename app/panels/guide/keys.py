@@ -5,7 +5,16 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ...control.commands.command import Command
-from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
+from ...control.commands.display import (
+    BuildUp,
+    FitView,
+    LetGo,
+    NextLarger,
+    NextPoint,
+    ToggleGoal,
+    ToggleHelp,
+    ToggleShare,
+)
 from ...control.commands.points import BestNext, EditPoints, RemovePoint
 from ...control.commands.saving import SavePicture
 from ...control.commands.session import Play, Reset, Step, Undo
@@ -28,6 +37,7 @@ class Key:
         "N",
         "V",
         "H",
+        "G",
         "C",
         "M",
         "E",
@@ -50,6 +60,7 @@ KEYS = (
     Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", Undo()),
     Key("R", "R", "reset", "Reset to the start", Reset()),
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
+    Key("G", "G", "goal", "Show the goal in L and R, or hide it", ToggleGoal()),
     Key("C", "C", "construct", "Build up, step by step, how the chosen point is recovered", BuildUp()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),

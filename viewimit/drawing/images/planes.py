@@ -21,12 +21,12 @@ from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
 
-# width and height of each view's drawing, px, by whether whole frames are shown
+# width and height of each view's drawing, px, by whether whole frames are shown; two of l are as high as one of L
 SIZES = {
-    False: {"l": (76, 140), "r": (76, 140), "L": (130, 209), "R": (130, 209)},
+    False: {"l": (80, 117), "r": (80, 117), "L": (150, 240), "R": (150, 240)},
     True: dict.fromkeys("lrLR", (210, 79)),
 }
-MARGIN = 10  # image px around the points: about half a link's thickness
+MARGIN = 12  # px of the drawing around the points, so that the edge cuts no ring
 MIN_DIFFERENCE = 0.02  # in the share of points by which one corner is worse than another
 
 
@@ -59,8 +59,9 @@ def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, in
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
             spans = {view: _span(reach[view], frame, whole) for view in pair}
+            around = 0 if whole else 2 * MARGIN
             scale = min(
-                min(boxes[view][0] / (high - low)[0], boxes[view][1] / (high - low)[1])
+                ((np.array(boxes[view]) - around) / np.maximum(high - low, 1.0)).min()
                 for view, (low, high) in spans.items()
             )
             sizes = {view: np.array(boxes[view]) / scale for view in pair}
@@ -87,7 +88,7 @@ def _span(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if whole or len(points) == 0:
         return np.zeros(2), np.array(frame, float)
-    return points.min(0) - MARGIN, points.max(0) + MARGIN
+    return points.min(0), points.max(0)
 
 
 def _free_corners(places: dict[str, NDArray[np.float64]]) -> tuple[bool, bool]:

@@ -18,7 +18,7 @@ from viser import (
 )
 
 from .. import viser_private
-from ..control import actions
+from ..panels import actions
 from . import message_schema
 from .message_schema import Hostile, Refused
 

@@ -32,7 +32,7 @@ class Appearance:
     def __init__(self, world: World):
         meshes = link_meshes(world.scene.robot)
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
-        self._motion = 1  # of the last moment
+        self._motion = 0  # of the last moment
         self._shown: dict[str, NDArray[np.float64]] = {}  # (k, 2) px by view, which the windows hold
         self._windows: Windows = {}
 
@@ -40,7 +40,7 @@ class Appearance:
         """Return both arms' images at a moment, and the windows."""
         bodies = self._silhouettes.bodies(moment)
         shown = points_in_images(bodies)
-        if moment.motion == 0 < self._motion:
+        if not self._windows or moment.motion == 0 < self._motion:
             self._fit(shown, bodies)
         elif not holds(self._windows, shown):
             self._fit({view: np.concatenate([self._shown[view], _widened(shown[view])]) for view in shown}, bodies)

@@ -118,8 +118,7 @@ def draw_images(
         f'<div class="vi-heading vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
         for pair, words in headings.items()
     ]
-    entries = _legend_entries(gain, chosen, crossed, goal)
-    parts.append(draw_legend(entries) if print_size else write_legend(entries))
+    parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
     if chosen is not None:
         parts.append(f'<p class="vi-how">{describe_construction(construction, chosen, stage, crossed)}</p>')
     metrics = _metrics(snapshot, lengths)
@@ -298,12 +297,10 @@ class LegendEntry(NamedTuple):
     width: float  # px
 
 
-@lru_cache(256)
-def _legend_entries(gain: float, chosen: int | None, crossed: bool, goal: bool) -> tuple[LegendEntry, ...]:
-    """crossed: whether the construction has epipolar lines, or steps."""
+def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
+    """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
-    line = lambda kind: f'<path class="vi-line{kind}" d="M0 0H20"/>'
     entries = [
         LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
         LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
@@ -313,33 +310,29 @@ def _legend_entries(gain: float, chosen: int | None, crossed: bool, goal: bool) 
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
         entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
-    if chosen is not None:
-        ring = '<circle class="vi-ring" cx="10" cy="0" r="5"/>'
-        entries.append(LegendEntry(ring, f"point {chosen}", 3, 14))
-    if chosen is not None and crossed:
-        entries.append(LegendEntry(line(""), "line of l", 0, 20))
-        entries.append(LegendEntry(line(" vi-from-right"), "of r", 0, 20))
-        entries.append(LegendEntry(line(" vi-partner"), "other eye", 0, 20))
-    if chosen is not None and not crossed:
-        steps = '<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>'
-        entries.append(LegendEntry(steps, "steps to it", 0, 20))
-    return tuple(entries)
+    return entries
 
 
 @lru_cache(256)
-def write_legend(entries: tuple[LegendEntry, ...]) -> str:
-    """Write the legend as HTML that wraps where it must."""
+def write_legend(gain: float, crossed: bool, goal: bool) -> str:
+    """Write the legend as HTML that wraps where it must; `describe_construction` tells of the chosen point's marks."""
     written = "".join(
-        f'<span><svg class="vi" viewBox="{left:g} -7 {width:g} 14" style="width:{width:g}px" aria-hidden="true">{mark}'
-        f"</svg>{words}</span> "
-        for mark, words, left, width in entries
+        f"<span>{svg.sample(mark, left, width)}{words}</span> "
+        for mark, words, left, width in _legend_entries(gain, crossed, goal)
     )
     return f'<div class="vi-legend">{written}</div>'
 
 
 @lru_cache(256)
-def draw_legend(entries: tuple[LegendEntry, ...]) -> str:
+def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> str:
     """Draw the legend in two rows, for print."""
+    entries = _legend_entries(gain, crossed, goal)
+    if chosen is not None:
+        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
+    if chosen is not None and crossed:
+        entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
+    elif chosen is not None:
+        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
     for i, (mark, words, _, _) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
@@ -385,7 +378,7 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
     level, word = gauge(condition)
     name = snapshot.method.condition_name
     found = [
-        Metric("", "E", svg.short_E(snapshot.E), " px²" if known else ""),
+        Metric("", "E", svg.escape(svg.short_E(snapshot.E)), " px²" if known else ""),
         Metric("", "mean |e|", svg.number(mean), " px" if known else ""),
         Metric("", "largest |e|", svg.number(largest), where),
         Metric(level, name + word, _short(condition, 100), "", name),
@@ -393,7 +386,8 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
         found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100), ""))
-    found.append(Metric("red" if used < MIN_POINTS else "", "points seen", f"{used}", f" of {count}"))
+    if used < count:
+        found.append(Metric("red" if used < MIN_POINTS else "", "seen", f"{used}", f" of {count}", "points seen"))
     return tuple(found)
 
 

@@ -191,8 +191,15 @@ REPEATED = (
     ("recovered", "… and it is recovered."),
     ("own", "The arrow leads on to the own point."),
 )
+LINE_NAMES = {"": "line of l", " vi-from-right": "line of r", " vi-partner": "other eye"}  # by class of a line
+STEPS_SAMPLE = '<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>'
 WITH = {"r": "l"}  # a part without a stage of its own → the stage it appears in
 MAX_HALF_AXIS = 400.0  # px: a longer one looks the same
+
+
+def line_sample(kind: str) -> str:
+    """Draw a piece of an epipolar line. kind: of LINE_NAMES."""
+    return f'<path class="vi-line{kind}" d="M0 0H20"/>'
 
 
 def last_stage(crossed: bool) -> int:
@@ -215,11 +222,11 @@ def describe_construction(construction: Construction | None, point: int, stage: 
     if construction is None:
         return f"Point {name} is not seen in all four images."
     if construction.angle is None:
-        found = f"Point {name}: carried over by steps."
-    else:
-        left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
-        found = f"Point {name}: lines cross at {left}" + (f", {right}." if left != right else ".")
-    return f"{found} With 1 px of noise 95 % fall in the ellipse."
+        return f"Point {name}: carried over by {svg.sample(STEPS_SAMPLE, 0, 20)} steps."
+    left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
+    angles = left if left == right else f"{left}, {right}"
+    of_l, of_r = (svg.sample(line_sample(kind), 0, 20) for kind in list(LINE_NAMES)[:2])
+    return f"Point {name}: lines of l {of_l} and r {of_r} cross at {angles}"
 
 
 def draw_construction(

@@ -19,7 +19,7 @@ from pathlib import Path
 import msgspec
 import viser
 from viewimit.app import viser_private
-from viewimit.app.control.scheduler import Scheduler
+from viewimit.app.page.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.limits import Limits, ServerOptions
 from viewimit.app.server.pages import App

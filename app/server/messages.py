@@ -25,7 +25,7 @@ from viser import (
 )
 
 from .. import viser_private
-from ..control import actions
+from ..panels import actions
 
 MOST_BUT_PARTS = 1 << 14  # bytes of a message that is no part of a file: to read it takes 1.2 ms at most
 Real = Annotated[float, Meta(ge=-1e5, le=1e5)]

@@ -19,14 +19,14 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..control.scheduler import Scheduler
-from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
-from ..page import LEAVES_WITHIN, CannotResume, Page
+from ..model.services import Services
+from ..page.page import LEAVES_WITHIN, CannotResume, Page
+from ..page.scheduler import Scheduler
 from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light

@@ -15,9 +15,9 @@ import zipfile
 
 import numpy as np
 import pytest
-from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Request
+from viewimit.app.page.scheduler import Scheduler
 from viewimit.app.server.seats import Seats
 from waiting import wait_until
 

@@ -36,6 +36,10 @@ PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "
 D = TypeVar("D", bound=Disturbance)
 
 
+class UnknownMethod(ValueError):
+    """No servo or transfer of this name is in this process."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Setting:
     """What a field of `Settings` means: for help on the command line, the documentation's table and the page."""
@@ -310,8 +314,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         for name, field in FIELDS.items():
             value = getattr(self, name)
             choices = field.choices if isinstance(field, Setting) else ()
-            if choices and value not in choices and not (value == OWN and name in ("transfer", "servo")):
-                raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+            is_method = name in ("transfer", "servo")
+            if choices and value not in choices and not (value == OWN and is_method):
+                kind = UnknownMethod if is_method else ValueError
+                raise kind(f"no {name} {value!r}; there are {', '.join(choices)}")
             if field.bounds is not None and value is not None:
                 low, high = field.bounds
                 if not low <= value <= high:  # NaN fails too

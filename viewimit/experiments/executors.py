@@ -199,9 +199,9 @@ def own_methods() -> dict[str, str]:
     modules |= {f"transfer {name}": method.fit.__module__ for name, method in TRANSFERS.items()}
     found = {}
     for name, module in modules.items():
-        file = getattr(sys.modules.get(module), "__file__", None)
-        if file is not None and LIBRARY not in Path(file).resolve().parents:
-            found[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
+        file = Path(getattr(sys.modules.get(module), "__file__", None) or "").resolve()
+        if file.is_file() and LIBRARY not in file.parents:
+            found[name] = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
     return found
 
 
@@ -236,18 +236,18 @@ def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Bat
     import distributed
 
     left, running, lost = iter(batches), dict[Any, tuple[int, bytes]](), dict[int, int]()
-    done, code = distributed.as_completed(loop=client.loop), (code_version(), own_methods())
+    done, version, methods = distributed.as_completed(loop=client.loop), code_version(), own_methods()
 
     def submit(number: int, packed: bytes) -> None:
         """Pickled, so that Dask does not look for tasks of its own among the tuples."""
-        future = client.submit(_carry_out, packed, *code, pure=False)
+        future = client.submit(_carry_out, packed, version, pure=False)
         running[future] = number, packed
         done.add(future)
 
     def fill() -> None:
         most = (1 + QUEUED_BATCHES) * max(sum(client.nthreads().values()), 1)
         while len(running) < most and (following := next(left, None)) is not None:
-            submit(following[0], pickle.dumps((work, following[1])))
+            submit(following[0], pickle.dumps((methods, pickle.dumps((work, following[1])))))
 
     fill()
     for future in done:
@@ -268,13 +268,17 @@ def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Bat
         yield number, found
 
 
-def _carry_out(packed: bytes, version: str, methods: dict[str, str]) -> Done:
-    """Make the runs of a batch, on a worker. version, methods: `code_version` and `own_methods` of the study."""
+def _carry_out(packed: bytes, expected: str) -> Done:
+    """Make the runs of a batch, on a worker.
+
+    Other versions of this library have the same two arguments, and so report that their `code_version` is another.
+    """
     import distributed
 
     worker = f"the worker {distributed.get_worker().address}"
-    if code_version() != version:
-        raise UnfitWorker(f"{worker} has {code_version()}, and the study is of {version}: install the same there")
+    if code_version() != expected:
+        raise UnfitWorker(f"{worker} has {code_version()}, and the study is of {expected}: install the same there")
+    methods, packed = pickle.loads(packed)
     here = own_methods()
     for name in methods.keys() & here.keys():
         if here[name] != methods[name]:

@@ -26,6 +26,7 @@ from ..simulation.robot import BodyPoint
 RECTIFY = ("auto", "off")
 SENSORS = ("projected", "rendered")
 USUAL_POINTS = 10
+USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 MAX_SEED = 2**32 - 1
 SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
 OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
@@ -103,7 +104,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             description="layout of the scene's body points, by their number; rendered pictures show markers instead",
             unit="N",
             option="n-points",
-            default=f"{USUAL_POINTS}, or the scene's nearest to that",
+            default=USUAL_LAYOUT,
         ),
     ] = USUAL_POINTS
     body_points: Annotated[

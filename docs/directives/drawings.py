@@ -105,8 +105,8 @@ class DrawingDirective(SphinxDirective):
         words = nodes.container("", classes=["words"])
         self.state.nested_parse(self.content, self.content_offset, words)
         E = states.session(drawing.state).snapshot.E
-        told = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
-        words += nodes.raw("", f"<p><a {told}>Open the page in this state</a></p>", format="html")
+        anchor = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
+        words += nodes.raw("", f"<p><a {anchor}>Open the page in this state</a></p>", format="html")
         figure += words
         return [figure]
 

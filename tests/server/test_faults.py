@@ -18,7 +18,7 @@ from viewimit.app.page.loop import CommandLoop
 from viewimit.app.panels.panel import SLOW
 from viewimit.app.panels.save import SavePanel
 from viewimit.app.server import pages
-from viewimit.app.server.limits.connection_limits import Limits
+from viewimit.app.server.limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.loop.session import Session

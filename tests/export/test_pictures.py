@@ -55,7 +55,7 @@ def text_of(picture):
 
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
     moment, citation = session.history[3], cite(session)
-    images = draw_images(moment, *Appearance(session.world, session.history[0]).of(moment), 7)
+    images = draw_images(moment, *Appearance(session.world).of(moment), 7, print_size=True)
     made = make_landscape(session.world, moment)
     figures = (
         four_images(images, "The four images"),

@@ -68,6 +68,12 @@ def hide_tabs(model: PageModel, tabs: Annotated[str, text("tabs")]) -> None:
     model.show(unseen=frozenset() if tabs == "none" else frozenset(tabs.split(",")))
 
 
+@command("goal", order_independent=True)
+def toggle_goal(model: PageModel) -> None:
+    """Draw the learner in L and R as it would look in the demonstrator's posture, or do so no longer."""
+    model.show(goal=not model.view.goal)
+
+
 @command("construction", order_independent=True, link=True)
 def build_up(model: PageModel, *, now: float) -> None:
     """Show step by step how the chosen point is recovered; once more: all at once."""

@@ -10,7 +10,7 @@ from viewimit.analysis.construction import Construction, construct
 from viewimit.analysis.convergence import recent_errors_deg
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.export.panels import Appearance
-from viewimit.drawing.images.panel import draw_images
+from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
 from viewimit.drawing.svg import count_motions
 from viewimit.estimation.transfers import TRANSFERS
@@ -103,7 +103,7 @@ class Displayed:
         """(N, 3) m: where the learner's cameras would see the recovered points in space, NaN where there is none."""
         return triangulate(*self.session.world.own_cameras, self.scene_snapshot.recovered)
 
-    def draw_images(self, stage: int | None = None, standing: Bodies | None = None) -> str:
+    def draw_images(self, stage: int | None = None, standing: Bodies | None = None, print_size: bool = False) -> str:
         """Draw the four images, as HTML.
 
         Parameters
@@ -112,12 +112,15 @@ class Displayed:
             Up to which the construction of the chosen point is shown.
         standing
             The arms where they are, while a preview is displayed.
+        print_size
+            As in `viewimit.drawing.images.panel.draw_images`.
         """
-        view, construction = self.view, None
+        view, now, session, construction = self.view, self.image_snapshot, self.session, None
         if view.chosen is not None:
-            construction: Construction | None = construct(self.image_snapshot, view.chosen)
+            construction: Construction | None = construct(now, view.chosen)
+        before = session.history[max(session.cursor + 1 - SPARK_MOTIONS, 0) : session.cursor + 1]
         return draw_images(
-            self.image_snapshot,
+            now,
             *self.arms_in_images,
             view.chosen,
             view.whole_frames,
@@ -125,6 +128,9 @@ class Displayed:
             construction=construction,
             stage=stage,
             standing=standing,
+            goal=view.goal and view.truth,
+            course=[moment.E for moment in before if moment.motion <= now.motion],
+            print_size=print_size,
         )
 
 
@@ -181,7 +187,7 @@ class Display:
     def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """Return both arms in the images at a moment of the session's, and the windows that show them."""
         if self._appearance is None:
-            self._appearance = Appearance(self._session.world, self._session.snapshot)
+            self._appearance = Appearance(self._session.world)
         return self._appearance.of(moment)
 
 

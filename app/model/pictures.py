@@ -99,8 +99,8 @@ def _images(model: PageModel) -> Picture:
     moment, made = model.displayed.image_snapshot, f"after {count_motions(model.displayed.image_snapshot.motion)}"
     if model.view.rectified:
         bodies, _ = model.displayed.arms_in_images
-        return Picture.of(stack([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
-    return Picture.of(four_images(model.displayed.draw_images(), f"The learner’s four images {made}"))
+        return Picture.of(stack([draw_rectified(moment, bodies, True)], f"The images as seen and as rectified, {made}"))
+    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four images {made}"))
 
 
 def _landscape(model: PageModel) -> Picture:

@@ -7,7 +7,15 @@ from typing import Any
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("wide", "vast", "prefers_dark", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # in place of all tabs' names
-SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
+SWITCHES = (
+    "goal",
+    "rays",
+    "residuals",
+    "gizmo",
+    "whole_frames",
+    "rectified",
+    "shadows",
+)  # kept by their names
 SWITCHED = {name: name for name in (*SWITCHES, "dark", "look_only")}  # that the visitor sets
 
 
@@ -16,7 +24,8 @@ class View:
     """Choices of one page. `on` tells the switches that follow the browser until the visitor chooses."""
 
     chosen: int | None = None  # body point that is explained
-    rays: bool = False  # from here to `dark`: the switches of the folder Display
+    goal: bool = True  # from here to `dark`: the switches of the folder Display
+    rays: bool = False
     residuals: bool = True
     gizmo: bool = True
     whole_frames: bool = False

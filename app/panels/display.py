@@ -14,6 +14,8 @@ from ..model.view import LARGE
 from .panel import Layout, put, put_disabled, put_html, put_visible
 
 SWITCHES = (
+    ("Goal in L and R", "goal"),
+    ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
     ("Hand gizmo", "gizmo"),

@@ -15,7 +15,7 @@ def images(layout: Layout, model: PageModel) -> None:
 
         def key(model: PageModel) -> tuple:
             view, displayed = model.view, model.displayed
-            switches = view.chosen, view.whole_frames, view.rectified, displayed.stage
+            switches = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, displayed.stage
             pictures = displayed.pictures.values()
             return (
                 model.generation,

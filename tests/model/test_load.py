@@ -9,7 +9,7 @@ from viewimit.app.model.player import Player
 from viewimit.app.model.services import AIM, SLOWEST, STEPS, LoadShedding
 from viewimit.app.page.redraw import ToDraw
 from viewimit.app.page.scheduler import TICK, Scheduler
-from viewimit.app.server.seat_counts import SeatCounts
+from viewimit.app.server.seats import Seats
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -85,7 +85,7 @@ class Slow:
 
 
 def test_poses_recover_their_pace_by_slower_panels(event_loop):
-    counts = SeatCounts()
+    counts = Seats()
     scheduler = Scheduler(counts.rows[0].live, counts.rows[0].clear)
     pages = [Slow(scheduler.shedding) for _ in range(4)]  # 1.6 of the time there is
     for page in pages:

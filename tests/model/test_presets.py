@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from viewimit.app.model.presets import PRESETS, presets_from
-from viewimit.app.server.options import ServerOptions
+from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.images.panel import RED

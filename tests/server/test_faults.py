@@ -17,7 +17,7 @@ from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, pro
 from viewimit.app.page.loop import CommandLoop
 from viewimit.app.panels.panel import SLOW, Layout
 from viewimit.app.server import pages
-from viewimit.app.server.limits.connection_limits import Limits
+from viewimit.app.server.limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.loop.session import Session

@@ -1,10 +1,17 @@
-"""One client's messages: each is checked against what that client's own page has, before viser acts on it."""
+"""The message guard: what a browser may send, field by field, and what its own page has.
+
+Whatever is not described here is refused before viser sees it.
+Real numbers are bounded, which NaN and infinities are not within. Types and fields are those of viser._messages.
+"""
 
 import asyncio
 import math
 import weakref
 from collections.abc import Callable
+from typing import Annotated, Any, Literal
 
+import msgspec
+from msgspec import Meta
 from viser import (
     ClientHandle,
     GuiButtonGroupHandle,
@@ -20,8 +27,133 @@ from viser import (
 from .. import viser_private
 from ..panels.actions import LABEL as ACTIONS_LABEL
 from ..panels.actions import read_message
-from . import message_schema
-from .message_schema import Hostile, Refused
+
+MOST_BUT_PARTS = 1 << 14  # bytes of a message that is no part of a file: to read it takes 1.2 ms at most
+Real = Annotated[float, Meta(ge=-1e5, le=1e5)]
+Count = Annotated[int, Meta(ge=0, le=100_000)]
+Size = Annotated[int, Meta(ge=0, le=2**53)]
+Name = Annotated[str, Meta(max_length=200)]
+Pair = tuple[Real, Real]
+Triple = tuple[Real, Real, Real]
+Quaternion = tuple[Real, Real, Real, Real]
+
+
+class Refused(ValueError):
+    """A message that a browser in good faith may send, when a page changes under it; it is dropped."""
+
+
+class Hostile(ValueError):
+    """A message that no browser sends; its connection is closed."""
+
+
+class _Message(msgspec.Struct, forbid_unknown_fields=True):
+    type: str
+
+
+class ViewerCameraMessage(_Message):
+    wxyz: Quaternion
+    position: Triple
+    fov: Real
+    near: Real
+    far: Real
+    image_height: Count
+    image_width: Count
+    look_at: Triple
+    up_direction: Triple
+
+
+class GuiUpdateMessage(_Message):
+    uuid: Name
+    updates: dict[str, Any]
+
+
+class CommandTriggerMessage(_Message):
+    uuid: Name
+
+
+class TransformControlsUpdateMessage(_Message):
+    name: Name
+    wxyz: Quaternion
+    position: Triple
+    owner: Name
+
+
+class TransformControlsDragStartMessage(_Message):
+    name: Name
+    owner: Name
+
+
+class TransformControlsDragEndMessage(_Message):
+    name: Name
+    owner: Name
+
+
+class ScenePointerMessage(_Message):
+    event_type: Literal["click"]
+    ray_origin: Triple
+    ray_direction: Triple
+    screen_pos: tuple[Pair]
+    modifier: None
+
+
+class FileTransferStartUpload(_Message):
+    source_component_uuid: Name
+    transfer_uuid: Name
+    filename: Name
+    mime_type: Name
+    part_count: Size
+    size_bytes: Size
+
+
+class FileTransferPart(_Message):
+    source_component_uuid: Name
+    transfer_uuid: Name
+    part_index: Size
+    content: bytes
+
+
+ALLOWED = (
+    ViewerCameraMessage,
+    GuiUpdateMessage,
+    CommandTriggerMessage,
+    TransformControlsUpdateMessage,
+    TransformControlsDragStartMessage,
+    TransformControlsDragEndMessage,
+    ScenePointerMessage,
+    FileTransferStartUpload,
+    FileTransferPart,
+)
+
+
+class _Kind(msgspec.Struct):
+    type: str
+
+
+_read_kind = msgspec.msgpack.Decoder(_Kind).decode
+_READERS = {kind.__name__: msgspec.msgpack.Decoder(kind).decode for kind in ALLOWED}
+
+
+def read(raw: bytes | str) -> msgspec.Struct:
+    """A message as it came. Raises Hostile, or Refused for values out of their range."""
+    if isinstance(raw, str):
+        raise Hostile("text, which is no message")
+    try:
+        kind = _read_kind(raw).type
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise Hostile(f"a malformed message: {error}") from None
+    if kind not in _READERS:
+        raise Hostile(f"a message of the type {kind[:40]!r}")
+    if len(raw) > MOST_BUT_PARTS and kind != FileTransferPart.__name__:
+        raise Hostile(f"a {kind} of more than {MOST_BUT_PARTS} bytes")
+    try:
+        return _READERS[kind](raw)
+    except msgspec.ValidationError as error:
+        raise Refused(f"{kind}: {error}") from None
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise Hostile(f"a malformed {kind}: {error}") from None
+
+
+# One client's messages: each is checked against what that client's own page has, before viser acts on it.
 
 MOST_BYTES = 4 << 20  # of one upload
 PART = 524_288  # bytes that the page sends at once
@@ -42,21 +174,21 @@ class MessageValidator:
         self._client, self._belongs_to_another = client, belongs_to_another
         self._uploads = Uploads(lambda transfer: viser_private.drop_upload(client, transfer))
         self._checks: dict[type, Callable] = {
-            message_schema.ViewerCameraMessage: lambda message: None,
-            message_schema.GuiUpdateMessage: self._check_update,
-            message_schema.CommandTriggerMessage: self._check_command,
-            message_schema.TransformControlsUpdateMessage: self._check_gizmo,
-            message_schema.TransformControlsDragStartMessage: self._check_gizmo,
-            message_schema.TransformControlsDragEndMessage: self._check_gizmo,
-            message_schema.ScenePointerMessage: self._check_click,
-            message_schema.FileTransferStartUpload: self._check_upload,
-            message_schema.FileTransferPart: self._uploads.add,
+            ViewerCameraMessage: lambda message: None,
+            GuiUpdateMessage: self._check_update,
+            CommandTriggerMessage: self._check_command,
+            TransformControlsUpdateMessage: self._check_gizmo,
+            TransformControlsDragStartMessage: self._check_gizmo,
+            TransformControlsDragEndMessage: self._check_gizmo,
+            ScenePointerMessage: self._check_click,
+            FileTransferStartUpload: self._check_upload,
+            FileTransferPart: self._uploads.add,
         }
 
     def admit(self, message) -> None:
         self._checks[type(message)](message)
 
-    def _check_update(self, message: message_schema.GuiUpdateMessage) -> None:
+    def _check_update(self, message: GuiUpdateMessage) -> None:
         widget = self._own(message.uuid)
         if set(message.updates) != {"value"}:
             raise Hostile(f"other fields of a widget than its value: {', '.join(message.updates)[:80]}")
@@ -71,7 +203,7 @@ class MessageValidator:
             viser_private.push_value(self._client, widget)  # else the browser would go on showing what was refused
             raise
 
-    def _check_command(self, message: message_schema.CommandTriggerMessage) -> None:
+    def _check_command(self, message: CommandTriggerMessage) -> None:
         if message.uuid not in viser_private.own(self._client).commands:
             raise Refused("a command that this page does not have")
 
@@ -79,11 +211,11 @@ class MessageValidator:
         if message.name not in viser_private.own(self._client).gizmos:
             raise Refused("a handle in the scene that this page does not have")
 
-    def _check_click(self, message: message_schema.ScenePointerMessage) -> None:
+    def _check_click(self, message: ScenePointerMessage) -> None:
         if not math.isclose(math.hypot(*message.ray_direction), 1, abs_tol=UNIT):
             raise Refused("a click along no direction")
 
-    def _check_upload(self, message: message_schema.FileTransferStartUpload) -> None:
+    def _check_upload(self, message: FileTransferStartUpload) -> None:
         if not isinstance(self._own(message.source_component_uuid), GuiUploadButtonHandle):
             raise Hostile("an upload to what takes none")
         self._uploads.begin(message)
@@ -102,10 +234,10 @@ class Uploads:
 
     def __init__(self, drop: Callable[[str], None]):
         self._drop = drop
-        self._going_on: dict[str, tuple[message_schema.FileTransferStartUpload, set[int]]] = {}
+        self._going_on: dict[str, tuple[FileTransferStartUpload, set[int]]] = {}
         self._refused: str | None = None  # transfer whose parts are still on their way
 
-    def begin(self, message: message_schema.FileTransferStartUpload) -> None:
+    def begin(self, message: FileTransferStartUpload) -> None:
         self._refused = message.transfer_uuid
         if message.size_bytes > MOST_BYTES:
             raise Refused(f"an upload of {message.size_bytes} bytes; at most {MOST_BYTES} are taken")
@@ -121,7 +253,7 @@ class Uploads:
             # which keeps nothing of a client that has gone
             asyncio.get_running_loop().call_later(UPLOAD_WITHIN, _end, weakref.ref(self), message.transfer_uuid)
 
-    def add(self, part: message_schema.FileTransferPart) -> None:
+    def add(self, part: FileTransferPart) -> None:
         if part.transfer_uuid not in self._going_on:
             what = (
                 "a part of an upload that was refused" if part.transfer_uuid == self._refused else "a part of no upload"

@@ -103,21 +103,6 @@ def server():
     assert served.stop() == 0
 
 
-@pytest.fixture(scope="module")
-def redis_url(tmp_path_factory):
-    """A Redis of one's own, without a port. Skips without redis-server or the package."""
-    program = shutil.which("redis-server") or pytest.skip("no redis-server")
-    pytest.importorskip("redis")
-    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
-    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
-    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
-    wait_until(lambda: socket.exists() or process.poll() is not None)
-    assert process.poll() is None, "redis-server did not start"
-    yield f"unix://{socket}"
-    process.terminate()
-    process.wait(10)
-
-
 def pytest_collection_modifyitems(items):
     """Files with browser's tests first, and after every second of them one that mostly waits for servers, so that the
     processor is seldom waited for by all or by none; then the longest of those that would come last: none of them

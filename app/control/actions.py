@@ -9,16 +9,18 @@ from typing import Annotated
 
 import msgspec
 
+from ..sessions.link import MAX_TEXT
 from .commands.command import Command
 from .queue import CommandQueue
 
 LABEL = "vi-actions"  # of the widget
-MAX_CHARS = 16_000  # of what it is sent
+KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
+MAX_CHARS = 120_000  # of what it is sent: a whole session that the tab has kept
 MAX_ACTIONS = 64  # of a message
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest
+Value = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):

@@ -1,6 +1,6 @@
-"""The text widget, seen by nobody, through which the page's script sends what is clicked in drawings."""
+"""Hidden text widgets between the page's script and its server: for clicks in drawings, and for what the tab keeps."""
 
-from ..control.actions import LABEL, Actions
+from ..control.actions import KEPT_LABEL, LABEL, Actions
 from ..control.commands.touch import TOUCHES
 from ..control.state import PageState
 from ..viser_private import push_input
@@ -17,6 +17,17 @@ class ActionsPanel(Panel):
             if event.client_id is not None:  # None: the page itself wrote it
                 self.actions.take(event.target.value)
                 push_input(box, str(self.actions.last))
+
+        self._kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
+
+    @property
+    def last(self) -> int:
+        """The number of the last action that was taken."""
+        return self.actions.last
+
+    def send_part(self, part: str) -> None:
+        """Send the tab a part of what it is to keep."""
+        push_input(self._kept, part)
 
     def depends_on(self, state: PageState) -> tuple:
         return ()

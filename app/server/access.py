@@ -20,7 +20,6 @@ from websockets.typing import Origin
 from .. import viser_private
 from .connection import MOST_MESSAGE, GuardedConnection
 from .content_policy import content_policy
-from .cookie import cookie_for, token_of
 from .limits.connection_limits import Limits
 from .limits.fault_lines import in_a_line, logger_of
 from .limits.pending_connections import PendingConnections
@@ -171,8 +170,6 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
             with_own_head(answer)
-            if token_of(request.headers) is None:
-                answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
         return answer
 
@@ -204,7 +201,7 @@ class AccessControl:
         self.pending.discard(connection)
         self.seats.add(connection)
         self._own.take(connection.network)
-        connection.take_seat(token_of(request.headers))
+        connection.take_seat()
         return None
 
     def leave(self, connection: GuardedConnection) -> None:

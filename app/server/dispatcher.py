@@ -1,27 +1,17 @@
-"""Connections are accepted here and handed to one of several workers: always to the same one for a browser.
+"""Connections are accepted here and handed to the worker that has fewest.
 
-Only the head of a request is looked at, and left for the worker to read: nothing passes through here afterwards.
-
-Workers that accept from one inherited socket, each while no other has fewer seats, take 100 lines less, as much
-processor time, and spread a class as evenly; but none knows whose a connection is before it has accepted it. A tab that
-comes again a second after its network fell silent is then at a worker that cannot ask whether its old connection still
-answers: of 21 none had its session, here all within 4 s; and of 30 tabs whose first worker was killed the other one
-kept 20, here 15 (`tests/server/measure_balance.py`).
+Only the head of a request is waited for, and left for the worker to read: nothing passes through here afterwards.
 """
 
 import asyncio
 import contextlib
-import io
 import logging
 import socket
 import threading
-from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from functools import partial
 from http import HTTPStatus
-from http.client import HTTPException, parse_headers
 
-from .cookie import token_of
 from .limits.client_address import network_of
 from .limits.pending_connections import PendingConnections
 from .options import ServerOptions
@@ -33,7 +23,6 @@ from .seat_counts import SeatCounts
 HEAD_WITHIN = 10.0  # s
 LOOK_AGAIN, LOOK_AT_LEAST = 0.02, 0.5  # s: at once, and where no more comes
 UNPLACED = 200  # connections at a time whose head has not come
-KNOWN = 10_000  # browsers
 log = logging.getLogger(__name__)
 
 
@@ -65,26 +54,17 @@ def dispatching(placing: "Placing", listeners: Sequence[socket.socket], to: Sequ
 
 
 class Placing:
-    """Which worker a browser's connections go to."""
+    """Which worker a connection goes to."""
 
     def __init__(self, options: ServerOptions, counts: SeatCounts):
         self.options, self._counts = options, counts
-        self._of: OrderedDict[str, int] = OrderedDict()
         self.handed = [0] * options.workers
 
-    def place(self, token: str | None) -> int:
-        """The browser's own worker while it has a seat, else the one with fewest connections. token: None if new."""
-        worker = None if token is None else self._of.get(token)
-        if worker is None or self._is_full(worker):
-            open_at = [handed - row.ended for handed, row in zip(self.handed, self._counts.rows)]
-            rows = self._counts.rows  # one that is only beginning would let who is new wait
-            worker = min(range(len(open_at)), key=lambda k: (self._is_full(k), not rows[k].began, open_at[k]))
-        if token is not None:
-            self._of[token] = worker
-            self._of.move_to_end(token)
-            if len(self._of) > KNOWN:
-                self._of.popitem(last=False)
-        return worker
+    def place(self) -> int:
+        """The one with fewest connections that has a seat."""
+        rows = self._counts.rows  # one that is only beginning would let who is new wait
+        open_at = [handed - row.ended for handed, row in zip(self.handed, rows)]
+        return min(range(len(open_at)), key=lambda k: (self._is_full(k), not rows[k].began, open_at[k]))
 
     def _is_full(self, worker: int) -> bool:
         return self._counts.rows[worker].seats >= self.options.clients_of(worker)
@@ -128,11 +108,7 @@ class Dispatcher:
             except OSError:
                 return
             if head:
-                self._hand(connection, self.worker_for(head))
-
-    def worker_for(self, head: bytes) -> int:
-        """Where its browser goes."""
-        return self._placing.place(_token(head))
+                self._hand(connection, self._placing.place())
 
     def _hand(self, connection: socket.socket, worker: int) -> None:
         try:
@@ -182,11 +158,3 @@ async def _readable(connection: socket.socket) -> None:
         await ready
     finally:
         loop.remove_reader(connection)
-
-
-def _token(head: bytes) -> str | None:
-    """The browser's token in the head of a request, None without a good one."""
-    try:
-        return token_of(parse_headers(io.BytesIO(head.partition(b"\r\n")[2])))
-    except HTTPException:
-        return None

@@ -20,7 +20,7 @@ from .worker import work
 SILENT_FOR = 20.0  # s that a worker has for each sign of life
 SAID_EVERY = 30.0  # s, while processes are still beginning
 LOOK_EVERY = 0.25  # s
-SAVED_WITHIN = 7.0  # s that workers are given to keep their sessions
+ENDED_WITHIN = 7.0  # s that workers are given to end
 TOLD_TOO = 1.0  # s between signals to a worker and to this process that were sent as one
 MOST_ENDS, ENDS_WITHIN = 5, 60.0  # of workers, s: more are no accident
 log = logging.getLogger(__name__)
@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 @contextlib.contextmanager
 def working(options: ServerOptions, listeners: Sequence[socket.socket], stopped: Termination) -> Iterator[None]:
-    """Inside, workers serve what comes to the listeners; in the end they have kept all sessions.
+    """Inside, workers serve what comes to the listeners; in the end they have ended.
 
     stopped: no process is begun any more; set here when it is of no use to go on. Raises RuntimeError, then in the
     end, if workers end again and again.
@@ -80,17 +80,17 @@ class Workers:
             raise RuntimeError("the server's processes end again and again; what they said stands above")
 
     def stop(self) -> None:
-        """Each keeps its sessions and ends."""
+        """Each ends."""
         self._stopped.set()
         self._dispatching.close()
         self._thread.join()
         for process in self._processes:
             process.terminate()
-        until = time.monotonic() + SAVED_WITHIN
+        until = time.monotonic() + ENDED_WITHIN
         for process in self._processes:
             process.join(max(until - time.monotonic(), 0.1))
             if process.is_alive():
-                log.warning("a process of the server does not end; what its visitors did last may be lost")
+                log.warning("a process of the server does not end by itself, and is killed")
                 process.kill()
                 process.join()
         for one in (*self._listeners, *(end for pair in self._pairs for end in pair)):

@@ -1,4 +1,4 @@
-"""Several processes behind one port: a browser stays with its own, and what becomes of it when one ends."""
+"""Several processes behind one port, and what becomes of a visitor when one ends."""
 
 import asyncio
 import multiprocessing
@@ -11,12 +11,12 @@ import time
 import pytest
 from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
 from protocol import Client
-from serving import Server, browser_of, kept_of, tell_all, workers_of
+from serving import Server, tell_all, workers_of
 from test_faults import comes_back, what_a_visitor_sees, work
 from viewimit.app.server import dispatcher as dispatcher_module
 from viewimit.app.server import workers as workers_module
 from viewimit.app.server.address import listen
-from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
+from viewimit.app.server.dispatcher import Dispatcher, Placing
 from viewimit.app.server.options import ServerOptions
 from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
 from viewimit.app.server.termination import Termination
@@ -28,55 +28,37 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
 pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
-HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"
+HEAD = b"GET / HTTP/1.1\r\nHost: here:80\r\n\r\n"
 
 
-def token(name: str) -> str:
-    return name.ljust(32, "-")
-
-
-def test_a_browser_stays_with_its_worker_and_new_ones_go_where_fewest_are():
+def test_a_connection_goes_to_the_worker_that_has_fewest():
     counts = SeatCounts(3)
     placing = Placing(ServerOptions(workers=3), counts)
-    for k in range(12):
-        placing.handed[placing.place(token(str(k)))] += 1
+    for _ in range(12):
+        placing.handed[placing.place()] += 1
     assert placing.handed == [4, 4, 4]
-    before = [placing.place(token(str(k))) for k in range(12)]
     counts.rows[1].ended = 3  # three of the second worker's have gone
-    assert placing.place(None) == 1
-    assert [placing.place(token(str(k))) for k in range(12)] == before
+    assert placing.place() == 1
 
 
 def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_given_than_there_are():
     options, counts = ServerOptions(max_clients=7, workers=3), SeatCounts(3)
     assert [options.clients_of(k) for k in range(3)] == [3, 2, 2]
     placing = Placing(options, counts)
-    assert placing.place(token("one")) == 0
     placing.handed = [0, 9, 9]
+    assert placing.place() == 0
     counts.rows[0].seats = 3
-    assert placing.place(token("one")) in (1, 2)
-    assert placing.place(token("one")) == placing.place(token("one"))
+    assert placing.place() in (1, 2)
 
 
 def test_who_is_new_does_not_wait_for_a_worker_that_is_only_beginning():
     counts = SeatCounts(2)
     placing = Placing(ServerOptions(workers=2), counts)
-    assert placing.place(token("early")) == 0  # both begin: one of them
     counts.rows[1].live()
-    assert placing.place(token("early")) == 0  # its own
     placing.handed = [0, 9]
-    assert placing.place(None) == placing.place(token("new")) == 1
+    assert placing.place() == 1
     counts.rows[0].live()
-    assert placing.place(None) == 0
-
-
-def test_only_so_many_browsers_are_remembered():
-    placing = Placing(ServerOptions(workers=2), SeatCounts(2))
-    placing.handed = [9, 0]
-    assert {placing.place(token(str(k))) for k in range(KNOWN + 5)} == {1}
-    placing.handed = [0, 9]  # who is new goes to the first now
-    assert {placing.place(token(str(k))) for k in range(5, KNOWN + 5)} == {1}
-    assert [placing.place(token(str(k))) for k in range(5)] == [0] * 5
+    assert placing.place() == 0
 
 
 def test_a_server_is_well_while_all_its_processes_give_signs_of_life(monkeypatch):
@@ -138,15 +120,14 @@ def dispatching():
     made.stop()
 
 
-def test_a_connection_is_handed_over_whole_and_its_browser_goes_to_the_same_worker(dispatching):
-    for name, worker in (("anna", 0), ("bert", 1), ("anna", 0), ("anna", 0), ("bert", 1)):
-        head = HEAD.format(token(name)).encode()
+def test_a_connection_is_handed_over_whole(dispatching):
+    for worker in (0, 1, 0):
         with socket.create_connection(dispatching.place) as client:
-            client.sendall(head[:20])
+            client.sendall(HEAD[:20])
             time.sleep(0.05)  # so that the head comes in two parts
-            client.sendall(head[20:] + b"and more")
+            client.sendall(HEAD[20:] + b"and more")
             with dispatching.handed(worker) as connection:
-                sent = head + b"and more"
+                sent = HEAD + b"and more"
                 wait_until(lambda: connection.recv(1000, socket.MSG_PEEK) == sent)  # noqa: B023
                 assert connection.recv(1000) == sent
                 assert connection.getpeername() == client.getsockname()
@@ -160,7 +141,7 @@ def test_who_never_ends_a_head_is_told_so_and_holds_nobody_up(dispatching, monke
         gone.close()
         silent.sendall(b"GET / HT")
         with socket.create_connection(dispatching.place) as other:
-            other.sendall(HEAD.format(token("carl")).encode())
+            other.sendall(HEAD)
             dispatching.handed(0).close()
         silent.settimeout(5)
         assert silent.recv(1000).startswith(b"HTTP/1.1 408 ")  # for it has begun
@@ -173,13 +154,12 @@ def test_a_head_that_does_not_grow_is_searched_once_and_looked_at_ever_more_rare
     monkeypatch.setattr(asyncio, "sleep", lambda s: slept.append(s) or sleep(s / 10))
     dispatching = Dispatching()
     with socket.create_connection(dispatching.place) as client:
-        head = HEAD.format(token("anna")).encode()
-        client.sendall(head[:20])
+        client.sendall(HEAD[:20])
         wait_until(lambda: len(slept) >= 8)
         assert slept[:6] == [0.02, 0.04, 0.08, 0.16, 0.32, 0.5] and max(slept) == 0.5
-        client.sendall(head[20:])
+        client.sendall(HEAD[20:])
         dispatching.handed(0).close()
-    assert searched == [20, len(head)]
+    assert searched == [20, len(HEAD)]
     dispatching.stop()
 
 
@@ -190,7 +170,7 @@ def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_m
     for client in waiting:
         client.settimeout(5)
     assert [client.recv(10) for client in waiting[:2]] == [b"", b""]
-    waiting[4].sendall(HEAD.format(token("dora")).encode())
+    waiting[4].sendall(HEAD)
     dispatching.handed(0).close()
     for client in waiting:
         client.close()
@@ -198,26 +178,24 @@ def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_m
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_notice_nothing(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
-    cookies = [browser_of(server.url) for _ in range(4)]
-    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
+def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_notice_nothing():
+    server = Server("--workers", "2")
+    clients = [Client(server.url).ready() for _ in range(4)]
     assert server.seated == 4 and len(workers_of(server)) == 2
     angles = 20.0, 30.0, 40.0, 50.0
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
         client.press("Step: one motion")
     wait_until(lambda: all(client.value("History") == 1 for client in clients))
-    kept = lambda: [kept_of(str(tmp_path / "state"), cookie) for cookie in cookies]
-    wait_until(lambda: all(page and page.cursor == 1 for page in kept()))
+    tabs = [client.keep() for client in clients]
     seen = [what_a_visitor_sees(client) | {"θ₂": angle} for client, angle in zip(clients, angles)]
     with server.says("a process of the server has ended"):
         os.kill(workers_of(server)[0], signal.SIGKILL)
         gone = [client.closed(2) is not None for client in clients]
     assert sum(gone) == 2, "half of them were there"
-    for cookie, was_there, before in zip(cookies, gone, seen):
+    for tab, was_there, before in zip(tabs, gone, seen):
         if was_there:
-            with Client(server.url, cookie=cookie).ready() as again:
+            with Client(server.url, tab=tab).ready() as again:
                 wait_until(lambda again=again, before=before: what_a_visitor_sees(again) == before)
     left = [client for client, was_there in zip(clients, gone) if not was_there]
     for client in left:
@@ -226,26 +204,7 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
     assert server.stop() == 0
 
 
-def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
-    options = "--workers", "2", "--store", str(tmp_path / "state")
-    server = Server(*options)
-    cookies = [browser_of(server.url) for _ in range(2)]
-    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
-    tab = Client(server.url, cookie=cookies[0]).ready()
-    tab.put("θ₂", 61.0)
-    for client in clients:
-        work(client)
-    seen = [what_a_visitor_sees(client) for client in clients]
-    assert server.stop() == 0
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    for cookie, before in zip(cookies, seen):
-        comes_back(server.url, cookie, before)
-    with Client(server.url, cookie=cookies[0]).ready() as one, Client(server.url, cookie=cookies[0]).ready() as two:
-        assert one.value("θ₂") != 61.0 and two.value("θ₂") == 61.0
-    assert server.stop(signal.SIGINT) == 0
-
-
-def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
+def test_all_workers_together_take_as_many_clients_as_are_allowed():
     server = Server("--workers", "2", "--max-clients", "3")
     clients = [Client(server.url).ready() for _ in range(3)]
     with pytest.raises(InvalidStatus), server.says("all 1 are taken"):
@@ -259,37 +218,35 @@ def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_workers_keep_their_sessions_and_end_when_the_process_that_hands_over_is_killed(tmp_path):
-    options = "--workers", "2", "--store", str(tmp_path / "state")
-    server = Server(*options)
-    workers, cookie = workers_of(server), browser_of(server.url)
-    with Client(server.url, cookie=cookie).ready() as client:
+def test_workers_end_when_the_process_that_hands_over_is_killed():
+    server = Server("--workers", "2")
+    workers = workers_of(server)
+    with Client(server.url).ready() as client:
         work(client)
-        seen = what_a_visitor_sees(client)
+        seen, tab = what_a_visitor_sees(client), client.keep()
         server.process.kill()
         server.process.wait()
         wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    comes_back(server.url, cookie, seen)
+    server = Server()
+    comes_back(server.url, tab, seen)
     server.stop()
 
 
-def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monkeypatch):
+def test_workers_that_cannot_begin_are_not_begun_for_ever(capfd, monkeypatch):
     monkeypatch.setattr(workers_module, "MOST_ENDS", 3)
-    (tmp_path / "a file").touch()
-    options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
+    options = ServerOptions(Settings.paper(scene="nowhere.toml"), workers=2)
     with pytest.raises(RuntimeError, match="end again and again"):
         with working(options, listen("127.0.0.1", 0), Termination()):
             pass
-    assert capfd.readouterr().err.count("NotADirectoryError") >= 3
+    assert capfd.readouterr().err.count("nowhere.toml") >= 3
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
-def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(tmp_path, monkeypatch, caplog):
+def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(monkeypatch, caplog):
     monkeypatch.setattr(workers_module, "SILENT_FOR", 2.0)
     stopped, begun = Termination(), lambda: {child.pid for child in multiprocessing.active_children()}
     others = begun()
-    with working(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
+    with working(ServerOptions(workers=2), listen("127.0.0.1", 0), stopped):
         first = begun() - others
         silent = min(first)
         os.kill(silent, signal.SIGSTOP)
@@ -315,8 +272,8 @@ def test_who_was_asleep_itself_does_not_take_others_for_silent(monkeypatch):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_a_signal_to_all_processes_begins_none_again(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+def test_a_signal_to_all_processes_begins_none_again():
+    server = Server("--workers", "2")
     tell_all(workers_of(server), signal.SIGTERM)
     wait_until(lambda: not workers_of(server))
     assert server.stop() == 0
@@ -324,8 +281,8 @@ def test_a_signal_to_all_processes_begins_none_again(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
-def test_a_stop_takes_ten_seconds_at_most(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+def test_a_stop_takes_ten_seconds_at_most():
+    server = Server("--workers", "2")
     os.kill(workers_of(server)[0], signal.SIGSTOP)
     with server.says("a process of the server does not end"):
         assert server.stop() == 0  # which waits no longer

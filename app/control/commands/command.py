@@ -11,11 +11,12 @@ class Command:
     """An action, of which none is lost.
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait.
+    comes before or after any other, so that it need not wait. cancels: it ends the computation that others wait for.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
+    cancels: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:

@@ -13,9 +13,7 @@ from viewimit.drawing.svg import count_motions
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
-from ...sessions.saved import SavedSession
 from ..checks import choice, number, words
-from ..memory import go_on
 from ..moments.rehearsal import rehearsal_of
 from ..names import SPEEDS, modified
 from ..page_model import PageModel
@@ -54,6 +52,7 @@ class Undo(Command):
     link that is still followed is let go."""
 
     moves: ClassVar[bool] = True
+    cancels: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:
         left = model.past.here
@@ -216,17 +215,3 @@ class PoseHand(Value):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.undoable.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
-
-
-@dataclass(frozen=True, eq=False)
-class Resume(Command):
-    """A kept session with camera images goes on: its first look takes them."""
-
-    memory: SavedSession
-    moves: ClassVar[bool] = True
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        return True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        go_on(model, self.memory)

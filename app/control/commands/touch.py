@@ -16,7 +16,7 @@ from ..page_model import PageModel
 from ..presets import Preset
 from .command import Command, OfView
 from .display import BuildUp, ChoosePoint, Enlarge, LeaveUndrawn, LetGo, PreferStill, Switch
-from .links import FollowLink
+from .links import FollowLink, ResendAll, Restore, TellUnsaved
 from .points import BestNext, RemovePoint, SaveScene
 from .session import Play, Scrub, StartAt
 
@@ -128,6 +128,9 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
     "link": FollowLink,
+    "session": Restore,
+    "resend": lambda value: ResendAll(),
+    "unsaved": TellUnsaved,
     "show": ShowWord.parse,
     "restore": lambda value: GiveBack(),
 }

@@ -1,0 +1,252 @@
+"""What a tab keeps of its page: made from the page, sent in parts, and made a page again."""
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
+from weakref import WeakKeyDictionary
+
+import msgspec
+import numpy as np
+
+from viewimit.loop.embodiment import to_degrees
+from viewimit.loop.session import Session
+
+from ..sessions.link import MAX_MOTION, MAX_TEXT, Branch, Run, SavedPage, described, encode_blocks
+from .following import Played
+from .history.past import Left
+from .page_model import PageModel
+from .presets import AS_STARTED, Preset
+from .redraw import Redraw
+from .state import SWITCHES, switched
+
+SEND_EVERY = 1.0  # s
+MESSAGE_STAYS = 30.0  # s
+
+
+class Part(msgspec.Struct):
+    """News for the tab. number: counted from 1 on each connection; at: the blocks from here on are these, -1 for no
+    change; acted: the number of the last action that is in them."""
+
+    number: int
+    at: int
+    blocks: list[str]
+    acted: int
+
+
+class Keeper:
+    """Sends to a page's tab what it is to keep, after the tab has told what it has kept.
+
+    Parameters
+    ----------
+    model
+        Of the page.
+    send
+        Sends a part, as JSON.
+    """
+
+    def __init__(self, model: PageModel, send: Callable[[str], None]):
+        self._model, self._send = model, send
+        self._redraw, self._number = Redraw(), 0
+        self._begun = self._has_changed = self._has_acted = False
+        self._sent: list[str] = []
+        self._branches: WeakKeyDictionary[Left, Branch | None] = WeakKeyDictionary()
+        self._described: dict[str, str] = {}
+
+    def tick(self, now: float, acted: int) -> None:
+        """Send what has changed. acted: number of the last action that was carried out."""
+        model = self._model
+        if not model.is_kept or model.following.restores:
+            return
+        has_changed = self._redraw.changed("state", *self._state())
+        self._has_changed |= has_changed and self._begun  # the tab has what was there at first, or needs it not
+        self._has_acted |= self._redraw.changed("acted", acted)
+        self._begun = True
+        if model.resends_all:
+            self._sent, self._has_changed, model.resends_all = [], True, False
+        if (self._has_changed or self._has_acted) and self._redraw.due("sent", now, SEND_EVERY):
+            self._send_part(acted)
+
+    def _state(self) -> tuple:
+        """What is kept, as far as a change of it is seen."""
+        model = self._model
+        session, view, opponent = model.session, model.view, model.duel.opponent
+        return (
+            session.snapshot, len(session.history), model.past.everything, model.preset, model.player.speed,
+            *(getattr(view, name) for name in ("chosen", "dark", *SWITCHES)), model.tour_offered, model.motions.file,
+            None if opponent is None else opponent.snapshot,
+        )  # fmt: skip
+
+    def _send_part(self, acted: int) -> None:
+        self._number += 1
+        part = Part(self._number, -1, [], acted)
+        if self._has_changed:
+            blocks = self._blocks()
+            same = [one == other for one, other in zip(self._sent, blocks)]
+            part.at = same.index(False) if False in same else len(same)
+            part.blocks, self._sent = blocks[part.at :], blocks
+        self._has_changed = self._has_acted = False
+        self._send(msgspec.json.encode(part).decode())
+
+    def _blocks(self) -> list[str]:
+        """Those of the page, or of as much of it as a tab keeps."""
+        page = self._page()
+        blocks = encode_blocks(page)
+        while len(".".join(blocks)) > MAX_TEXT and (page.past or page.motion is not None or page.present.runs):
+            page = _less(page)
+            blocks = encode_blocks(page)
+        return blocks
+
+    def _page(self) -> SavedPage:
+        return saved_page(self._model, self._branches).renamed(self._describe)
+
+    def _describe(self, place: str) -> str:
+        if place not in self._described:
+            self._described[place] = described(place)
+        return self._described[place]
+
+
+def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None] | None = None) -> SavedPage:
+    """What is kept of a page. branches: those that were made before.
+
+    A recorded motion that is too long is not kept, nor what no script can hold: `incomplete` says so.
+    """
+    view, snapshot, incomplete = model.view, model.session.snapshot, []
+    branches = WeakKeyDictionary() if branches is None else branches
+    past: list[Branch] = []
+    for left in reversed(model.past.everything):
+        if left not in branches:
+            branches[left] = _branch(left, incomplete)
+        branch = branches[left]
+        if branch is None:
+            break
+        past.append(branch)
+    present = _branch(model.past.present, incomplete)
+    motion = model.motions.file
+    if motion is not None and len(motion) > MAX_MOTION:
+        motion = None
+        incomplete.append("the recorded motion is too long to be kept: save it to a file")
+    return SavedPage(
+        present=present or Branch(preset=model.preset.name, speed=model.player.speed),
+        past=tuple(reversed(past)) if present is not None else (),
+        settings=snapshot.settings,
+        commanded=tuple(snapshot.commanded.tolist()),
+        chosen=view.chosen,
+        show={name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)},
+        dark=view.dark,
+        offers_tour=model.tour_offered,
+        motion=motion,
+        incomplete="; ".join(incomplete)[:300],
+    )
+
+
+def _branch(left: Left, incomplete: list[str]) -> Branch | None:
+    """A branch with its scripts, None where its own is not known."""
+    runs = []
+    for moments, cursor, log in left.runs:
+        try:
+            runs.append(Run(script=log.script(moments[-1].motion), cursor=cursor))
+        except ValueError as error:
+            if not runs:
+                incomplete.append(f"its motions are not kept: {error}")
+                return None
+            incomplete.append("the duel's opponent is not kept")
+    return Branch(runs=tuple(runs), at=left.at, preset=left.preset.name, speed=left.speed)
+
+
+def _less(page: SavedPage) -> SavedPage:
+    """A page with less to keep."""
+    if page.past:
+        why = "what Undo goes back to is too long to be kept"
+        return msgspec.structs.replace(page, past=page.past[1:], incomplete=why)
+    if page.motion is not None:
+        return msgspec.structs.replace(page, motion=None, incomplete="the recorded motion is too long to be kept")
+    present = msgspec.structs.replace(page.present, runs=())
+    return msgspec.structs.replace(page, present=present, incomplete="its motions are too many to be kept")
+
+
+def become(model: PageModel, played: Played, now: float) -> None:
+    """Make a page what was played, and say what of it could not be. Undo goes back to what was there before a link.
+
+    Raises ValueError, with all as it is, for a link that cannot be followed.
+    """
+    page = played.page
+    whole = len(played.branches) == len(page.past) + 1
+    sessions = played.branches[0][1] if played.branches and played.branches[0][0] is page.present else []
+    why = "" if played.error is None else str(played.error) or type(played.error).__name__
+    complaints = [page.incomplete] if page.incomplete else []
+    if not sessions and not page.commanded:
+        raise ValueError(f"the link cannot be followed: {why}")
+    model.player.pause()
+    with nullcontext() if played.is_own else model.past.kept(whole=True):
+        try:
+            if sessions:
+                _resume(model.session, sessions[0])
+        except ValueError as error:  # camera images that are in use by others
+            sessions, why = [], str(error)
+        if not sessions:
+            _restart(model, page)
+            complaints.append(f"only its posture and settings are here{why and ': '}{why}")
+        elif not whole:
+            complaints.append(f"what Undo would go back to is not all here: {why}")
+    if played.is_own:
+        model.past.go_back_to(())
+    if sessions:
+        before = [_left(model, *branch) for branch in reversed(played.branches[1:])]
+        model.past.go_back_to((*model.past.everything, *before))
+        if page.commanded and page.commanded != tuple(model.session.snapshot.commanded.tolist()):
+            off = np.abs(model.session.snapshot.commanded - page.commanded).max()
+            complaints.append(f"computed again here, the arm is {np.degrees(off):.2g}° from where it was")
+    _show(model, page, played.is_own)
+    model.undoable.begin_anew()
+    for opponent in sessions[1:]:
+        model.duel.resume(opponent)
+    if page.motion is not None:
+        try:
+            model.motions.load(page.motion)
+        except ValueError as error:
+            complaints.append(str(error))
+    model.resends_all = played.is_own and not complaints  # else the tab keeps what is more than this, until a change
+    if complaints:
+        model.say(f"Not all of this session is back: {'; '.join(complaints)}.", now + MESSAGE_STAYS)
+
+
+def _resume(session: Session, other: Session) -> None:
+    session.resume(tuple(other.history), other.cursor, other.log)
+
+
+def _restart(model: PageModel, page: SavedPage) -> None:
+    """Begin at the saved posture with the saved settings; with projected points where there are no camera images."""
+    settings = msgspec.structs.replace(page.settings, start_deg=to_degrees(np.array(page.commanded)))
+    try:
+        model.session.begin(settings)
+    except ValueError:
+        if settings.sensor == "projected":
+            raise
+        model.session.begin(msgspec.structs.replace(settings, sensor="projected"))
+
+
+def _left(model: PageModel, branch: Branch, sessions: list[Session]) -> Left:
+    """What Undo goes back to."""
+    runs = tuple((tuple(session.history), session.cursor, session.log) for session in sessions)
+    return Left(runs, branch.at, _preset(model, branch, branch.preset), branch.speed)
+
+
+def _preset(model: PageModel, branch: Branch, unknown: str) -> Preset:
+    """The preset of a branch. unknown: the name of one that this page does not offer."""
+    settings = branch.runs[0].script.settings if branch.runs else model.session.settings
+    other = Preset(unknown, settings, branch.speed, "As it was sent.")
+    return model.presets.offered.get(branch.preset, other)
+
+
+def _show(model: PageModel, page: SavedPage, is_own: bool) -> None:
+    """Take what is no part of the session."""
+    present = page.present
+    model.presets.chosen = _preset(model, present, present.preset if is_own else "From a link")
+    if present.preset == AS_STARTED and model.modified and not is_own:  # another server was started otherwise
+        model.presets.chosen = _preset(model, msgspec.structs.replace(present, preset=""), "From a link")
+    model.player.speed = present.speed
+    model.tour_offered = model.tour_offered and page.offers_tour
+    dark = model.view.dark if page.dark is None else page.dark
+    view = replace(switched(model.view, page.show), chosen=page.chosen, dark=dark)
+    if view != model.view:
+        model.view = view

@@ -6,8 +6,6 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import asyncio
 import json
 import os
-import shutil
-import subprocess
 import sys
 import threading
 
@@ -19,7 +17,6 @@ import browser as chromium
 import hypothesis
 import pytest
 from serving import Server
-from waiting import wait_until
 
 from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads

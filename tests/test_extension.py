@@ -1,34 +1,21 @@
 """A transfer, a servo and an experiment from outside: all that is said of them is in this file, a line registers each,
 and page, autosave, duel, comparison, figures, benchmarks and commands have them."""
 
-import io
-import json
-import os
 import re
-import threading
-import zipfile
 from dataclasses import dataclass, replace
-from functools import partial
-from multiprocessing import Pipe
 
 import numpy as np
 import pytest
-from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EQUATION, EXPERIMENT, OPPONENTS_PATH, TITLE, used
+from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EXPERIMENT, OPPONENTS_PATH, TITLE, used
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.jobs import experiment_child
-from viewimit.app.page import KEPT_EVERY
 from viewimit.app.panels.guide.help import help_html
 
-from viewimit.analysis import landscape
-from viewimit.drawing import equations as drawing
 from viewimit.drawing import status
 from viewimit.estimation.equations import HOLE, Equation, number
 from viewimit.estimation.transfers import TRANSFERS, TransferMethod
 from viewimit.estimation.transfers.linear import AffineTransfer
 from viewimit.experiments import EXPERIMENTS, Experiment
-from viewimit.experiments.bench import speed
-from viewimit.experiments.paper import fig7, fig9
 from viewimit.experiments.paper.common import Claims
 from viewimit.geometry.affine import centred
 from viewimit.loop.session import Session

@@ -1,27 +1,128 @@
-"""A connection whose messages are checked before viser sees them, at a bounded rate."""
+"""The head of a request, before websockets reads it, which answers nothing but a GET of HTTP/1.1."""
 
 import asyncio
+import http
+import re
 import socket
+from collections.abc import Generator
 from contextlib import suppress
+from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any, Protocol
 
 from viser import ClientHandle
 from websockets.asyncio.server import ServerConnection
-from websockets.exceptions import ConnectionClosed
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed, SecurityError
 from websockets.frames import CloseCode
+from websockets.http11 import Request, Response
 from websockets.protocol import State
+from websockets.streams import StreamReader
 
-from . import message_schema
-from .limits.client_address import network_of
-from .limits.connection_limits import Limits
-from .limits.pending_connections import PendingConnections
-from .limits.unsent import Unsent
-from .message_schema import Hostile, Refused
-from .rate_limits import TokenBucket
-from .request_head import METHODS, MOST_HEAD, NotAnswered, RequestHead, read_head, too_long
-from .responses import plain_response
-from .validation import PART, MessageValidator
+from . import messages
+from .limits import Limits, PendingConnections, TokenBucket, Unsent, network_of
+from .messages import PART, Hostile, MessageValidator, Refused
+
+MOST_HEAD = 1 << 14  # bytes
+METHODS = "GET, HEAD"
+ONCE = (  # what two answers would be given to, or none
+    "Accept-Encoding", "Content-Length", "Cookie", "Host", "Origin", "Sec-Fetch-Site", "Sec-Purpose",
+    "Sec-WebSocket-Key", "Sec-WebSocket-Version", "Transfer-Encoding", "Upgrade", "X-Forwarded-Proto",
+)  # fmt: skip
+_END = re.compile(rb"\r?\n\r?\n")
+_LINE = re.compile(rb"([!#$%&'*+.^_`|~\w-]+) ([!-~\x80-\xff]+) HTTP/(\d)\.(\d)\r")
+
+
+class NotAnswered(ValueError):
+    """A request that gets nothing but a status and a sentence."""
+
+    def __init__(self, status: http.HTTPStatus, what: str):
+        super().__init__(what)
+        self.status = status
+
+
+@dataclass(frozen=True)
+class RequestHead:
+    """of_body: whether the answer may have one; websocket: whether it asks for one; plain: it, as a GET of HTTP/1.1,
+    which is answered alike; behind: what has come after it."""
+
+    of_body: bool
+    websocket: bool
+    plain: bytes
+    behind: bytes
+
+
+def is_whole(received: bytes) -> bool:
+    return _END.search(received.lstrip(b"\r\n")) is not None
+
+
+def read_head(received: bytes) -> RequestHead | None:
+    """The head of what has come, None while there is more to come. Raises NotAnswered."""
+    received = received.lstrip(b"\r\n")
+    end = _END.search(received)
+    if len(received) > MOST_HEAD if end is None else end.end() > MOST_HEAD:
+        raise too_long()
+    if end is None:
+        return None
+    first, _, rest = received.partition(b"\n")
+    line = _LINE.fullmatch(first)
+    if line is None:
+        raise NotAnswered(http.HTTPStatus.BAD_REQUEST, "a line that is no request")
+    method, target, major, minor = line.groups()
+    if major != b"1":
+        raise NotAnswered(http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "another version than HTTP/1.0 or HTTP/1.1")
+    if method.decode() not in METHODS.split(", "):
+        raise NotAnswered(http.HTTPStatus.METHOD_NOT_ALLOWED, f"another method than {METHODS}")
+    behind = received[end.end() :]
+    plain = b"GET " + target + b" HTTP/1.1\r\n" + rest.removesuffix(behind)
+    request = _as_websockets_reads(plain)
+    doubled = next((name for name in ONCE if len(request.headers.get_all(name)) > 1), None)
+    if doubled is not None:
+        raise NotAnswered(http.HTTPStatus.BAD_REQUEST, f"a request with more than one {doubled}")
+    websocket = "Upgrade" in request.headers
+    if websocket and (method != b"GET" or minor == b"0"):
+        raise NotAnswered(http.HTTPStatus.BAD_REQUEST, "a websocket by another request than a GET of HTTP/1.1")
+    return RequestHead(method == b"GET", websocket, plain, behind)
+
+
+def too_long() -> NotAnswered:
+    return NotAnswered(http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"a head of more than {MOST_HEAD} bytes")
+
+
+def _as_websockets_reads(head: bytes) -> Request:
+    reader = StreamReader()
+    reader.feed_data(head)
+    reader.feed_eof()
+    try:
+        return _result(Request.parse(reader.read_line))
+    except SecurityError:
+        raise NotAnswered(http.HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too many headers, or too long") from None
+    except (ValueError, EOFError, LookupError, NotImplementedError):
+        raise NotAnswered(http.HTTPStatus.BAD_REQUEST, "a malformed head, or one that a body follows") from None
+
+
+def _result(parsing: Generator[None, None, Request]) -> Request:
+    """Of a parser that has all that it asks for."""
+    try:
+        next(parsing)
+    except StopIteration as done:
+        return done.value
+    raise EOFError
+
+
+# Answers that are not a page.
+
+
+def plain_response(status: http.HTTPStatus, text: str, kind: str = "text/plain", **more: str) -> Response:
+    """more: further headers. The connection ends with it."""
+    body = text.encode()
+    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)), **more})
+    headers["Connection"] = "close"
+    headers["Cache-Control"] = "no-store"
+    return Response(status.value, status.phrase, headers, body)
+
+
+# A connection whose messages are checked before viser sees them, at a bounded rate.
 
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
@@ -216,11 +317,11 @@ class GuardedConnection(ServerConnection):
                 self._end(CloseCode.POLICY_VIOLATION, str(refusal))
 
     def _admit(self, raw: bytes | str) -> None:
-        message = message_schema.read(raw)
+        message = messages.read(raw)
         if self._validator is None:
             client = self._host.client_of(self)
             if client is None:
-                if not isinstance(message, message_schema.ViewerCameraMessage):
+                if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
             self._validator = MessageValidator(client, self._host.belongs_to_another)

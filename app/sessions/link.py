@@ -86,8 +86,8 @@ class SavedPage(msgspec.Struct, **FIELDS):
     """
 
     present: Branch
-    past: tuple[Branch, ...] = ()
     settings: Settings
+    past: tuple[Branch, ...] = ()
     commanded: tuple[float, ...] = ()
     chosen: Index | None = None
     show: dict[Name, bool] = {}
@@ -148,8 +148,8 @@ class _Head(msgspec.Struct, **FIELDS):
 
     version: Name
     settings: dict[str, Any]
-    commanded: Annotated[tuple[float, ...], msgspec.Meta(max_length=64)] = ()
     branches: Annotated[list[_Branch], msgspec.Meta(min_length=1, max_length=MAX_BRANCHES)]
+    commanded: Annotated[tuple[float, ...], msgspec.Meta(max_length=64)] = ()
     chosen: Index | None = None
     show: dict[Name, bool] = {}
     dark: bool | None = None
@@ -186,7 +186,7 @@ def encode_link(page: SavedPage) -> str:
 
 def encode_blocks(page: SavedPage, level: int = 9) -> list[str]:
     """The text's parts, which dots separate. level: of the compression."""
-    packer = zstandard.ZstdCompressor(level)
+    packer = zstandard.ZstdCompressor(level, dict_data=_COMMON, write_content_size=False)
 
     def block(content: object) -> str:
         packed = packer.compress(msgspec.msgpack.encode(content))
@@ -357,7 +357,7 @@ def _branch(head: _Branch) -> Branch:
 def _earlier(text: str) -> SavedPage:
     """A link of format 1, without its number."""
     try:
-        found = msgspec.msgpack.decode(_Unpacker().unpacked(text))
+        found = msgspec.msgpack.decode(_Unpacker(common=None).unpacked(text))
         if isinstance(found.pop("lesson", None), list):
             raise ValueError("it opens a lesson, which are in the lab now, at /lab/tour")
         linked = msgspec.convert({**found, "script": current_script(found.get("script"))}, _Earlier)
@@ -368,15 +368,35 @@ def _earlier(text: str) -> SavedPage:
     return SavedPage(present=present, settings=linked.script.settings, chosen=linked.chosen, show=linked.show)
 
 
+# What blocks have in common, which shortens them by half. It belongs to the format: with another one no text can be read
+_COMMON = zstandard.ZstdCompressionDict(
+    msgspec.msgpack.encode(
+        {
+            "version": "", "commanded": [], "branches": [{"runs": [[0, 1]], "preset": "", "speed": 2.0, "at": 0}],
+            "chosen": 0, "offers_tour": False, "motion": True, "incomplete": "", "dark": False,
+            "show": dict.fromkeys(("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows"), False),
+            "linear": "trust-region", "gradient": "rendered", "settings": {
+                "scene": "panda", "robot": None, "joints": None, "points": 10, "body_points": None,
+                "demonstrator_deg": [45.0, -90.0], "start_deg": [25.0, -45.0], "transfer": "epipolar",
+                "servo": "broyden", "noise_px": 0.0, "missing": 0.0, "outliers": 0.0, "swapped": 0.0, "frames": 1,
+                "gain_error": 0.0, "encoder_step_deg": 0.0, "delay": 0, "seed": 7, "undistort": None,
+                "rectify": "auto", "sensor": "projected", "max_step_deg": None, "restarts": 4, "workspace_deg": None,
+            },
+        }
+    ),
+    dict_type=zstandard.DICT_TYPE_RAWCONTENT,
+)  # fmt: skip
+
+
 class _Unpacker:
     """Decodes blocks as long as they have no more than MAX_BYTES together."""
 
-    def __init__(self) -> None:
-        self._left = MAX_BYTES
+    def __init__(self, common: zstandard.ZstdCompressionDict | None = _COMMON):
+        self._left, self._unpacker = MAX_BYTES, zstandard.ZstdDecompressor(dict_data=common)
 
     def unpacked(self, block: str) -> bytes:
         packed = base64.b64decode(block + "=" * (-len(block) % 4), altchars="-_", validate=True)
-        plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=self._left)
+        plain = self._unpacker.decompress(packed, max_output_size=self._left)
         self._left -= len(plain)
         return plain
 

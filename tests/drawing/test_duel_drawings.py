@@ -26,10 +26,10 @@ from drawn import (
     used,
     words,
 )
-from viewimit.app.control.duel import Duel
-from viewimit.app.control.player import Player
 from viewimit.app.drawing import duel as duel_drawing
 from viewimit.app.drawing import joint_bars, landscapes
+from viewimit.app.model.duel import Duel
+from viewimit.app.model.player import Player
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over

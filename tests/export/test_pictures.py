@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from drawn import IMAGE_L, OWN_POINTS
 from quiet_page import QuietPage
-from viewimit.app.control import saving
-from viewimit.app.control.commands.duel import ToggleDuel
-from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
-from viewimit.app.control.commands.session import Step
-from viewimit.app.control.saving import PICTURES
+from viewimit.app.commands.session import Step
+from viewimit.app.commands.tools import SavePicture, SaveReplay, ToggleDuel, choose_format, choose_picture
 from viewimit.app.jobs.experiments import Request, Run
+from viewimit.app.model import saving
+from viewimit.app.model.saving import PICTURES
 
 import viewimit
 from viewimit.drawing.curves import draw_curves

@@ -6,7 +6,7 @@ import socket
 import pytest
 from serving import Server
 from test_seats import FIRST_VIEW, HANDSHAKE, framed, place_of
-from viewimit.app.server.request_head import MOST_HEAD, NotAnswered, read_head
+from viewimit.app.server.connection import MOST_HEAD, NotAnswered, read_head
 from waiting import wait_until
 
 

@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
-    from ..app.server.origins import require_origin
+    from ..app.server.address import require_origin
 
     with naming("--origin"):
         for origin in args.origin:

@@ -4,12 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ...control.commands.command import Command
-from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
-from ...control.commands.points import BestNext, EditPoints, RemovePoint
-from ...control.commands.saving import SavePicture
-from ...control.commands.session import Play, Reset, Step, Undo
-from ...control.state import PageState
+from ...commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
+from ...commands.session import Play, Reset, Step, Undo
+from ...commands.tools import BestNext, EditPoints, RemovePoint, SavePicture
+from ...model.queue import Command
+from ...model.state import PageState
 from ..panel import Layout, Panel
 from .help import help_html
 

@@ -64,6 +64,7 @@ class Observation:
     rectification: Rectification | None = None  # of the images; None: they need none
     max_step: float = np.inf  # rad per joint: a longer motion is made in several, and the servo asked after the last
     max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
+    demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
 
     def __getattr__(self, name: str) -> Any:
         """Return a field by its name in an earlier version."""
@@ -118,6 +119,7 @@ def in_units(observation: Observation, unit_px: float) -> Observation:
     return replace(
         observation,
         own=observation.own / unit_px,
+        demo=None if observation.demo is None else observation.demo / unit_px,
         E=observation.E / unit_px**2,
         noise_px=observation.noise_px / unit_px,
         calibration=tuple(Visit.of(one.displacement, one.own / unit_px, one.seen) for one in observation.calibration),

@@ -38,6 +38,12 @@ class BundleAdjustment:
     coordinates: NDArray[np.float64]  # (K, N, 3): of the images in the kinematics' frame
     noise_px: float  # standard deviation of an image coordinate
 
+    @classmethod
+    def of(cls, kinematics: ProjectiveKinematics, observations: Observations, noise_px: float) -> "BundleAdjustment":
+        """Set it up for images that are rectified as the kinematics are."""
+        images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
+        return cls(observations, kinematics.coordinates_of(images), noise_px)
+
     @property
     def noise_floor_px(self) -> float:
         """Noise, but at least the rms residual that is accepted without noise [px]."""

@@ -34,7 +34,7 @@ Residuals = Callable[[Any], NDArray[np.float64]]  # a model, or several at once 
 
 
 def levenberg_marquardt(
-    initial: Model, residuals_of: Residuals, prior: NDArray[np.float64], ftol: float = FTOL
+    initial: Model, residuals_of: Residuals, prior: NDArray[np.float64], ftol: float = FTOL, max_iter: int = MAX_ITER
 ) -> Model:
     """Minimise the squared residuals and the weighted squares of the parameters.
 
@@ -49,6 +49,8 @@ def levenberg_marquardt(
         Weights of the squared parameters [px²].
     ftol : float
         Share of the cost by which a step must lower it, for another one to follow.
+    max_iter : int
+        Steps at most.
 
     Returns
     -------
@@ -58,7 +60,7 @@ def levenberg_marquardt(
     found = initial
     residuals, damping = residuals_of(found), INITIAL_DAMPING
     cost = float((residuals**2).sum() + prior @ found.parameters**2)
-    for _ in range(MAX_ITER):
+    for _ in range(max_iter):
         if cost < residuals.size * MIN_RMS_PX**2:
             break
         damped_step, gained = _linearised(found, residuals_of, residuals, prior), 0.0
@@ -87,9 +89,7 @@ def jacobian(model: Any, residuals_of: Residuals, residuals: NDArray[np.float64]
     return np.nan_to_num((residuals_of(stepped) - residuals) / FD_STEP)
 
 
-def _linearised(
-    found: Model, residuals_of: Residuals, residuals: NDArray, prior: NDArray
-) -> Callable[[float], Model]:
+def _linearised(found: Model, residuals_of: Residuals, residuals: NDArray, prior: NDArray) -> Callable[[float], Model]:
     """Return the function from a damping to the minimum of the damped linear model."""
     J, P = jacobian(found, residuals_of, residuals), len(found.parameters)
     A, B, C = normal_equations(J, P)

@@ -59,8 +59,6 @@ document.addEventListener("click", event => {
 const MEDIA = Object.entries({
   dark: "(prefers-color-scheme:dark)",
   still: "(prefers-reduced-motion:reduce)",
-  layout: "(min-width:1600px) and (min-height:900px)",  // the page has room for more
-  vast: "(min-width:2400px) and (min-height:1200px)",  // for much more
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
 const tellBrowser = () => {
@@ -103,7 +101,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = "large large-figures large-l large-r large-L large-R card";
+const ALONE = "large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",
@@ -116,6 +114,7 @@ const OF_MARKERS = [
   ["vi-lines", "vi-row", marker => marker.parentElement.parentElement],
   ["vi-quiet-lines", "vi-row vi-quiet", marker => marker.parentElement.parentElement],
   ["vi-play-cell", "vi-play-row", marker => marker.parentElement],
+  ["vi-stack", "vi-four", marker => marker.closest(".vi-above") ? null : marker.parentElement.parentElement],
   ["vi-before-tabs", "mantine-Tabs-root", marker => marker.parentElement.previousElementSibling],
 ].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);
 const name = () => {
@@ -123,21 +122,14 @@ const name = () => {
   for (const [name, selector] of FOUND) root.classList.toggle(name, document.querySelector(selector) !== null);
   for (const [name, markers, place] of OF_MARKERS)
     for (const marker of markers) place(marker)?.classList.toggle(name, true);
+  for (const strip of document.querySelectorAll("[data-dock-strip]"))
+    strip.classList.toggle("vi-alone", strip.querySelectorAll("[role=tab]").length < 2);
 };
 document.addEventListener("change", name);
 for (const [event, drags] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]])
   document.addEventListener(event, ({target}) => {
     root.classList.toggle("vi-drags", drags && target.closest(".mantine-Slider-root") !== null);
   }, true);
-// What is shown in the card beside the scene has no tab: who was there sees the first one
-const leaveCurves = () => {
-  if (!root.classList.contains("vi-has-card")) return;
-  for (const tab of document.querySelectorAll("[data-dock-strip] [role=tab][aria-selected=true]")) {
-    const first = tab.closest("[data-dock-strip]").querySelector("[role=tab]");
-    if (!tab.checkVisibility() && first.checkVisibility())
-      for (const kind of ["pointerdown", "pointerup"]) first.dispatchEvent(new PointerEvent(kind, {bubbles: true}));
-  }
-};
 let waits = false;
 const later = () => {
   if (waits) return;
@@ -145,7 +137,6 @@ const later = () => {
   setTimeout(() => {
     waits = false;
     describe();
-    leaveCurves();
     tellUnseen();
   }, 100);
 };

@@ -3,7 +3,7 @@
 import re
 
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import Scrub, Step
+from viewimit.app.commands.session import Scrub, Step
 from viewimit.app.panels.status import StatusPanel
 
 from viewimit.loop.settings import Settings

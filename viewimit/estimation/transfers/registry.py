@@ -6,6 +6,7 @@ The mathematics of a transfer is in its own module. Only `fit` is required of an
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,12 @@ def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
     if not callable(given):
         raise TypeError(f"a transfer is a function of FourViews or a TransferMethod, got {given!r}")
     title = name_of(given)
-    return TransferMethod(title=title, fit=lambda views: fit_function(given, title, views))
+
+    @wraps(given)
+    def fit(views: FourViews) -> FittedTransfer:
+        return fit_function(given, title, views)
+
+    return TransferMethod(title=title, fit=fit)
 
 
 class Transfers(UserDict[str, TransferMethod]):

@@ -1,8 +1,8 @@
 """One adjustment of the images of two bodies of the same build: the own visits, and the demonstrator's images.
 
-One stereo head sees both bodies, so both share the frame A that turns projective coordinates into metric ones (`model`).
-In metric coordinates the demonstrator is the own body in another posture, moved by a similarity S: seven unknowns, where
-a map between images alone has fifteen. With the generators G_j of the joints its points are seen at
+One stereo head sees both bodies, so both share the frame A that turns projective coordinates into metric ones
+(`model`). In metric coordinates the demonstrator is the own body in another posture, moved by a similarity S: seven
+unknowns, where a map between images has fifteen. With the generators G_j of the joints its points are seen at
 
     y(θ) = π(C A⁻¹ S A · exp(θ_1 G_1) ... exp(θ_m G_m) X).
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...estimation.noise import f_test_sigmas
 from ...geometry.kinematics.adjustment import NOISE_SLACK
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ...geometry.kinematics.two_bodies import BodyPair, PairAdjustment
+from ...geometry.kinematics.two_bodies import PairAdjustment
 from ..observation import Observation, Visit
 from .image_models import observations_of
 from .options import TrustRegionOptions

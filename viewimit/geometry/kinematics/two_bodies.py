@@ -144,11 +144,12 @@ class PairAdjustment:
         difference = np.where(np.repeat(alone, 2, -1), images - self.images, 0.0)
         return np.concatenate([difference[..., :2] + difference[..., 2:], np.zeros_like(difference[..., :1])], -1)
 
-    def starts(self, kinematics: ProjectiveKinematics, theta: Array) -> list[BodyPair]:
+    def starts(self, kinematics: ProjectiveKinematics, theta: Array, mirror: bool = False) -> list[BodyPair]:
         """Return pairs with the demonstrator in a posture, (m,) rad, the best first.
 
         Noise leaves open the frame (`with_shared_metric`) and the homography between the bodies. So there are two
-        frames, and in each two similarities: of metric points, and the nearest to the homography.
+        frames, and in each up to two similarities: of metric points, and the nearest to the homography. They reflect
+        if the demonstrator is taken for a mirror image: one head cannot mirror a body.
         """
         own, demo = kinematics.coordinates(theta[None])[0], kinematics.frame.coordinates(self.images[0])
         both = self.visible_in_both[0]
@@ -157,11 +158,12 @@ class PairAdjustment:
         pairs = []
         for body in (kinematics, with_shared_metric(kinematics, H)):
             A = body.metric_upgrade
-            for placement in (
-                fit_similarity(metric_points(A, own), metric_points(A, demo)),
-                nearest_similarity(H, A),
-            ):
-                pairs.append(BodyPair.at_posture(body, placement, theta))
+            metric = fit_similarity(metric_points(A, own), metric_points(A, demo), mirror)
+            pairs += [
+                BodyPair.at_posture(body, placement, theta)
+                for placement in (metric, nearest_similarity(H, A))
+                if (np.linalg.det(placement) < 0) == mirror
+            ]
         return sorted(pairs, key=lambda pair: float((self.residuals(pair) ** 2).sum()))
 
     def prior_weights(self, pair: BodyPair) -> Array:

@@ -172,10 +172,14 @@ class ProjectiveKinematics:
     @property
     def metric_upgrade(self) -> NDArray:
         """A, (..., 4, 4): from the projective frame to a metric one."""
-        parameters = self.parameters
-        A = np.zeros((*parameters.shape[:-1], 4, 4))
-        A[..., [0, 1], [0, 1]] = np.exp(np.clip(parameters[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
-        A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(parameters[..., 2:5], -1, 0)
-        A[..., 2, 2] = A[..., 3, 3] = 1.0
-        A[..., 3, :3] = parameters[..., 5:N_FRAME]
-        return A
+        return frame_matrices(self.parameters[..., :N_FRAME])
+
+
+def frame_matrices(frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A, (..., 4, 4), of the frame parameters (..., N_FRAME)."""
+    A = np.zeros((*frame.shape[:-1], 4, 4))
+    A[..., [0, 1], [0, 1]] = np.exp(np.clip(frame[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
+    A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(frame[..., 2:5], -1, 0)
+    A[..., 2, 2] = A[..., 3, 3] = 1.0
+    A[..., 3, :3] = frame[..., 5:]
+    return A

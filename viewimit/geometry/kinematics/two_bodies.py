@@ -30,7 +30,7 @@ from ..rectification import MIN_DENOMINATOR
 from .adjustment import BundleAdjustment
 from .bundle import jacobian, levenberg_marquardt, normal_equations
 from .clusters import Observations, chain_transforms
-from .model import MIN_RATE, N_FRAME, ProjectiveKinematics, twist_matrices
+from .model import MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
 
 Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
@@ -40,14 +40,35 @@ FTOL = 1e-5  # share of the cost: what angles still gain is far below their stan
 
 
 @dataclass(frozen=True)
+class Difference:
+    """What the demonstrator differs in from the own body and head: unknowns besides S and its angles.
+
+    A joint whose attachment is shifted changes the link before it, in length and direction. Points that sit elsewhere
+    are free. Another head has another frame.
+    """
+
+    shifted: bool = False  # whether all joints are attached elsewhere: 3 metric coordinates each
+    points: tuple[int, ...] = ()  # that sit elsewhere: 3 coordinates each
+    other_head: bool = False  # N_FRAME parameters
+
+    def sizes(self, joints: int) -> tuple[int, int, int]:
+        """Numbers of unknowns."""
+        return 3 * joints * self.shifted, 3 * len(self.points), N_FRAME * self.other_head
+
+
+SAME = Difference()
+
+
+@dataclass(frozen=True)
 class BodyPair:
     """A body and a demonstrator of the same build, seen by the same head. Several at once as `ProjectiveKinematics`."""
 
-    parameters: Array  # (..., P): of the kinematics; then S, the demonstrator's angles
+    parameters: Array  # (..., P): of the kinematics; then S, the demonstrator's angles, and what else it differs in
     points: Array  # (..., N, 3): in the stereo frame at the reference, NaN of unknown points
     kinematics: ProjectiveKinematics  # whose parameters and points these replace
     placement: Array  # (4, 4): the similarity about which S is parametrised; its determinant is negative for a mirror
     n_postures: int  # of the demonstrator
+    difference: Difference = SAME
 
     @classmethod
     def at_posture(cls, kinematics: ProjectiveKinematics, placement: Array, theta: Array) -> "BodyPair":
@@ -69,13 +90,48 @@ class BodyPair:
         angles = self.parameters[..., begin : begin + shape[0] * shape[1]]
         return angles.reshape(*angles.shape[:-1], *shape)
 
+    def with_difference(self, difference: Difference) -> "BodyPair":
+        """Let a demonstrator of the same body and head differ; begin with no difference."""
+        added = np.zeros(sum(difference.sizes(self.n_joints)))
+        if difference.other_head:
+            added[-N_FRAME:] = self.parameters[:N_FRAME]
+        return replace(self, parameters=np.concatenate([self.parameters, added]), difference=difference)
+
+    @property
+    def n_joints(self) -> int:
+        return len(self.kinematics.reference)
+
+    @property
+    def _differing(self) -> tuple[Array, Array, Array]:
+        """Shifts of the joints (..., m, 3) or none, of the points (..., n, 3), and the demonstrator's frame or none."""
+        sizes = self.difference.sizes(self.n_joints)
+        at = self.parameters.shape[-1] - sum(sizes)
+        shifts, points, frame = np.split(self.parameters[..., at:], np.cumsum(sizes)[:2], -1)
+        lead = self.parameters.shape[:-1]
+        return shifts.reshape(*lead, sizes[0] // 3, 3), points.reshape(*lead, sizes[1] // 3, 3), frame
+
+    @property
+    def shifts(self) -> Array:
+        """(..., m, 3): where each joint is attached, relative to the own body; (..., 0, 3) if that is not free."""
+        return self._differing[0]
+
     def demonstrator(self) -> Array:
         """Coordinates (..., T, N, 3) of the demonstrator in the stereo frame."""
         body, A = self.body, self.body.metric_upgrade
-        map_ = np.linalg.inv(A) @ self._similarity @ A
-        motions = body.motions(self.angles)
-        homogeneous = np.concatenate([self.points, np.ones((*self.points.shape[:-1], 1))], -1)[..., None, :, :]
-        found = np.empty((*self.angles.shape[:-1], *self.points.shape[-2:]))
+        shifts, offsets, frame = self._differing
+        back = np.linalg.inv(A)
+        map_ = (np.linalg.inv(frame_matrices(frame)) if self.difference.other_head else back) @ self._similarity @ A
+        motions, points = body.motions(self.angles), self.points
+        if self.difference.shifted:
+            E = np.zeros((*shifts.shape[:-1], 4, 4))
+            E[...] = np.eye(4)
+            E[..., :3, 3] = shifts
+            motions = (back[..., None, :, :] @ E @ A[..., None, :, :])[..., None, :, :, :] @ motions
+        if self.difference.points:
+            points = np.broadcast_to(points, (*offsets.shape[:-2], *points.shape[-2:])).copy()
+            points[..., list(self.difference.points), :] += offsets
+        homogeneous = np.concatenate([points, np.ones((*points.shape[:-1], 1))], -1)[..., None, :, :]
+        found = np.empty((*self.angles.shape[:-1], *points.shape[-2:]))
         clusters = body.clusters
         transforms = chain_transforms(motions, clusters.joints, map_[..., None, :, :])
         for members, transform in zip(clusters.points, transforms):
@@ -167,8 +223,11 @@ class PairAdjustment:
         return sorted(pairs, key=lambda pair: float((self.residuals(pair) ** 2).sum()))
 
     def prior_weights(self, pair: BodyPair) -> Array:
-        """(P,) px²: as of `BundleAdjustment`."""
-        return self.own.prior_weights(len(pair.parameters))
+        """(P,) px²: as of `BundleAdjustment`, and the same for what the demonstrator differs in."""
+        weights = self.own.prior_weights(len(pair.parameters))
+        added = sum(pair.difference.sizes(pair.n_joints))
+        weights[len(weights) - added :] = weights[0]
+        return weights
 
     def solve(self, initial: BodyPair) -> BodyPair:
         """Minimise the residuals from this pair."""

@@ -1,4 +1,4 @@
-"""Calibrated visual servoing arrives if it is told the truth, and misses if its calibration is wrong."""
+"""Calibrated visual servoing arrives if it is given the truth, and misses if its calibration is wrong."""
 
 import numpy as np
 import pytest

@@ -1,8 +1,8 @@
-"""Calibrated visual servoing, an oracle beside the servos: it is told what they do not know.
+"""Calibrated visual servoing, an oracle beside the servos: it is given what they do not know.
 
 Both laws are given the URDF, where each point is on the body, the calibrated cameras, where both arms stand and the
 angles of the own joints. They show what knowledge of the model is worth, and what an error in it costs: two of ORACLES
-are told each camera turned by 1°. They are no servos: those see image points only.
+are given each camera turned by 1°. They are no servos: those see image points only.
 
 `image_based` (IBVS): u = -λ L⁺ (s - s*). The feature s is the own image points in [L, R]. s* is where they would be in
 the demonstrator's posture: its points are triangulated from [l, r], moved to the own base, and projected. L is the
@@ -121,7 +121,7 @@ class Oracle:
     """A calibrated law, and how wrong its calibration is."""
 
     law: Law
-    rotation_deg: float = 0.0  # by which it is told each camera turned about a random axis
+    rotation_deg: float = 0.0  # by which it is given each camera turned about a random axis
 
 
 ORACLES = {
@@ -152,7 +152,7 @@ class CalibratedServo:
     law : Law
         Which one runs.
     model : World
-        What the law is told. It may differ from the session's world.
+        What the law is given. It may differ from the session's world.
     """
 
     session: Session

@@ -1,7 +1,7 @@
 """Servo laws side by side: each runs on the same bodies, images, noise and starts, and every motion counts.
 
 All laws see E through the same transfer, make their own probing motions, and may make as many motions. Beside them are
-ORACLES: calibrated visual servoing, which is told the arm and the cameras.
+ORACLES: calibrated visual servoing, which is given the arm and the cameras.
 """
 
 import csv
@@ -56,7 +56,7 @@ from .scenes import open_resized, scene_file
 PAPER_LAW = "gradient"
 HIGH_PERCENTILE = 95.0
 COMPARED_SERVO = Setting(
-    description="control law beside the paper's; an oracle is told the URDF and the calibrated cameras",
+    description="control law beside the paper's; an oracle is given the URDF and the calibrated cameras",
     default="all",
     choices=ChainMap[str, Any](ORACLES, SERVOS),
 )
@@ -296,7 +296,7 @@ def compared_table(found: Sequence[Compared]) -> str:
     ]
     if any(cell.servo in ORACLES for cell in found):
         lines.append(
-            "oracle: is told the URDF, the points on it, both bases and the cameras (1deg: each of them turned by 1°)"
+            "oracle: is given the URDF, the points on it, both bases and the cameras (1deg: each of them turned by 1°)"
         )
     for case in dict.fromkeys(o.case for o in found):
         laws = [o for o in found if o.case == case]

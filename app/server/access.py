@@ -20,7 +20,6 @@ from websockets.typing import Origin
 from .. import viser_private
 from .address import is_own_page
 from .connection import MOST_MESSAGE, GuardedConnection, plain_response
-from .cookie import cookie_for, token_of
 from .limits import (
     LINES_A_SECOND,
     LINES_AT_ONCE,
@@ -41,13 +40,14 @@ LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-refer
 LAB_WITHIN = 3.0  # s until a page that is still computed is promised; websockets ends handshakes after 10
 LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>viewimit</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
 <style>body{font:1.1rem/1.5 system-ui,sans-serif;max-width:34em;margin:20vh auto;padding:0 1em}</style></head><body>
 <p role="status">This lesson is computed for the first time, which takes up to a minute. It opens by itself.</p>
 <script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
-<title>viewimit: all seats are taken</title>
+<link rel="icon" href="data:,"><title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
 <h1>All seats are taken</h1><p>{why}. This page tries again every few seconds; close a tab elsewhere to make room.</p>
 </body></html>"""
@@ -176,8 +176,6 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
             with_own_head(answer)
-            if token_of(request.headers) is None:
-                answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
         return answer
 
@@ -209,7 +207,7 @@ class AccessControl:
         self.pending.discard(connection)
         self.seats.add(connection)
         self._own.take(connection.network)
-        connection.take_seat(token_of(request.headers))
+        connection.take_seat()
         return None
 
     def leave(self, connection: GuardedConnection) -> None:

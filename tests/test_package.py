@@ -17,7 +17,7 @@ from urllib.parse import parse_qsl
 import pytest
 from viewimit.app.lab.article.page import FIGURES
 from viewimit.app.lab.page import presets
-from viewimit.app.sessions.link import read
+from viewimit.app.sessions.link import decode
 
 import viewimit
 from viewimit.commands import BadInput
@@ -164,7 +164,7 @@ def test_its_links_open_the_states_that_are_drawn(wheel):
     assert len(found) > 3
     for address, E in found:
         names: dict = {}
-        exec(as_python(read(address, Settings.paper()).script), names)
+        exec(as_python(decode(address, Settings.paper()).scripts[0]), names)
         assert names["session"].snapshot.E == pytest.approx(E, rel=1e-9)
 
 

@@ -12,16 +12,18 @@ import msgspec
 from ..commands.display import TOUCHES
 from ..model.queue import Command, CommandQueue
 from ..model.state import PageState
+from ..sessions.link import MAX_TEXT
 from ..viser_private import push_input
 from .panel import Layout, Panel
 
 LABEL = "vi-actions"  # of the widget
-MAX_CHARS = 16_000  # of what it is sent
+KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
+MAX_CHARS = 120_000  # of what it is sent: a whole session that the tab has kept
 MAX_ACTIONS = 64  # of a message
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest
+Value = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -71,7 +73,7 @@ class Actions:
         return self._parsers.get(control, unknown)
 
 
-# The text widget, seen by nobody, through which the page's script sends what is clicked in drawings.
+# Hidden text widgets: for what is clicked in drawings, and for what the tab keeps.
 
 
 class ActionsPanel(Panel):
@@ -84,6 +86,17 @@ class ActionsPanel(Panel):
             if event.client_id is not None:  # None: the page itself wrote it
                 self.actions.take(event.target.value)
                 push_input(box, str(self.actions.last))
+
+        self._kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
+
+    @property
+    def last(self) -> int:
+        """The number of the last action that was taken."""
+        return self.actions.last
+
+    def send_part(self, part: str) -> None:
+        """Send the tab a part of what it is to keep."""
+        push_input(self._kept, part)
 
     def depends_on(self, state: PageState) -> tuple:
         return ()

@@ -22,7 +22,7 @@ from browsing import (
 )
 from drawn import learners_bars
 from protocol import Client
-from serving import Here, browser_of
+from serving import Here
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.server import pages
 from waiting import wait_until
@@ -42,7 +42,7 @@ def here(tmp_path, monkeypatch):
     made = []
     begun = lambda *options: made.append(CameraProcess(*options, unused_s=UNUSED_S)) or made[-1]
     monkeypatch.setattr(pages, "CameraProcess", begun)
-    server = Here(tmp_path)
+    server = Here()
     (server.camera,) = made
     yield server
     server.stop()
@@ -97,14 +97,13 @@ def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
 
 @needed
 def test_a_reload_comes_back_to_the_same_pictures(here):
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as client:
+    with Client(here.url).ready() as client:
         switch_on(client)
         before = photographs(client)
         client.press("Step: one motion")
         wait_until(lambda: len(photographs(client) - before) == 2)
-        seen = photographs(client)
-    with Client(here.url, cookie=cookie).ready() as client:
+        seen, tab = photographs(client), client.keep()
+    with Client(here.url, tab=tab).ready() as client:
         wait_until(lambda: photographs(client) == seen, BEGINS_WITHIN_S)
         assert client.value("Camera images") is True and client.value("History") == 1
 

@@ -229,7 +229,7 @@ class Session(Learner):
         now = self._seen(now.theta, now, settings=settings, theta_demo=theta_demo, status=status, target=None)
         if now.servo_state is not None:
             now = now.with_fields(servo_state=now.servo.retarget(now.servo_state, self.observation(now)))
-        self.log.note(now.motion, action)
+        self.log.note(now.motion, action, merge_poses=isinstance(self.embodiment, SimulatedRobot))
         self.history.replace(now)
 
     def calibrate(self, count: int, seed: int, within_deg: float | None = None) -> SelfCalibration:

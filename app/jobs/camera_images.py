@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from typing import Protocol
 
 from viewimit.simulation.scene import Scene
 
@@ -25,6 +26,27 @@ IDLE_S = 60.0  # without a look, after which a place may go to who asks for one
 
 class CameraLost(Exception):
     """The process has ended, and with it the eyes that it had; or a place went to another visitor."""
+
+
+class Cameras(Protocol):
+    """What the pages of one visitor look with; as `CameraProcess`."""
+
+    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]: ...
+
+    def ask(self, key: int, what: str, *arguments) -> tuple: ...
+
+    def close(self, key: int) -> None: ...
+
+
+class VisitorsCameras:
+    """The camera process as the pages of one visitor have it."""
+
+    def __init__(self, process: "CameraProcess", visitor: Hashable):
+        self._process, self._visitor = process, visitor
+        self.ask, self.close = process.ask, process.close
+
+    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
+        return self._process.open(scene, key, self._visitor)
 
 
 @dataclass

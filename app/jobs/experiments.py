@@ -75,11 +75,15 @@ class _Job:
 class ExperimentWorker:
     """`ask` returns at once; `tell(run)` is called under the worker's lock, from any thread, and must be short.
 
-    work(connection, folder): what each process does.
+    work(connection, folder): what each process does; visitor_of(page_id): whose page it is.
     """
 
-    def __init__(self, work: Callable[[Connection, str], None] = experiment_child.work):
-        self._work = work
+    def __init__(
+        self,
+        work: Callable[[Connection, str], None] = experiment_child.work,
+        visitor_of: Callable[[int], Hashable] = lambda page_id: page_id,
+    ):
+        self._work, self._visitor_of = work, visitor_of
         self._changed = threading.Condition()
         self._waiting: dict[int, _Job] = {}
         self._job: _Job | None = None  # the one that runs
@@ -89,12 +93,14 @@ class ExperimentWorker:
         self._thread = threading.Thread(target=self._serve, name="viewimit-experiments", daemon=True)
         self._thread.start()
 
-    def ask(self, page_id: int, request: Request, tell: Callable[[Run], None], visitor: Hashable = None) -> None:
+    def ask(self, page_id: int, request: Request, tell: Callable[[Run], None]) -> None:
         """A newer request takes the place of the page's waiting one. Raises ValueError while one of the page runs."""
         with self._changed:
             if self._running_of(page_id) is not None:
                 raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
-            self._waiting[page_id] = _Job(page_id, visitor, request, tell, Run(request.name, request=request))
+            self._waiting[page_id] = _Job(
+                page_id, self._visitor_of(page_id), request, tell, Run(request.name, request=request)
+            )
             self._tell_waiting()
             self._changed.notify()
 

@@ -169,8 +169,9 @@ def waits_for_a_file(connection, folder):
 
 
 def test_one_of_each_visitor_in_turn(tmp_path):
-    worker, order, told = ExperimentWorker(waits_for_a_file), [], {page: Told() for page in range(1, 7)}
     visitors = {1: "greedy", 2: "greedy", 3: "greedy", 4: "other", 5: "third", 6: "other"}
+    worker, order = ExperimentWorker(waits_for_a_file, visitors.get), []
+    told = {page: Told() for page in visitors}
     request = Request("fig9", Settings.paper(), {"until": str(tmp_path / "go")})
 
     def ask(page):
@@ -179,7 +180,7 @@ def test_one_of_each_visitor_in_turn(tmp_path):
             if run.state == "running" and page not in order:
                 order.append(page)
 
-        worker.ask(page, request, tell, visitors[page])
+        worker.ask(page, request, tell)
 
     ask(1)
     told[1].wait_for("running")
@@ -196,13 +197,13 @@ def test_one_of_each_visitor_in_turn(tmp_path):
 def test_a_run_that_takes_long_ends_once_another_visitor_waits(tmp_path, monkeypatch):
     monkeypatch.setattr(experiments, "LONGEST_S", 0.0)
     monkeypatch.setattr(experiments, "LOOK_EVERY_S", 0.05)
-    worker, long, other = ExperimentWorker(waits_for_a_file), Told(), Told()
+    worker, long, other = ExperimentWorker(waits_for_a_file, {1: "greedy", 2: "greedy", 3: "other"}.get), Told(), Told()
     request = Request("fig9", Settings.paper(), {"until": str(tmp_path / "go")})
-    worker.ask(1, request, long, "greedy")
-    worker.ask(2, request, Told(), "greedy")
+    worker.ask(1, request, long)
+    worker.ask(2, request, Told())
     long.wait_for("running")
     stays(lambda: long[-1].state == "running", 0.5)  # nobody else waits
-    worker.ask(3, request, other, "other")
+    worker.ask(3, request, other)
     assert "others wait" in long.wait_for("failed").problem
     other.wait_for("running")
     worker.stop()

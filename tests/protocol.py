@@ -1,5 +1,6 @@
 """A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
 
+import re
 import threading
 import time
 from base64 import b64encode
@@ -178,6 +179,9 @@ class Client:
             self.values[uuid] = message.get("value")
             if props["label"] == "vi-actions":
                 self.tab.number = 0
-                self.act("session", self.tab.text)
+                pieces = re.findall(".{1,5000}", self.tab.text) or [""]
+                for piece in pieces[:-1]:
+                    self.act("piece", piece)
+                self.act("session", pieces[-1])
         elif "name" in message and message["name"].startswith("/"):
             self.nodes.add(message["name"])

@@ -1,6 +1,7 @@
 """A page without a browser: its widgets keep what is written into them, and a test changes them as a person would."""
 
 import contextlib
+import re
 import time
 from types import SimpleNamespace
 
@@ -111,7 +112,10 @@ class QuietPage:
 
     def restore(self, text=""):
         """What the tab of an earlier page has kept; "" for a new tab."""
-        self.act("session", text)
+        pieces = re.findall(".{1,5000}", text) or [""]
+        for piece in pieces[:-1]:
+            self.act("piece", piece)
+        self.act("session", pieces[-1])
         self.tick()
         self.tick_until(lambda: not self.page.model.following.goes_on)
         self.settle()

@@ -1,5 +1,6 @@
 """Sends the parts of what a page's tab keeps."""
 
+import math
 from collections.abc import Callable
 from weakref import WeakKeyDictionary
 
@@ -12,7 +13,8 @@ from ..model.state import SWITCHES
 from ..sessions.link import MAX_TEXT, Branch, SavedPage, described, encode_blocks
 from .redraw import Redraw
 
-SEND_EVERY = 1.0  # s
+SEND_EVERY = 1.0  # s, on average
+AT_ONCE = 4  # parts after a pause, so that who clicks and reloads has lost nothing
 
 
 class Part(msgspec.Struct):
@@ -39,6 +41,7 @@ class Keeper:
     def __init__(self, model: PageModel, send: Callable[[str], None]):
         self._model, self._send = model, send
         self._redraw, self._number = Redraw(), 0
+        self._parts, self._last = float(AT_ONCE), -math.inf  # that may be sent; s, of the last tick
         self._begun = self._has_changed = self._has_acted = False
         self._sent: list[str] = []
         self._branches: WeakKeyDictionary[Left, Branch | None] = WeakKeyDictionary()
@@ -55,7 +58,10 @@ class Keeper:
         self._begun = True
         if model.resends_all:
             self._sent, self._has_changed, model.resends_all = [], True, False
-        if (self._has_changed or self._has_acted) and self._redraw.due("sent", now, SEND_EVERY):
+        self._parts = min(self._parts + (now - self._last) / SEND_EVERY, float(AT_ONCE))
+        self._last = now
+        if self._parts >= (1 if self._has_changed else AT_ONCE) and (self._has_changed or self._has_acted):
+            self._parts -= 1
             self._send_part(acted)
 
     def _state(self) -> tuple:

@@ -18,12 +18,13 @@ from .panel import Layout, Panel
 
 LABEL = "vi-actions"  # of the widget
 KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
-MAX_CHARS = 120_000  # of what it is sent: a whole session that the tab has kept
+MAX_CHARS = 16_000  # of what it is sent
 MAX_ACTIONS = 64  # of a message
+PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=MAX_TEXT)]
+Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; what is longer comes in pieces
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -54,6 +55,7 @@ class Actions:
     def __init__(self, queue: CommandQueue, parsers: Mapping[str, Callable[[str], Command]]):
         self._queue, self._parsers = queue, parsers
         self._load = ""
+        self._pieces = ""  # of the next value
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
@@ -64,7 +66,11 @@ class Actions:
         for number, control, value in message.acts:
             if number > self.last:
                 self.last = number
-                self._queue.put_value(self._parser(control), value, ("action", control))
+                if control == PIECE:
+                    self._pieces = (self._pieces + value)[: MAX_TEXT + 1]  # one too many is refused where it is read
+                    continue
+                self._queue.put_value(self._parser(control), self._pieces + value, ("action", control))
+                self._pieces = ""
 
     def _parser(self, control: str) -> Callable[[str], Command]:
         def unknown(value: str) -> Command:

@@ -368,7 +368,7 @@ def _earlier(text: str) -> SavedPage:
     return SavedPage(present=present, settings=linked.script.settings, chosen=linked.chosen, show=linked.show)
 
 
-# What blocks have in common, which shortens them by half. It belongs to the format: with another one no text can be read
+# What blocks have in common, which shortens them by half. It belongs to the format: without it no text can be read
 _COMMON = zstandard.ZstdCompressionDict(
     msgspec.msgpack.encode(
         {

@@ -3,13 +3,13 @@
 "use strict";
 // viser's worker has the connection. An action is sent at once, and again until a text widget that nobody sees shows its
 // number: so each is taken once, in its order, also if the connection was lost
-const LABEL = "vi-actions", AGAIN_MS = 2000, LOAD = Math.random().toString(36).slice(2), MOST_CHARS = 15000;
+const LABEL = "vi-actions", AGAIN_MS = 2000, LOAD = Math.random().toString(36).slice(2), MOST_CHARS = 12000, PIECE = /.{1,5000}/g;
 let wire = null, box = "", acted = 0, unsaid = [], again = 0, isDue = false;
 const say = () => {
   clearTimeout(again);
   if (!unsaid.length || !wire || !box) return;
   let chars = 0;
-  const fits = unsaid.findIndex(([, , value], k) => k && (k === 60 || (chars += value.length) > MOST_CHARS));
+  const fits = unsaid.findIndex(([, , value], k) => k && (k === 60 || (chars += value.length + 40) > MOST_CHARS));
   const value = JSON.stringify({load: LOAD, acts: fits < 0 ? unsaid : unsaid.slice(0, fits)});
   wire.postMessage({type: "send", message: {type: "GuiUpdateMessage", uuid: box, updates: {value}}});
   again = setTimeout(say, AGAIN_MS);
@@ -34,7 +34,9 @@ const handBack = () => {
   kept.connect();
   const left = [...redone, ...unsaid].filter(([number, control]) => number > kept.acted && !TOLD.includes(control));
   unsaid = redone = [];
-  act("session", kept.text);
+  const pieces = kept.text.match(PIECE) ?? [""];
+  for (const piece of pieces.slice(0, -1)) act("piece", piece);
+  act("session", pieces.at(-1));
   tellBrowser();
   for (const [, control, value] of left) act(control, value);
   problemTold = "";
@@ -101,7 +103,7 @@ const MEDIA = Object.entries({
   vast: "(min-width:2400px) and (min-height:1200px)",  // for much more
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
-const TOLD = [...MEDIA.map(([control]) => control), "unseen", "truth", "session", "unsaved", "resend"];
+const TOLD = [...MEDIA.map(([control]) => control), "unseen", "truth", "piece", "session", "unsaved", "resend"];
 const tellBrowser = () => {
   for (const [control, media] of MEDIA) act(control, Number(media.matches));
   unseenTold = "none";

@@ -64,6 +64,13 @@ class Switch(OfView, Value):
         model.view = replace(model.view, **changed)
 
 
+class ToggleGoal(OfView):
+    """Draw the learner in L and R as it would look in the demonstrator's posture, or do so no longer."""
+
+    def apply(self, model: PageModel, now: float) -> None:
+        model.view = replace(model.view, goal=not model.view.goal)
+
+
 class BuildUp(OfView):
     """Show step by step how the chosen point is recovered; once more: all at once."""
 

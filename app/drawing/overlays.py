@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
-from viewimit.drawing.images.panel import LEGEND_SIZE, METRICS_SIZE
+from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
@@ -87,15 +87,12 @@ def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
 
 def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str = "", attributes: str = "") -> str:
     """Wrap drawings by view in the panel's arrangement, so that each lies over its image. how: HTML of its sentence."""
-    drawings = [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
-    drawings += [
-        f'<p class="vi-how">{how}</p>',
-        _drawing("vi-legend", LEGEND_SIZE),
-        _drawing("vi-metrics", METRICS_SIZE),
-    ]
+    drawings = [f'<div class="vi-heading vi-over-{pair}" aria-hidden="true"></div>' for pair in HEADINGS]
+    drawings += [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
+    drawings.append(f'<p class="vi-how">{how}</p>')
     kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
-        f'<div class="vi-over{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
+        f'<div class="vi-above{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
         f"{''.join(drawings)}</div></div></div>"
     )
 

@@ -81,7 +81,7 @@ class SeenMoments:
     def look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
         """Both arms in the images at a moment of the session's, and the windows that show them."""
         if self._appearance is None:
-            self._appearance = Appearance(self._session.world, self._session.snapshot)
+            self._appearance = Appearance(self._session.world)
         return self._appearance.of(moment)
 
 

@@ -121,8 +121,8 @@ def _images(state: PageState) -> Picture:
     moment, made = state.looked, f"after {count_motions(state.looked.motion)}"
     if state.view.rectified:
         bodies, _ = state.arms_in_images
-        return Picture.of(stack([draw_rectified(moment, bodies)], f"The images as seen and as rectified, {made}"))
-    return Picture.of(four_images(draw_shown(state), f"The learner’s four images {made}"))
+        return Picture.of(stack([draw_rectified(moment, bodies, True)], f"The images as seen and as rectified, {made}"))
+    return Picture.of(four_images(draw_shown(state, print_size=True), f"The learner’s four images {made}"))
 
 
 def _landscape(state: PageState) -> Picture:

@@ -31,12 +31,20 @@ from .presets import Preset
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 TOLD = ("wide", "vast", "prefers_dark", "truth", "unseen")  # by the browser itself
 WINDOW = "window"  # in place of all tabs' names
-SWITCHES = ("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # that are kept by their names
+SWITCHES = (
+    "goal",
+    "rays",
+    "residuals",
+    "gizmo",
+    "whole_frames",
+    "rectified",
+    "shadows",
+)  # that are kept by their names
 
 
 @dataclass(frozen=True)
 class View:
-    """chosen: a point or None; rays … dark: the switches of the folder Display, dark None as the browser prefers; help:
+    """chosen: a point or None; goal … dark: the switches of the folder Display, dark None as the browser prefers; help:
     whether it is open; fits: how often the visitor has asked for the default camera; wide, vast: whether the
     window has room for more, or for much more, as it says itself; share: whether the card with link and
     code is open; large: of LARGE, which fills the window beside the controls; look_only: a posture that is touched is
@@ -45,6 +53,7 @@ class View:
     for; unseen: tabs that are not open, by their names, or WINDOW where nobody sees any of the page."""
 
     chosen: int | None = None
+    goal: bool = True
     rays: bool = False
     residuals: bool = True
     gizmo: bool = True

@@ -16,6 +16,7 @@ from .panel import Layout, Panel
 from .widgets import put
 
 SWITCHES = (
+    ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
     ("Hand gizmo", "gizmo"),

@@ -25,7 +25,7 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        shown = view.chosen, view.whole_frames, view.rectified, state.stage
+        shown = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, state.stage
         return state.generation, state.looked, state.points, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:

@@ -40,13 +40,14 @@ LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-refer
 LAB_WITHIN = 3.0  # s until a page that is still computed is promised; websockets ends handshakes after 10
 LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>viewimit</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
 <style>body{font:1.1rem/1.5 system-ui,sans-serif;max-width:34em;margin:20vh auto;padding:0 1em}</style></head><body>
 <p role="status">This lesson is computed for the first time, which takes up to a minute. It opens by itself.</p>
 <script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
-<title>viewimit: all seats are taken</title>
+<link rel="icon" href="data:,"><title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
 <h1>All seats are taken</h1><p>{why}. This page tries again every few seconds; close a tab elsewhere to make room.</p>
 </body></html>"""

@@ -55,7 +55,7 @@ def text_of(picture):
 
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
     moment, citation = session.history[3], cite(session)
-    images = draw_images(moment, *Appearance(session.world, session.history[0]).of(moment), 7)
+    images = draw_images(moment, *Appearance(session.world).of(moment), 7, print_size=True)
     made = make_landscape(session.world, moment)
     figures = (
         four_images(images, "The four images"),
@@ -103,7 +103,7 @@ def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
 def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypatch):
     picture = draw_space(session.world, session.snapshot).captioned(cite(session))
     assert encode(picture, ".svg") == picture.encode()
-    monkeypatch.setattr(figures, "can_render", lambda: False)
+    monkeypatch.setattr(figures, "can_render", lambda suffix=".png": False)
     with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
         encode(picture, ".png")
 

@@ -83,8 +83,6 @@ def test_every_transfer_and_servo_has_a_name_on_the_page():
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
-    if preset.settings.sensor == "rendered":
-        pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     session, player, model, visitor = page
     visitor.set("preset", preset.name)
     assert model.generation == 1 and session.snapshot.motion == 0 and player.speed == preset.motions_per_second

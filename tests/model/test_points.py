@@ -262,7 +262,6 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
 
 
 def test_where_pictures_show_markers_no_point_is_edited():
-    pytest.importorskip("pybullet")
     visit = Visit(Camera(), settings=Settings())
     visit.put("camera", True)
     visit.rest()

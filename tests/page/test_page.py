@@ -82,7 +82,7 @@ def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camer
     camera.gate.set()
     visit.rest()
     assert visit.session.settings.demonstrator_deg[0] == 70
-    assert [what for what, _ in camera.asked[before:]].count("settle") == 1  # 50° and 60° were never stood at
+    assert [what for what, _ in camera.asked[before:]].count("demo_images") == 1  # 50° and 60° were never stood at
 
 
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):

@@ -37,7 +37,7 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor")
+    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor", "dynamics")
     add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")

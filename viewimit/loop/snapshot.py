@@ -329,11 +329,12 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
     workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
     limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
     """
-    start, seen = now.settings.start_rad, now.views.visible[:, 2:]
+    start, demo_seen, seen = now.settings.start_rad, now.views.visible[:, :2], now.views.visible[:, 2:]
     known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
     return Observation(
         own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
         seen=seen,
+        demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
         E=now.E,
         displacement=now.commanded - start,
         lower=workspace[0] - start,

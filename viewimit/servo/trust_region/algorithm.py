@@ -81,6 +81,7 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_final_adjustment,
     with_partial_points,
     with_plan,
     with_swap_search,
@@ -189,8 +190,7 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
-        context.status = certificate.status
-        return Phase.REST, state, None
+        return Phase.REST, with_final_adjustment(state, context), None
     if may_verify_early(state, context):
         offset = context.options.verification_step * context.plan.flattest_direction
         return Phase.VERIFY, *verification_motion(state, context, offset)

@@ -25,6 +25,7 @@ from .options import (
     SIGHT,
     add_json_option,
     add_settings,
+    add_unmatched_option,
     between,
     figure,
     naming,
@@ -39,6 +40,7 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 def add_options(parser: argparse.ArgumentParser) -> None:
     seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor")
     add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
+    add_unmatched_option(parser)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(

@@ -140,6 +140,16 @@ def add_json_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
+def add_unmatched_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--unmatched",
+        dest="matched",
+        action="store_false",
+        default=None,
+        help="the demonstrator's points come in an unknown order; find out which is which",
+    )
+
+
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
     """Settings from the options that were given, and defaults for the rest. Raises BadInput that names the option."""
     with naming("--robot"):

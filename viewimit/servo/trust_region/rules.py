@@ -16,8 +16,9 @@ from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
 from .correspondences import find_swaps, with_swaps
-from .image_models import ImageData
+from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
+from .naming import find_naming
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
@@ -38,6 +39,30 @@ class StepContext:
     plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
+
+
+def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Search for the names of the demonstrator's points, if kinematics predict the own images everywhere."""
+    model, observation = context.images.fit(), context.observation
+    if not isinstance(model, KinematicImages) or observation.unnamed is None:
+        return replace(state, naming=None)
+    found = find_naming(observation.unnamed, model, observation.lower, observation.upper, context.options)
+    return replace(state, naming=found)
+
+
+def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Move where predictions gain most for the next naming: to the posture of the last one, or far from all visits."""
+    observation, options = context.observation, context.options
+    target = None if state.naming is None else state.naming.displacement
+    if target is None or distance_to_visits(state.known, target[None])[0] < options.naming_grid_step:
+        target = maximin(state.known, sample_box(observation, options.restart_candidates))
+    return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
+
+
+def status_at_rest(certificate: Certificate, state: TrustRegionState) -> ServoStatus:
+    """Return the certificate's status; where other names explain the images as well, nothing is claimed."""
+    ambiguous = state.naming is not None and state.naming.is_ambiguous
+    return ServoStatus.SETTLED if ambiguous and certificate.status.is_claim else certificate.status
 
 
 def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState:

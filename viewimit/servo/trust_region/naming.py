@@ -1,0 +1,379 @@
+"""Name the demonstrator's points: find which of them is which point of the own body, before any correspondence is known.
+
+Theory
+------
+1. The posture of the demonstrator is unknown, but the learned kinematics predict the own images in any posture, and how
+   the head sees affine coordinates of space (`ProjectiveKinematics.affine_coordinates`). In the right posture the two
+   bodies are one point set up to an affine map and the order of the points.
+2. Let X (N, 3) be centred affine coordinates and P = X (XᵀX)⁻¹ Xᵀ their hat matrix. An affine map does not change P,
+   and a permutation of the points permutes its rows and columns. So row i of P with its entries sorted describes point
+   i, whatever the map and the order. The assignment problem of the distances of sorted rows names all points.
+3. In other postures the rows do not agree. A grid of postures gives the best few namings. Each is refined: fit the
+   posture by least squares on E, assign points to the images recovered there, and repeat. A right naming leaves the E
+   of the noise, a wrong one hundreds of times more.
+4. A point without a partner changes every row. So points to leave out are tried, as few as possible. Without i,
+   H = P + 11ᵀ/N becomes H + H_:i H_i: / (1 - H_ii), which is cheap.
+
+A grid of 10° over two joints has 190 postures. With N points it costs some 190 N³ operations and a few assignments of
+N³; it needs no motion. Exchanging two names adds D_ij + D_ji - D_ii - D_jj to the squared residuals, with D_ij the
+squared distance of point i and the recovered j. By Bayes' rule with Gaussian noise this gives the probability of a name.
+
+Two namings that fit equally well, in different postures, are two answers. Points cannot decide between them, as for a
+body that is symmetric under half a turn.
+
+References
+----------
+Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistics Quarterly 2, 1955.
+Hoaglin and Welsch, "The hat matrix in regression and ANOVA", The American Statistician 32, 1978.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations, product
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...estimation.prediction import PredictedResiduals
+from ...estimation.rectification import fit_transfer
+from ...estimation.residuals import conflict
+from ...estimation.transfers import TRANSFERS
+from ...estimation.views import FourViews
+from ...geometry.assignment import assign, cheapest_pairs
+from ..least_squares import minimise
+from .image_models import KinematicImages
+from .options import DEFAULTS, TrustRegionOptions
+
+Array = NDArray[np.float64]
+Names = NDArray[np.int_]
+METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Which of the demonstrator's points is which point of the own body."""
+
+    names: Names  # (N,): the demonstrator's point of each own point, -1 of points without a partner
+    probability: Array  # (N,): that the name is right rather than exchanged with another; NaN without a partner
+    displacement: Array  # (m,) rad, in which the two bodies agree
+    E: float  # px², that the naming leaves there
+    E_noise: float  # px², of it that noise explains
+    accepted: bool  # whether noise explains E
+    rival: Array | None = None  # (m,) rad, where other names explain the images as well; None: nowhere
+    certain_from: float = DEFAULTS.naming_certain
+
+    @property
+    def certain(self) -> NDArray[np.bool_]:
+        """(N,): points whose name is hardly another."""
+        return np.nan_to_num(self.probability) >= self.certain_from
+
+    @property
+    def is_ambiguous(self) -> bool:
+        """Whether there are two answers."""
+        return self.rival is not None
+
+    def without_partner(self, n_demo: int) -> tuple[Names, Names]:
+        """Return own points, and points of n_demo of the demonstrator, that have no partner."""
+        return np.flatnonzero(self.names < 0), np.setdiff1d(np.arange(n_demo), self.names)
+
+
+def find_naming(
+    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
+) -> Naming | None:
+    """Name the points of a demonstrator.
+
+    Parameters
+    ----------
+    demo : (M, 4) array
+        Its points in [l, r], in any order [px]; NaN where a point is not seen in both.
+    model : KinematicImages
+        Predicts the own images; units as of `demo`.
+    lower, upper : (m,) arrays
+        Joint limits [rad].
+    options : TrustRegionOptions, optional
+
+    Returns
+    -------
+    Naming or None
+        The best one; None if there are too few points, or too many without a partner.
+    """
+    search = _Search.begin(demo, model, lower, upper, options)
+    best: Naming | None = None
+    for left_out in range(options.naming_left_out + 1):
+        found = search.best(left_out)
+        if found is not None and found.accepted:
+            return search.completed(found)
+        if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
+            best = found
+    return best
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The data of one search. Points are counted among those that are shown, M, and known to the kinematics, N."""
+
+    demo: Array  # (M, 4) px
+    shown: Names  # (M,): their rows in the whole image
+    known: Names  # (N,): rows of the own points
+    n_own: int  # number of all own points
+    model: KinematicImages
+    lower: Array  # (m,) rad
+    upper: Array  # (m,) rad
+    options: TrustRegionOptions
+    postures: Array  # (G, m) rad
+    demo_hat: Array  # (M, M)
+    own_hats: Array  # (G, N, N)
+
+    @classmethod
+    def begin(
+        cls, demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions
+    ) -> "_Search":
+        shown, kinematics = np.flatnonzero(np.isfinite(demo).all(-1)), model.kinematics
+        known = np.flatnonzero(~kinematics.unknown)
+        postures = _grid(lower, upper, options)
+        own = kinematics.affine_coordinates(kinematics.predict(postures)[:, known])
+        demo_hat = hat_matrix(kinematics.affine_coordinates(demo[shown]))
+        sizes = demo[shown], shown, known, len(kinematics.points)
+        return cls(*sizes, model, lower, upper, options, postures, demo_hat, hat_matrix(own))
+
+    def best(self, left_out: int) -> Naming | None:
+        """Return the naming with the least E, with as many points left out besides those by which the bodies differ."""
+        found = [self.refine(names, self.postures[g]) for _, g, names in self.starts(left_out)]
+        return min((one for one in found if one is not None), key=lambda one: one.E, default=None)
+
+    def starts(self, left_out: int, postures: Names | None = None) -> list[tuple[float, int, Names]]:
+        """Return the most similar namings: distance of the sorted rows, index of the posture, names."""
+        most, kept = self.options.naming_starts, list[tuple[float, int, Names]]()
+        worst = np.inf
+        for demo_kept, own_kept, cost, at in self._trials(left_out, postures):
+            bound = np.maximum(cost.min(1).sum(-1), cost.min(2).sum(-1))  # of the assignment's cost
+            for k in np.argsort(bound):
+                if bound[k] >= worst:
+                    break
+                pairs = assign(cost[k])
+                names = np.full(len(self.known), -1)
+                names[own_kept] = demo_kept[pairs]
+                total, g = float(cost[k][range(len(pairs)), pairs].sum()), int(at[k])
+                same = next((n for n, other in enumerate(kept) if (other[2] == names).all()), None)
+                if same is not None and kept[same][0] <= total:
+                    continue
+                if same is not None:
+                    del kept[same]
+                kept = sorted([*kept, (total, g, names)], key=lambda one: one[0])[:most]
+                worst = kept[-1][0] if len(kept) == most else np.inf
+        return kept
+
+    def _trials(
+        self, left_out: int, postures: Names | None
+    ) -> Iterator[tuple[Names, Names, Array, Names]]:
+        """Yield for each choice of points: those kept of both bodies, and the distances of their rows (G, n, n)."""
+        M, N = len(self.shown), len(self.known)
+        demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
+        if min(M - demo_out, N - own_out) < self.options.naming_min_points:
+            return
+        if comb(M, demo_out) * comb(N, own_out) > self.options.naming_trials:
+            return
+        at = np.arange(len(self.postures)) if postures is None else postures
+        demos = [(kept, np.sort(hat)) for kept, hat in _subsets(self.demo_hat, demo_out)]
+        for own_kept, hats in _subsets(self.own_hats[at], own_out):
+            rows = np.sort(hats)
+            squares = np.einsum("gik,gik->gi", rows, rows)
+            for demo_kept, demo_rows in demos:
+                cost = squares[:, :, None] + np.einsum("jk,jk->j", demo_rows, demo_rows)
+                yield demo_kept, own_kept, cost - 2 * rows @ demo_rows.T, at
+
+    def refine(self, names: Names, start: Array) -> Naming | None:
+        """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points."""
+        count, theta, at = int((names >= 0).sum()), start, None
+        for _ in range(self.options.naming_rounds):
+            at = self.posture(names, theta)
+            if not np.isfinite(at[1]):
+                return None
+            theta = at[0]
+            again = cheapest_pairs(self.distances(names, theta), count)
+            if (again == names).all():
+                break
+            names = again
+        assert at is not None
+        return self.naming(names, *self.posture(names, theta))
+
+    def posture(self, names: Names, start: Array) -> tuple[Array, float]:
+        """Return the posture with the least E for these names, (m,) rad, and that E."""
+        views = self.views(names)
+        residuals = PredictedResiduals(
+            views, METHOD, self.model.kinematics.rectification, noise_px=self.model.noise_px
+        )
+        at = minimise(lambda theta: residuals(self.predict(theta)), start[None], self.lower, self.upper)
+        return at.theta, at.E
+
+    def predict(self, theta: Array) -> Array:
+        """Predict the known own points, (..., N, 4) px."""
+        return self.model.kinematics.predict(theta)[..., self.known, :]
+
+    def views(self, names: Names, own: Array | None = None) -> FourViews:
+        """Return the views under these names."""
+        named = names >= 0
+        demo = np.where(named[:, None], self.demo[names], np.nan)
+        visible = np.repeat(named[:, None], 4, 1)
+        return FourViews(demo, np.zeros_like(demo) if own is None else own, visible)
+
+    def distances(self, names: Names, theta: Array) -> Array:
+        """(N, M) px²: squared distances of own points and the demonstrator's, recovered with these names."""
+        own, transfer = self.predict(theta), self._transfer(names, theta)
+        recovered = transfer.recover(self.demo[:, :2], self.demo[:, 2:])
+        return ((own[:, None] - recovered) ** 2).sum(-1)
+
+    def _transfer(self, names: Names, theta: Array):
+        views = self.views(names, self.predict(theta)).used
+        return fit_transfer(METHOD, views, self.model.kinematics.rectification)
+
+    def naming(self, names: Names, theta: Array, E: float) -> Naming:
+        """Describe a naming; only an accepted one has probabilities."""
+        options, E_noise = self.options, self.noise(names, theta)
+        accepted = E < options.naming_accept * E_noise and E_noise < options.naming_max_noise
+        whole, probability = np.full(self.n_own, -1), np.full(self.n_own, np.nan)
+        whole[self.known] = np.where(names < 0, -1, self.shown[names])
+        if accepted:
+            probability[self.known] = self.probability(names, theta, max(E, E_noise))
+        return Naming(whole, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
+
+    def noise(self, names: Names, theta: Array) -> float:
+        """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
+        count, seen = self.options.naming_samples, names >= 0
+        least = 2 * self.options.naming_min_std_px**2
+        if self.model.noise_px == 0:
+            return least
+        own_errors = self.model.posterior_samples(theta, count, 0)[0][:, self.known[seen]]
+        noise = np.random.default_rng(1).standard_normal((count, int(seen.sum()), 4))
+        views = self.views(names, self.predict(theta)).select(seen)
+        demo, own = views.demo + self.model.noise_px * noise, views.own + own_errors
+        fit = lambda demo, own: fit_transfer(
+            METHOD, FourViews(demo, own, np.ones(1, bool)), self.model.kinematics.rectification
+        ).residual(FourViews(demo, own, np.ones(1, bool)))
+        change = np.array([fit(*one) for one in zip(demo, own)]) - fit(views.demo, views.own)
+        return float(conflict(change).mean()) + least
+
+    def probability(self, names: Names, theta: Array, E_noise: float) -> Array:
+        """(N,): probability of each name, against its exchange with any other and a partner that has no name."""
+        seen, D = np.flatnonzero(names >= 0), self.distances(names, theta)
+        variance = E_noise / 2  # of a coordinate, as E is half of the squares of four
+        own = D[seen, names[seen]]
+        pairs = D[seen][:, names[seen]]
+        more = pairs + pairs.T - own[:, None] - own
+        np.fill_diagonal(more, np.inf)
+        spare = np.setdiff1d(np.arange(len(self.demo)), names)
+        more = np.concatenate([more, D[seen][:, spare] - own[:, None]], 1)
+        found = np.full(len(names), np.nan)
+        found[seen] = 1 / (1 + np.exp(-np.clip(more, 0, 700 * variance) / (2 * variance)).sum(1))
+        return found
+
+    def completed(self, found: Naming) -> Naming:
+        """Name points that were left out and fit, and look for another answer."""
+        return self.with_doubtful_points(self.with_rival(self.with_points(found)))
+
+    def with_points(self, found: Naming) -> Naming:
+        """Name points that were left out in vain: pairs that noise explains."""
+        for _ in range(self.options.naming_left_out):
+            names = self.inner(found.names)
+            own, demo = np.flatnonzero(names < 0), np.setdiff1d(np.arange(len(self.demo)), names)
+            if not len(own) or not len(demo):
+                break
+            D = self.distances(names, found.displacement)[np.ix_(own, demo)]
+            i, j = np.unravel_index(D.argmin(), D.shape)
+            names[own[i]] = demo[j]
+            larger = self.naming(names, *self.posture(names, found.displacement))
+            if not larger.accepted:
+                break
+            found = larger
+        return found
+
+    def with_doubtful_points(self, found: Naming) -> Naming:
+        """Name own points of which it is open which joints move them: each pattern of joints predicts one image."""
+        names, probability = found.names.copy(), found.probability.copy()
+        E = max(found.E, found.E_noise)
+        for point, images in self._predictions(found.displacement):
+            spare = np.setdiff1d(self.shown, names)
+            if not len(spare):
+                break
+            transfer = self._transfer(self.inner(found.names), found.displacement)
+            demo = self.demo[np.searchsorted(self.shown, spare)]
+            D = ((images[:, None] - transfer.recover(demo[:, :2], demo[:, 2:])) ** 2).sum(-1).min(0)
+            best = int(D.argmin())
+            if D[best] < 2 * self.options.naming_accept * E:
+                names[point] = spare[best]
+                probability[point] = 1 / np.exp(-np.clip(D - D[best], 0, 700 * E) / E).sum()
+        return replace(found, names=names, probability=probability)
+
+    def _predictions(self, theta: Array) -> Iterator[tuple[int, Array]]:
+        """Yield points that the kinematics do not know, and their images (k, 4) px for each pattern of moving joints."""
+        kinematics, observations = self.model.kinematics, self.model.observations
+        images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
+        rectified = images if kinematics.rectification is None else kinematics.rectification.apply(images)
+        coordinates = kinematics.frame.coordinates(rectified)
+        patterns = np.unique(kinematics.moved_by[self.known], axis=0)
+        for point in np.flatnonzero(kinematics.unknown & observations.visible_in_both.any(0)):
+            is_point = np.arange(self.n_own) == point
+            trials = (
+                replace(kinematics, moved_by=np.where(is_point[:, None], pattern, kinematics.moved_by)).with_points(
+                    is_point, observations, coordinates
+                )
+                for pattern in patterns
+            )
+            yield int(point), np.array([trial.predict(theta)[point] for trial in trials])
+
+    def inner(self, names: Names) -> Names:
+        """Names of the known points, into the shown ones."""
+        names = names[self.known]
+        return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
+
+    def with_rival(self, found: Naming) -> Naming:
+        """Look for other names that explain the images in another posture."""
+        names = self.inner(found.names)
+        left_out = min(len(self.shown), len(self.known)) - int((names >= 0).sum())
+        apart = np.abs(self.postures - found.displacement).max(1)
+        elsewhere = np.flatnonzero(apart > 2 * self.options.naming_grid_step)  # nearer starts lead back
+        for _, g, other in self.starts(left_out, elsewhere):
+            rival = self.refine(other, self.postures[g])
+            if rival is None or (rival.names == found.names).all():
+                continue
+            far = np.abs(rival.displacement - found.displacement).max() > self.options.naming_distinct
+            if far and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
+                return replace(found, rival=rival.displacement)
+        return found
+
+
+def hat_matrix(points: Array) -> Array:
+    """Projection onto the centred coordinates of points, (..., N, 3) → (..., N, N)."""
+    U = np.linalg.svd(points - points.mean(-2, keepdims=True), full_matrices=False)[0]
+    return U @ np.swapaxes(U, -1, -2)
+
+
+def without_point(hat: Array, point: int) -> Array:
+    """Hat matrices of all points but one, from those of all: (..., N, N) → (..., N - 1, N - 1)."""
+    count = hat.shape[-1]
+    H = hat + 1 / count
+    column = H[..., :, point]
+    H = H + column[..., :, None] * column[..., None, :] / np.maximum(1 - H[..., point, point], 1e-9)[..., None, None]
+    kept = np.arange(count) != point
+    return H[..., kept, :][..., kept] - 1 / (count - 1)
+
+
+def _subsets(hat: Array, left_out: int) -> Iterator[tuple[Names, Array]]:
+    """Yield for each choice of points to leave out: those kept, and their hat matrices."""
+    count = hat.shape[-1]
+    for out in combinations(range(count), left_out):
+        smaller = hat
+        for point in reversed(out):
+            smaller = without_point(smaller, point)
+        yield np.setdiff1d(np.arange(count), out), smaller
+
+
+def _grid(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
+    """Postures to search at, (G, m) rad: a grid; for three joints or more, random ones."""
+    counts = np.maximum(np.round((upper - lower) / options.naming_grid_step), 1).astype(int) + 1
+    if len(lower) > 2 or counts.prod() > options.naming_postures:
+        rng = np.random.default_rng(0)
+        return rng.uniform(lower, upper, (options.naming_postures, len(lower)))
+    axes = (np.linspace(*limits) for limits in zip(lower, upper, counts))
+    return np.array(list(product(*axes)))

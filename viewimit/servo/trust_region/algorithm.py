@@ -90,6 +90,7 @@ from .rules import (
     with_naming,
     with_partial_points,
     with_plan,
+    with_rival_tested,
     with_swap_search,
 )
 from .state import (
@@ -209,6 +210,7 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        state = with_rival_tested(state, context)
         context.status = status_at_rest(certificate, state)
         return Phase.REST, state, None
     if may_verify_early(state, context):

@@ -41,6 +41,8 @@ from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
 from ...geometry.assignment import assign, cheapest_pairs
+from ...geometry.kinematics.adjustment import with_likely_joints
+from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import minimise
 from .image_models import KinematicImages
 from .options import DEFAULTS, TrustRegionOptions
@@ -60,7 +62,8 @@ class Naming:
     E: float  # px², that the naming leaves there
     E_noise: float  # px², of it that noise explains
     accepted: bool  # whether noise explains E
-    rival: Array | None = None  # (m,) rad, where other names explain the images as well; None: nowhere
+    rival: Names | None = None  # (N,): other names that may explain the images as well; None: there are none
+    rival_displacement: Array | None = None  # (m,) rad, in which they do
     certain_from: float = DEFAULTS.naming_certain
 
     @property
@@ -72,6 +75,15 @@ class Naming:
     def is_ambiguous(self) -> bool:
         """Whether there are two answers."""
         return self.rival is not None
+
+    @property
+    def rival_order(self) -> Names:
+        """(N,): the own point that the rival pairs with the demonstrator's point of each own point, -1 for none."""
+        assert self.rival is not None
+        order = np.full(len(self.names), -1)
+        for point, other in enumerate(self.rival):
+            order[(self.names == other) & (other >= 0)] = point
+        return order
 
     def without_partner(self, n_demo: int) -> tuple[Names, Names]:
         """Return own points, and points of n_demo of the demonstrator, that have no partner."""
@@ -111,13 +123,14 @@ def find_naming(
 
 @dataclass(frozen=True)
 class _Search:
-    """The data of one search. Points are counted among those that are shown, M, and known to the kinematics, N."""
+    """The data of one search. Points are counted among those that are shown, M, and placed by the kinematics, N."""
 
     demo: Array  # (M, 4) px
     shown: Names  # (M,): their rows in the whole image
-    known: Names  # (N,): rows of the own points
-    n_own: int  # number of all own points
+    placed: Names  # (N,): rows of the own points
+    reliable: NDArray[np.bool_]  # (N,): of which the kinematics know which joints move them; only these make E
     model: KinematicImages
+    kinematics: ProjectiveKinematics  # with all points placed
     lower: Array  # (m,) rad
     upper: Array  # (m,) rad
     options: TrustRegionOptions
@@ -130,12 +143,14 @@ class _Search:
         cls, demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions
     ) -> "_Search":
         shown, kinematics = np.flatnonzero(np.isfinite(demo).all(-1)), model.kinematics
-        known = np.flatnonzero(~kinematics.unknown)
+        if kinematics.unknown.any():
+            kinematics = with_likely_joints(kinematics, model.observations)
+        placed = np.flatnonzero(~kinematics.unknown)
         postures = _grid(lower, upper, options)
-        own = kinematics.affine_coordinates(kinematics.predict(postures)[:, known])
+        own = kinematics.affine_coordinates(kinematics.predict(postures)[:, placed])
         demo_hat = hat_matrix(kinematics.affine_coordinates(demo[shown]))
-        sizes = demo[shown], shown, known, len(kinematics.points)
-        return cls(*sizes, model, lower, upper, options, postures, demo_hat, hat_matrix(own))
+        points = demo[shown], shown, placed, ~model.kinematics.unknown[placed]
+        return cls(*points, model, kinematics, lower, upper, options, postures, demo_hat, hat_matrix(own))
 
     def best(self, left_out: int) -> Naming | None:
         """Return the naming with the least E, with as many points left out besides those by which the bodies differ."""
@@ -152,7 +167,7 @@ class _Search:
                 if bound[k] >= worst:
                     break
                 pairs = assign(cost[k])
-                names = np.full(len(self.known), -1)
+                names = np.full(len(self.placed), -1)
                 names[own_kept] = demo_kept[pairs]
                 total, g = float(cost[k][range(len(pairs)), pairs].sum()), int(at[k])
                 same = next((n for n, other in enumerate(kept) if (other[2] == names).all()), None)
@@ -168,7 +183,7 @@ class _Search:
         self, left_out: int, postures: Names | None
     ) -> Iterator[tuple[Names, Names, Array, Names]]:
         """Yield for each choice of points: those kept of both bodies, and the distances of their rows (G, n, n)."""
-        M, N = len(self.shown), len(self.known)
+        M, N = len(self.shown), len(self.placed)
         demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
         if min(M - demo_out, N - own_out) < self.options.naming_min_points:
             return
@@ -202,18 +217,18 @@ class _Search:
         """Return the posture with the least E for these names, (m,) rad, and that E."""
         views = self.views(names)
         residuals = PredictedResiduals(
-            views, METHOD, self.model.kinematics.rectification, noise_px=self.model.noise_px
+            views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px
         )
         at = minimise(lambda theta: residuals(self.predict(theta)), start[None], self.lower, self.upper)
         return at.theta, at.E
 
     def predict(self, theta: Array) -> Array:
-        """Predict the known own points, (..., N, 4) px."""
-        return self.model.kinematics.predict(theta)[..., self.known, :]
+        """Predict the own points, (..., N, 4) px."""
+        return self.kinematics.predict(theta)[..., self.placed, :]
 
     def views(self, names: Names, own: Array | None = None) -> FourViews:
-        """Return the views under these names."""
-        named = names >= 0
+        """Return the views of the reliable points under these names."""
+        named = (names >= 0) & self.reliable
         demo = np.where(named[:, None], self.demo[names], np.nan)
         visible = np.repeat(named[:, None], 4, 1)
         return FourViews(demo, np.zeros_like(demo) if own is None else own, visible)
@@ -226,30 +241,31 @@ class _Search:
 
     def _transfer(self, names: Names, theta: Array):
         views = self.views(names, self.predict(theta)).used
-        return fit_transfer(METHOD, views, self.model.kinematics.rectification)
+        return fit_transfer(METHOD, views, self.kinematics.rectification)
 
     def naming(self, names: Names, theta: Array, E: float) -> Naming:
         """Describe a naming; only an accepted one has probabilities."""
         options, E_noise = self.options, self.noise(names, theta)
         accepted = E < options.naming_accept * E_noise and E_noise < options.naming_max_noise
-        whole, probability = np.full(self.n_own, -1), np.full(self.n_own, np.nan)
-        whole[self.known] = np.where(names < 0, -1, self.shown[names])
+        n_own = len(self.kinematics.points)
+        whole, probability = np.full(n_own, -1), np.full(n_own, np.nan)
+        whole[self.placed] = np.where(names < 0, -1, self.shown[names])
         if accepted:
-            probability[self.known] = self.probability(names, theta, max(E, E_noise))
+            probability[self.placed] = self.probability(names, theta, max(E, E_noise))
         return Naming(whole, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
 
     def noise(self, names: Names, theta: Array) -> float:
         """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
-        count, seen = self.options.naming_samples, names >= 0
+        count, seen = self.options.naming_samples, (names >= 0) & self.reliable
         least = 2 * self.options.naming_min_std_px**2
         if self.model.noise_px == 0:
             return least
-        own_errors = self.model.posterior_samples(theta, count, 0)[0][:, self.known[seen]]
+        own_errors = self.model.posterior_samples(theta, count, 0)[0][:, self.placed[seen]]
         noise = np.random.default_rng(1).standard_normal((count, int(seen.sum()), 4))
         views = self.views(names, self.predict(theta)).select(seen)
         demo, own = views.demo + self.model.noise_px * noise, views.own + own_errors
         fit = lambda demo, own: fit_transfer(
-            METHOD, FourViews(demo, own, np.ones(1, bool)), self.model.kinematics.rectification
+            METHOD, FourViews(demo, own, np.ones(1, bool)), self.kinematics.rectification
         ).residual(FourViews(demo, own, np.ones(1, bool)))
         change = np.array([fit(*one) for one in zip(demo, own)]) - fit(views.demo, views.own)
         return float(conflict(change).mean()) + least
@@ -270,7 +286,7 @@ class _Search:
 
     def completed(self, found: Naming) -> Naming:
         """Name points that were left out and fit, and look for another answer."""
-        return self.with_doubtful_points(self.with_rival(self.with_points(found)))
+        return self.with_rival(self.with_points(found))
 
     def with_points(self, found: Naming) -> Naming:
         """Name points that were left out in vain: pairs that noise explains."""
@@ -288,49 +304,15 @@ class _Search:
             found = larger
         return found
 
-    def with_doubtful_points(self, found: Naming) -> Naming:
-        """Name own points of which it is open which joints move them: each pattern of joints predicts one image."""
-        names, probability = found.names.copy(), found.probability.copy()
-        E = max(found.E, found.E_noise)
-        for point, images in self._predictions(found.displacement):
-            spare = np.setdiff1d(self.shown, names)
-            if not len(spare):
-                break
-            transfer = self._transfer(self.inner(found.names), found.displacement)
-            demo = self.demo[np.searchsorted(self.shown, spare)]
-            D = ((images[:, None] - transfer.recover(demo[:, :2], demo[:, 2:])) ** 2).sum(-1).min(0)
-            best = int(D.argmin())
-            if D[best] < 2 * self.options.naming_accept * E:
-                names[point] = spare[best]
-                probability[point] = 1 / np.exp(-np.clip(D - D[best], 0, 700 * E) / E).sum()
-        return replace(found, names=names, probability=probability)
-
-    def _predictions(self, theta: Array) -> Iterator[tuple[int, Array]]:
-        """Yield points that the kinematics do not know, and their images (k, 4) px for each pattern of moving joints."""
-        kinematics, observations = self.model.kinematics, self.model.observations
-        images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
-        rectified = images if kinematics.rectification is None else kinematics.rectification.apply(images)
-        coordinates = kinematics.frame.coordinates(rectified)
-        patterns = np.unique(kinematics.moved_by[self.known], axis=0)
-        for point in np.flatnonzero(kinematics.unknown & observations.visible_in_both.any(0)):
-            is_point = np.arange(self.n_own) == point
-            trials = (
-                replace(kinematics, moved_by=np.where(is_point[:, None], pattern, kinematics.moved_by)).with_points(
-                    is_point, observations, coordinates
-                )
-                for pattern in patterns
-            )
-            yield int(point), np.array([trial.predict(theta)[point] for trial in trials])
-
     def inner(self, names: Names) -> Names:
-        """Names of the known points, into the shown ones."""
-        names = names[self.known]
+        """Names of the placed points, into the shown ones."""
+        names = names[self.placed]
         return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
 
     def with_rival(self, found: Naming) -> Naming:
         """Look for other names that explain the images in another posture."""
         names = self.inner(found.names)
-        left_out = min(len(self.shown), len(self.known)) - int((names >= 0).sum())
+        left_out = min(len(self.shown), len(self.placed)) - int((names >= 0).sum())
         apart = np.abs(self.postures - found.displacement).max(1)
         elsewhere = np.flatnonzero(apart > 2 * self.options.naming_grid_step)  # nearer starts lead back
         for _, g, other in self.starts(left_out, elsewhere):
@@ -339,7 +321,7 @@ class _Search:
                 continue
             far = np.abs(rival.displacement - found.displacement).max() > self.options.naming_distinct
             if far and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
-                return replace(found, rival=rival.displacement)
+                return replace(found, rival=rival.names, rival_displacement=rival.displacement)
         return found
 
 
@@ -370,9 +352,9 @@ def _subsets(hat: Array, left_out: int) -> Iterator[tuple[Names, Array]]:
 
 
 def _grid(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
-    """Postures to search at, (G, m) rad: a grid; for three joints or more, random ones."""
+    """Postures to search at, (G, m) rad: a grid, or random ones."""
     counts = np.maximum(np.round((upper - lower) / options.naming_grid_step), 1).astype(int) + 1
-    if len(lower) > 2 or counts.prod() > options.naming_postures:
+    if counts.prod() > options.naming_postures:
         rng = np.random.default_rng(0)
         return rng.uniform(lower, upper, (options.naming_postures, len(lower)))
     axes = (np.linspace(*limits) for limits in zip(lower, upper, counts))

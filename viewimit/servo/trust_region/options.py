@@ -63,7 +63,7 @@ class TrustRegionOptions:
 
     # Unnamed points
     naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
-    naming_postures: int = 600  # at most; for three joints or more, random ones
+    naming_postures: int = 5000  # at most; random ones where a grid has more
     naming_starts: int = 8  # most similar namings, each refined by least squares
     naming_rounds: int = 6  # of refining the posture and the names in turn
     naming_trials: int = 450  # choices of points that are left out, at most
@@ -74,6 +74,7 @@ class TrustRegionOptions:
     naming_accept: float = 8.0  # times the E that noise explains: what a naming may leave
     naming_max_noise: float = 1.0  # px²: E by noise, above which wrong names would be accepted too
     naming_distinct: float = _deg(3.0)  # rad: a naming that fits in a posture farther away is another answer
+    naming_rival: float = 3.0  # times the E of the answer: what the other one may leave at the end
     naming_certain: float = 0.99  # probability from which a name is certain
     naming_motions: int = 4  # further motions, at most, before the points count as impossible to name
 

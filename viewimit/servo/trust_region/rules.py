@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.noise import conflict_quantile
-from ...estimation.residuals import ResidualFunction
+from ...estimation.residuals import ResidualFunction, conflict
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ..least_squares import minimise
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
@@ -51,12 +52,34 @@ def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionSta
 
 
 def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
-    """Move where predictions gain most for the next naming: to the posture of the last one, or far from all visits."""
+    """Move to improve the predictions: to the posture of the last naming, or far from all visits.
+
+    Kinematics are found from visits near each other, and then extended: the arm goes farther from motion to motion.
+    """
     observation, options = context.observation, context.options
-    target = None if state.naming is None else state.naming.displacement
+    first, reach = state.known[0].displacement, options.first_radius
+    if state.kinematics is not None:
+        reach = reach * (1 + state.n_naming_motions)
+    within = lambda theta: np.clip(theta, first - reach, first + reach)
+    target = None if state.naming is None else within(state.naming.displacement)
     if target is None or distance_to_visits(state.known, target[None])[0] < options.naming_grid_step:
-        target = maximin(state.known, sample_box(observation, options.restart_candidates))
+        target = maximin(state.known, within(sample_box(observation, options.restart_candidates)))
     return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
+
+
+def with_rival_tested(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Test other names of the points again, now that more visits predict the images better. Drop those that fail."""
+    naming, options, observation = state.naming, context.options, context.observation
+    if naming is None or naming.rival_displacement is None:
+        return state
+    order, predict = naming.rival_order, context.images.fit().predict
+    in_rival = lambda own: np.where((order >= 0)[:, None], own[..., order, :], np.nan)
+    start = naming.rival_displacement[None]
+    at = minimise(lambda theta: context.residuals(in_rival(predict(theta))), start, observation.lower, observation.upper)
+    here = conflict(context.residuals(predict(context.place)))
+    if at.E > options.naming_rival * max(float(here), 2 * options.naming_min_std_px**2):
+        return replace(state, naming=replace(naming, rival=None, rival_displacement=None))
+    return state
 
 
 def status_at_rest(certificate: Certificate, state: TrustRegionState) -> ServoStatus:

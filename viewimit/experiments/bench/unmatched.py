@@ -1,7 +1,7 @@
 """Points without names: how often the learner finds which of the demonstrator's points is which, and what that costs.
 
 Each run is made twice from the same draw: with the demonstrator's points in an unknown order, and with their names. A
-name counts as right, too, if it is of a point within a pixel in both images: no noise of a pixel tells those apart.
+name counts as right, too, if it is of a point within a pixel in both images: a pixel of noise does not distinguish those.
 """
 
 from collections.abc import Sequence
@@ -118,7 +118,7 @@ class Outcome:
     case: str
     runs: int
     named: Share  # all names right
-    told: Share  # all names right, or a wrong one called uncertain, or two answers reported, or no naming accepted
+    acknowledged: Share  # all names right, or a wrong one called uncertain, or two answers reported, or no naming accepted
     arrived: Share  # within ARRIVED_DEG
     known_arrived: Share  # the same with names
     motions_median: float
@@ -146,14 +146,20 @@ class UnmatchedBenchmark(RunOptions, CaseOptions):
         if self.csv:
             with option("--csv"):
                 every = [row for of_case in rows for row in of_case]
-                write_csv(self.csv, {name: np.array([getattr(row, name) for row in every]) for name in Row.__annotations__})
+                write_csv(
+                    self.csv, {name: np.array([getattr(row, name) for row in every]) for name in Row.__annotations__}
+                )
         found = [outcome(of_case) for of_case in rows]
         heading = f"{self.runs} random runs a case, each without and with names, seed {self.seed}"
         return as_json(found), f"{heading}\n{unmatched_table(found)}"
 
 
 def run(
-    cases: Sequence[Case] = CASES, runs: int = 200, seed: int = 0, max_motions: int = 200, context: Context | None = None
+    cases: Sequence[Case] = CASES,
+    runs: int = 200,
+    seed: int = 0,
+    max_motions: int = 200,
+    context: Context | None = None,
 ) -> list[list[Row]]:
     """Run every case from the same draws. See also `run_cases`."""
     tasks = [[(case, k, [seed, k], max_motions) for k in range(runs)] for case in cases]
@@ -231,8 +237,8 @@ def judge(session: Session, last: Snapshot) -> tuple[int, int]:
     names = last.naming.names
     wrong = names != partner
     for point in np.flatnonzero(wrong & (partner >= 0) & (names >= 0)):
-        apart = (images[order[names[point]]] - images[point]).reshape(2, 2)
-        wrong[point] = np.linalg.norm(apart, axis=1).max() > SAME_PX
+        distance = (images[order[names[point]]] - images[point]).reshape(2, 2)
+        wrong[point] = np.linalg.norm(distance, axis=1).max() > SAME_PX
     return nameable, int(wrong[: len(own_seen)].sum())
 
 
@@ -286,7 +292,7 @@ def outcome(rows: Sequence[Row]) -> Outcome:
         case=rows[0].case,
         runs=len(rows),
         named=Share.of(row.named for row in rows),
-        told=Share.of(row.named or row.uncertain > 0 or row.two_answers or row.wrong == row.nameable for row in rows),
+        acknowledged=Share.of(row.named or row.uncertain > 0 or row.two_answers or row.wrong == row.nameable for row in rows),
         arrived=Share.of(row.error_deg <= ARRIVED_DEG for row in rows),
         known_arrived=Share.of(row.known_error_deg <= ARRIVED_DEG for row in rows),
         motions_median=float(np.median(motions)),
@@ -310,7 +316,7 @@ def unmatched_table(outcomes: Sequence[Outcome]) -> str:
     ]
     rows = []
     for o in outcomes:
-        ended = o.named.with_tenths, o.told.with_tenths, o.arrived.with_tenths, o.known_arrived.with_tenths
+        ended = o.named.with_tenths, o.acknowledged.with_tenths, o.arrived.with_tenths, o.known_arrived.with_tenths
         motions = (f"{m:.0f}" for m in (o.motions_median, o.motions_95, o.known_motions_median, o.known_motions_95))
         claims = o.claimed, o.known_claimed, o.falsely.with_tenths, o.two_answers
         rows.append((o.case, (*ended, *motions, o.more_motions, *claims)))

@@ -5,8 +5,8 @@ Algorithm 1 (one call of `step`, before each motion)
 The posture and its images are recorded as a visit. Then phases follow each other until one returns a motion.
 
 PROBE     Move one joint alone, to learn how the images depend on it.
-MATCH     If the demonstrator's points come without names, find them: see `naming`. If no naming explains the images, make a
-          motion that improves the predictions.
+MATCH     If the demonstrator's points come without names, find them (see `naming`). If no naming explains the images,
+          make a motion that improves the predictions.
 PLAN      Measure E at all visits, update the radius by what the last step achieved, and solve the trust-region
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.

@@ -1,4 +1,4 @@
-"""Name the demonstrator's points: find which of them is which point of the own body, before any correspondence is known.
+"""Name the demonstrator's points: find which of them is which point of the own body, without any correspondence.
 
 Theory
 ------
@@ -7,7 +7,7 @@ Theory
    bodies are one point set up to an affine map and the order of the points.
 2. Let X (N, 3) be centred affine coordinates and P = X (XᵀX)⁻¹ Xᵀ their hat matrix. An affine map does not change P,
    and a permutation of the points permutes its rows and columns. So row i of P with its entries sorted describes point
-   i, whatever the map and the order. The assignment problem of the distances of sorted rows names all points.
+   i for any map and any order. The assignment problem of the distances of sorted rows names all points.
 3. In other postures the rows do not agree. A grid of postures gives the best few namings. Each is refined: fit the
    posture by least squares on E, assign points to the images recovered there, and repeat. A right naming leaves the E
    of the noise, a wrong one hundreds of times more.
@@ -16,7 +16,7 @@ Theory
 
 A grid of 10° over two joints has 190 postures. With N points it costs some 190 N³ operations and a few assignments of
 N³; it needs no motion. Exchanging two names adds D_ij + D_ji - D_ii - D_jj to the squared residuals, with D_ij the
-squared distance of point i and the recovered j. By Bayes' rule with Gaussian noise this gives the probability of a name.
+squared distance of point i and the recovered j. By Bayes' rule with Gaussian noise this gives a name's probability.
 
 Two namings that fit equally well, in different postures, are two answers. Points cannot decide between them, as for a
 body that is symmetric under half a turn.
@@ -57,6 +57,7 @@ class Naming:
     """Which of the demonstrator's points is which point of the own body."""
 
     names: Names  # (N,): the demonstrator's point of each own point, -1 of points without a partner
+    unnamed: Names  # the demonstrator's points that have no partner
     probability: Array  # (N,): that the name is right rather than exchanged with another; NaN without a partner
     displacement: Array  # (m,) rad, in which the two bodies agree
     E: float  # px², that the naming leaves there
@@ -84,10 +85,6 @@ class Naming:
         for point, other in enumerate(self.rival):
             order[(self.names == other) & (other >= 0)] = point
         return order
-
-    def without_partner(self, n_demo: int) -> tuple[Names, Names]:
-        """Return own points, and points of n_demo of the demonstrator, that have no partner."""
-        return np.flatnonzero(self.names < 0), np.setdiff1d(np.arange(n_demo), self.names)
 
 
 def find_naming(
@@ -179,9 +176,7 @@ class _Search:
                 worst = kept[-1][0] if len(kept) == most else np.inf
         return kept
 
-    def _trials(
-        self, left_out: int, postures: Names | None
-    ) -> Iterator[tuple[Names, Names, Array, Names]]:
+    def _trials(self, left_out: int, postures: Names | None) -> Iterator[tuple[Names, Names, Array, Names]]:
         """Yield for each choice of points: those kept of both bodies, and the distances of their rows (G, n, n)."""
         M, N = len(self.shown), len(self.placed)
         demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
@@ -216,9 +211,7 @@ class _Search:
     def posture(self, names: Names, start: Array) -> tuple[Array, float]:
         """Return the posture with the least E for these names, (m,) rad, and that E."""
         views = self.views(names)
-        residuals = PredictedResiduals(
-            views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px
-        )
+        residuals = PredictedResiduals(views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px)
         at = minimise(lambda theta: residuals(self.predict(theta)), start[None], self.lower, self.upper)
         return at.theta, at.E
 
@@ -252,7 +245,8 @@ class _Search:
         whole[self.placed] = np.where(names < 0, -1, self.shown[names])
         if accepted:
             probability[self.placed] = self.probability(names, theta, max(E, E_noise))
-        return Naming(whole, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
+        unnamed = np.setdiff1d(self.shown, whole)
+        return Naming(whole, unnamed, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
 
     def noise(self, names: Names, theta: Array) -> float:
         """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
@@ -313,8 +307,8 @@ class _Search:
         """Look for other names that explain the images in another posture."""
         names = self.inner(found.names)
         left_out = min(len(self.shown), len(self.placed)) - int((names >= 0).sum())
-        apart = np.abs(self.postures - found.displacement).max(1)
-        elsewhere = np.flatnonzero(apart > 2 * self.options.naming_grid_step)  # nearer starts lead back
+        distance = np.abs(self.postures - found.displacement).max(1)
+        elsewhere = np.flatnonzero(distance > 2 * self.options.naming_grid_step)  # nearer starts lead back
         for _, g, other in self.starts(left_out, elsewhere):
             rival = self.refine(other, self.postures[g])
             if rival is None or (rival.names == found.names).all():

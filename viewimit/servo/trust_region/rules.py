@@ -19,8 +19,8 @@ from .convergence import Certificate
 from .correspondences import find_swaps, with_swaps
 from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
-from .naming import find_naming
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
+from .naming import find_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -75,7 +75,9 @@ def with_rival_tested(state: TrustRegionState, context: StepContext) -> TrustReg
     order, predict = naming.rival_order, context.images.fit().predict
     in_rival = lambda own: np.where((order >= 0)[:, None], own[..., order, :], np.nan)
     start = naming.rival_displacement[None]
-    at = minimise(lambda theta: context.residuals(in_rival(predict(theta))), start, observation.lower, observation.upper)
+    at = minimise(
+        lambda theta: context.residuals(in_rival(predict(theta))), start, observation.lower, observation.upper
+    )
     here = conflict(context.residuals(predict(context.place)))
     if at.E > options.naming_rival * max(float(here), 2 * options.naming_min_std_px**2):
         return replace(state, naming=replace(naming, rival=None, rival_displacement=None))

@@ -132,7 +132,7 @@ class Learner:
             status = StateAttributes.of(now.servo_state).status_or(ServoStatus.MOVING)
             return self._advance(now, self._moved(now, now.target, probe=now.probe, status=status))
         state, displacement = self._ask(now)  # residual e, E → servo
-        if now.awaits_names and StateAttributes.of(state).names is not None:
+        while now.is_renamed_by(state):
             now = self._seen(now.theta, now, servo_state=state)
             if now.transfer is None:
                 return self._stay(now)

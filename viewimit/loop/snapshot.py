@@ -129,6 +129,24 @@ class Snapshot:
         """Whether the demonstrator is visible, and its points are still to be named."""
         return not self.views.matched and self.shows_demonstrator
 
+    def is_renamed_by(self, servo_state: Any) -> bool:
+        """Whether a servo's state has other names for the demonstrator's points than these views.
+
+        Parameters
+        ----------
+        servo_state : any
+            The servo's answer to this snapshot.
+
+        Returns
+        -------
+        bool
+            Whether to look again, with the points in another order.
+        """
+        names = StateAttributes.of(servo_state).names
+        if names is None or self.settings.matched:
+            return False
+        return not self.views.matched or not np.array_equal(names, self._state.names)
+
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """Fit a transfer to views, rectified as here.
 

@@ -1,7 +1,7 @@
 """Points without names: how often the learner finds which of the demonstrator's points is which, and what that costs.
 
 Each run is made twice from the same draw: with the demonstrator's points in an unknown order, and with their names. A
-name counts as right, too, if it is of a point within a pixel in both images: a pixel of noise does not distinguish those.
+name counts as right, too, if it is of a point within a pixel in both images: noise of a pixel mixes those up.
 """
 
 from collections.abc import Sequence
@@ -105,6 +105,11 @@ class Row:
         return self.wrong == 0
 
     @property
+    def acknowledged(self) -> bool:
+        """Whether all names are right, or the learner says that they may not be."""
+        return self.named or self.uncertain > 0 or self.two_answers or self.wrong == self.nameable
+
+    @property
     def falsely(self) -> bool:
         """Whether the run ends with a false claim."""
         limit = max(FALSE_DEG, N_SIGMA * self.expected_deg) if np.isfinite(self.expected_deg) else FALSE_DEG
@@ -118,7 +123,7 @@ class Outcome:
     case: str
     runs: int
     named: Share  # all names right
-    acknowledged: Share  # all names right, or a wrong one called uncertain, or two answers reported, or no naming accepted
+    acknowledged: Share  # or a wrong name called uncertain, two answers reported, or no naming accepted
     arrived: Share  # within ARRIVED_DEG
     known_arrived: Share  # the same with names
     motions_median: float
@@ -292,7 +297,7 @@ def outcome(rows: Sequence[Row]) -> Outcome:
         case=rows[0].case,
         runs=len(rows),
         named=Share.of(row.named for row in rows),
-        acknowledged=Share.of(row.named or row.uncertain > 0 or row.two_answers or row.wrong == row.nameable for row in rows),
+        acknowledged=Share.of(row.acknowledged for row in rows),
         arrived=Share.of(row.error_deg <= ARRIVED_DEG for row in rows),
         known_arrived=Share.of(row.known_error_deg <= ARRIVED_DEG for row in rows),
         motions_median=float(np.median(motions)),

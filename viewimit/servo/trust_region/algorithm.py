@@ -23,8 +23,9 @@ start   ──> PROBE     if joints are left to probe
         ──> REST      on the way to the posture to rest at
         ──> PLAN      otherwise
 PROBE   ──> motion
-MATCH   ──> motion    none if the points were named: the servo is asked again at once, with their residuals
-PLAN    ──> PLAN      if swapped points were found
+MATCH   ──> motion    none if names were found or corrected: the servo is asked again at once, with their residuals
+PLAN    ──> MATCH     if a review corrected the names
+        ──> PLAN      if swapped points were found
         ──> DESCEND   otherwise
 DESCEND ──> motion    if the step is worth one; none while the demonstrator keeps moving
         ──> VERIFY    otherwise
@@ -87,10 +88,10 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_names_reviewed,
     with_naming,
     with_partial_points,
     with_plan,
-    with_rival_tested,
     with_swap_search,
 )
 from .state import (
@@ -170,8 +171,9 @@ def probe(state: TrustRegionState, context: StepContext) -> Outcome:
 
 
 def match(state: TrustRegionState, context: StepContext) -> Outcome:
-    """Name the demonstrator's points."""
-    state = with_naming(state, context)
+    """Name the demonstrator's points, or correct their names."""
+    if context.observation.unnamed is not None:
+        state = with_naming(state, context)
     if state.naming is not None and state.naming.accepted:
         return Phase.MATCH, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.observation.displacement)
     if state.n_naming_motions < context.options.naming_motions:
@@ -180,8 +182,11 @@ def match(state: TrustRegionState, context: StepContext) -> Outcome:
 
 
 def plan(state: TrustRegionState, context: StepContext) -> Outcome:
-    """Plan a step. If E stays large, search for swapped points."""
-    state = with_plan(state, context)
+    """Plan a step. Review names that are not settled, and if E stays large, search for swapped points."""
+    state, corrections = with_plan(state, context), state.n_renamings
+    state = with_names_reviewed(state, context)
+    if state.n_renamings > corrections:
+        return Phase.MATCH, state, None
     if not swap_suspected(state, context):
         return Phase.DESCEND, state, None
     state = with_swap_search(state, context)
@@ -210,7 +215,6 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
-        state = with_rival_tested(state, context)
         context.status = status_at_rest(certificate, state)
         return Phase.REST, state, None
     if may_verify_early(state, context):
@@ -258,7 +262,7 @@ PHASES: dict[Phase, tuple[Callable[[TrustRegionState, StepContext], Outcome], se
     # phase: (function, phases that may follow in the same step, if it makes no motion)
     Phase.PROBE: (probe, set()),
     Phase.MATCH: (match, set()),
-    Phase.PLAN: (plan, {Phase.PLAN, Phase.DESCEND}),
+    Phase.PLAN: (plan, {Phase.MATCH, Phase.PLAN, Phase.DESCEND}),
     Phase.DESCEND: (descend, {Phase.VERIFY}),
     Phase.VERIFY: (verify, {Phase.PLAN, Phase.SEARCH, Phase.REST}),
     Phase.SEARCH: (search, {Phase.PLAN, Phase.REST}),

@@ -27,8 +27,9 @@ Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistic
 Hoaglin and Welsch, "The hat matrix in regression and ANOVA", The American Statistician 32, 1978.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations, product
 from math import comb
 
@@ -73,18 +74,14 @@ class Naming:
         return np.nan_to_num(self.probability) >= self.certain_from
 
     @property
+    def is_settled(self) -> bool:
+        """Whether further visits can hardly change it: all names are certain, and there is one answer."""
+        return bool(self.certain.all()) and not self.is_ambiguous
+
+    @property
     def is_ambiguous(self) -> bool:
         """Whether there are two answers."""
         return self.rival is not None
-
-    @property
-    def rival_order(self) -> Names:
-        """(N,): the own point that the rival pairs with the demonstrator's point of each own point, -1 for none."""
-        assert self.rival is not None
-        order = np.full(len(self.names), -1)
-        for point, other in enumerate(self.rival):
-            order[(self.names == other) & (other >= 0)] = point
-        return order
 
 
 def find_naming(
@@ -112,10 +109,37 @@ def find_naming(
     for left_out in range(options.naming_left_out + 1):
         found = search.best(left_out)
         if found is not None and found.accepted:
-            return search.completed(found)
+            return search.with_rival(search.with_points(found))
         if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
             best = found
     return best
+
+
+def review_naming(
+    naming: Naming,
+    demo: Array,
+    model: KinematicImages,
+    lower: Array,
+    upper: Array,
+    options: TrustRegionOptions = DEFAULTS,
+) -> Naming:
+    """Refine a naming where later visits predict the images better. Parameters as of `find_naming`.
+
+    Names may change, points that were left out may be named, and the other answer may prove wrong. If noise no longer
+    explains E, the names are searched for again.
+    """
+    search = _Search.begin(demo, model, lower, upper, options)
+    found = search.refine(search.inner(naming.names), naming.displacement)
+    if found is None or not found.accepted:
+        found = find_naming(demo, model, lower, upper, options)
+        return naming if found is None or not found.accepted else found
+    found = search.with_points(found)
+    if naming.rival is None or naming.rival_displacement is None:
+        return found
+    rival = search.refine(search.inner(naming.rival), naming.rival_displacement)
+    if rival is None or rival.E > options.naming_rival * max(found.E, rival.E_noise):
+        return found
+    return search.with_answers(found, rival)
 
 
 @dataclass(frozen=True)
@@ -131,9 +155,6 @@ class _Search:
     lower: Array  # (m,) rad
     upper: Array  # (m,) rad
     options: TrustRegionOptions
-    postures: Array  # (G, m) rad
-    demo_hat: Array  # (M, M)
-    own_hats: Array  # (G, N, N)
 
     @classmethod
     def begin(
@@ -143,40 +164,47 @@ class _Search:
         if kinematics.unknown.any():
             kinematics = with_likely_joints(kinematics, model.observations)
         placed = np.flatnonzero(~kinematics.unknown)
-        postures = _grid(lower, upper, options)
-        own = kinematics.affine_coordinates(kinematics.predict(postures)[:, placed])
-        demo_hat = hat_matrix(kinematics.affine_coordinates(demo[shown]))
         points = demo[shown], shown, placed, ~model.kinematics.unknown[placed]
-        return cls(*points, model, kinematics, lower, upper, options, postures, demo_hat, hat_matrix(own))
+        return cls(*points, model, kinematics, lower, upper, options)
+
+    @cached_property
+    def postures(self) -> Array:
+        """Postures that namings are searched at, (G, m) rad."""
+        return _grid(self.lower, self.upper, self.options)
+
+    @cached_property
+    def demo_hat(self) -> Array:
+        """(M, M)."""
+        return hat_matrix(self.kinematics.affine_coordinates(self.demo))
+
+    @cached_property
+    def own_hats(self) -> Array:
+        """(G, N, N)."""
+        return hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)))
 
     def best(self, left_out: int) -> Naming | None:
         """Return the naming with the least E, with as many points left out besides those by which the bodies differ."""
-        found = [self.refine(names, self.postures[g]) for _, g, names in self.starts(left_out)]
+        found = [self.refine(names, self.postures[g]) for _, g, names in self.starts(self.trials(left_out))]
         return min((one for one in found if one is not None), key=lambda one: one.E, default=None)
 
-    def starts(self, left_out: int, postures: Names | None = None) -> list[tuple[float, int, Names]]:
-        """Return the most similar namings: distance of the sorted rows, index of the posture, names."""
+    def starts(self, trials: Iterable[tuple[Names, Names, Array]]) -> list[tuple[float, int, Names]]:
+        """Return the most similar namings of all trials: distance of the sorted rows, index of the posture, names."""
         most, kept = self.options.naming_starts, list[tuple[float, int, Names]]()
-        worst = np.inf
-        for demo_kept, own_kept, cost, at in self._trials(left_out, postures):
+        for demo_kept, own_kept, cost in trials:
             bound = np.maximum(cost.min(1).sum(-1), cost.min(2).sum(-1))  # of the assignment's cost
-            for k in np.argsort(bound):
-                if bound[k] >= worst:
+            for g in np.argsort(bound).tolist():
+                if len(kept) == most and bound[g] >= kept[-1][0]:
                     break
-                pairs = assign(cost[k])
+                pairs = assign(cost[g])
                 names = np.full(len(self.placed), -1)
                 names[own_kept] = demo_kept[pairs]
-                total, g = float(cost[k][range(len(pairs)), pairs].sum()), int(at[k])
-                same = next((n for n, other in enumerate(kept) if (other[2] == names).all()), None)
-                if same is not None and kept[same][0] <= total:
-                    continue
-                if same is not None:
-                    del kept[same]
-                kept = sorted([*kept, (total, g, names)], key=lambda one: one[0])[:most]
-                worst = kept[-1][0] if len(kept) == most else np.inf
+                total = float(cost[g][range(len(pairs)), pairs].sum())
+                others = [one for one in kept if (one[2] != names).any()]
+                if len(others) == len(kept) or total < min(one[0] for one in kept if (one[2] == names).all()):
+                    kept = sorted([*others, (total, g, names)], key=lambda one: one[0])[:most]
         return kept
 
-    def _trials(self, left_out: int, postures: Names | None) -> Iterator[tuple[Names, Names, Array, Names]]:
+    def trials(self, left_out: int) -> Iterator[tuple[Names, Names, Array]]:
         """Yield for each choice of points: those kept of both bodies, and the distances of their rows (G, n, n)."""
         M, N = len(self.shown), len(self.placed)
         demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
@@ -184,35 +212,49 @@ class _Search:
             return
         if comb(M, demo_out) * comb(N, own_out) > self.options.naming_trials:
             return
-        at = np.arange(len(self.postures)) if postures is None else postures
-        demos = [(kept, np.sort(hat)) for kept, hat in _subsets(self.demo_hat, demo_out)]
-        for own_kept, hats in _subsets(self.own_hats[at], own_out):
-            rows = np.sort(hats)
-            squares = np.einsum("gik,gik->gi", rows, rows)
-            for demo_kept, demo_rows in demos:
-                cost = squares[:, :, None] + np.einsum("jk,jk->j", demo_rows, demo_rows)
-                yield demo_kept, own_kept, cost - 2 * rows @ demo_rows.T, at
+        demos = list(_subsets(self.demo_hat, demo_out))
+        for own_kept, own_hats in _subsets(self.own_hats, own_out):
+            rows = np.sort(own_hats)
+            for demo_kept, demo_hat in demos:
+                yield demo_kept, own_kept, _squared_distances(rows, np.sort(demo_hat))
+
+    def rival_trials(self, names: Names) -> Iterator[tuple[Names, Names, Array]]:
+        """Yield the distances of the rows of named points, as they are, and without their names.
+
+        A point of a symmetric body has the same row as its counterpart. All points may then have the other name.
+        """
+        own_kept = np.flatnonzero(names >= 0)
+        demo_kept = names[own_kept]
+        own = self.kinematics.affine_coordinates(self.predict(self.postures)[:, own_kept])
+        demo = self.kinematics.affine_coordinates(self.demo[demo_kept])
+        cost = _squared_distances(np.sort(hat_matrix(own)), np.sort(hat_matrix(demo)))
+        yield demo_kept, own_kept, cost
+        yield demo_kept, own_kept, cost + float(cost.max()) * np.eye(len(own_kept))
 
     def refine(self, names: Names, start: Array) -> Naming | None:
-        """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points."""
-        count, theta, at = int((names >= 0).sum()), start, None
+        """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points.
+
+        Each fit stays near the last posture: a few wrong names would draw it far away.
+        """
+        count, theta, E = int((names >= 0).sum()), start, np.inf
         for _ in range(self.options.naming_rounds):
-            at = self.posture(names, theta)
-            if not np.isfinite(at[1]):
+            theta, E = self.posture(names, theta)
+            if not np.isfinite(E):
                 return None
-            theta = at[0]
             again = cheapest_pairs(self.distances(names, theta), count)
             if (again == names).all():
                 break
             names = again
-        assert at is not None
-        return self.naming(names, *self.posture(names, theta))
+        else:
+            theta, E = self.posture(names, theta)
+        return self.naming(names, theta, E)
 
     def posture(self, names: Names, start: Array) -> tuple[Array, float]:
-        """Return the posture with the least E for these names, (m,) rad, and that E."""
-        views = self.views(names)
+        """Return the posture with the least E for these names, near the start, (m,) rad, and that E."""
+        views, reach = self.views(names), self.options.naming_reach
         residuals = PredictedResiduals(views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px)
-        at = minimise(lambda theta: residuals(self.predict(theta)), start[None], self.lower, self.upper)
+        low, high = np.maximum(self.lower, start - reach), np.minimum(self.upper, start + reach)
+        at = minimise(lambda theta: residuals(self.predict(theta)), start[None], low, high)
         return at.theta, at.E
 
     def predict(self, theta: Array) -> Array:
@@ -267,20 +309,15 @@ class _Search:
     def probability(self, names: Names, theta: Array, E_noise: float) -> Array:
         """(N,): probability of each name, against its exchange with any other and a partner that has no name."""
         seen, D = np.flatnonzero(names >= 0), self.distances(names, theta)
-        variance = E_noise / 2  # of a coordinate, as E is half of the squares of four
-        own = D[seen, names[seen]]
-        pairs = D[seen][:, names[seen]]
+        own, pairs = D[seen, names[seen]], D[seen][:, names[seen]]
         more = pairs + pairs.T - own[:, None] - own
         np.fill_diagonal(more, np.inf)
         spare = np.setdiff1d(np.arange(len(self.demo)), names)
         more = np.concatenate([more, D[seen][:, spare] - own[:, None]], 1)
         found = np.full(len(names), np.nan)
-        found[seen] = 1 / (1 + np.exp(-np.clip(more, 0, 700 * variance) / (2 * variance)).sum(1))
+        # E is half of the squares of four coordinates
+        found[seen] = 1 / (1 + np.exp(np.clip(-more / E_noise, -700, 700)).sum(1))
         return found
-
-    def completed(self, found: Naming) -> Naming:
-        """Name points that were left out and fit, and look for another answer."""
-        return self.with_rival(self.with_points(found))
 
     def with_points(self, found: Naming) -> Naming:
         """Name points that were left out in vain: pairs that noise explains."""
@@ -305,18 +342,29 @@ class _Search:
 
     def with_rival(self, found: Naming) -> Naming:
         """Look for other names that explain the images in another posture."""
-        names = self.inner(found.names)
-        left_out = min(len(self.shown), len(self.placed)) - int((names >= 0).sum())
-        distance = np.abs(self.postures - found.displacement).max(1)
-        elsewhere = np.flatnonzero(distance > 2 * self.options.naming_grid_step)  # nearer starts lead back
-        for _, g, other in self.starts(left_out, elsewhere):
-            rival = self.refine(other, self.postures[g])
-            if rival is None or (rival.names == found.names).all():
-                continue
-            far = np.abs(rival.displacement - found.displacement).max() > self.options.naming_distinct
-            if far and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
-                return replace(found, rival=rival.names, rival_displacement=rival.displacement)
+        for trial in self.rival_trials(self.inner(found.names)):
+            for _, g, other in self.starts([trial]):
+                rival = self.refine(other, self.postures[g])
+                if rival is not None and rival.E < self.options.naming_accept * max(
+                    found.E, found.E_noise, rival.E_noise
+                ):
+                    found = self.with_answers(found, rival)
+                    if found.is_ambiguous:
+                        return found
         return found
+
+    def with_answers(self, found: Naming, rival: Naming) -> Naming:
+        """Record another answer, if its names are others and its posture is distinct."""
+        distance = np.abs(rival.displacement - found.displacement).max()
+        if (rival.names == found.names).all() or distance < self.options.naming_distinct:
+            return found
+        return replace(found, rival=rival.names, rival_displacement=rival.displacement)
+
+
+def _squared_distances(own_rows: Array, demo_rows: Array) -> Array:
+    """(G, N, K) and (M, K) → (G, N, M)."""
+    own, demo = np.einsum("gik,gik->gi", own_rows, own_rows), np.einsum("jk,jk->j", demo_rows, demo_rows)
+    return own[:, :, None] + demo - 2 * own_rows @ demo_rows.T
 
 
 def hat_matrix(points: Array) -> Array:

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.noise import conflict_quantile
-from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
-from ..least_squares import minimise
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
@@ -20,7 +19,7 @@ from .correspondences import find_swaps, with_swaps
 from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
-from .naming import find_naming
+from .naming import find_naming, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -48,7 +47,20 @@ def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionSta
     if not isinstance(model, KinematicImages) or observation.unnamed is None:
         return replace(state, naming=None)
     found = find_naming(observation.unnamed, model, observation.lower, observation.upper, context.options)
-    return replace(state, naming=found)
+    return replace(state, naming=found, unnamed=observation.unnamed)
+
+
+def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Review names that are not settled: later visits predict the images better."""
+    naming, model, observation = state.naming, context.images.fit(), context.observation
+    if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
+        return state
+    found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
+    if np.array_equal(found.names, naming.names):
+        return replace(state, naming=found)
+    if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
+        return state
+    return replace(state, naming=found, n_renamings=state.n_renamings + 1)
 
 
 def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
@@ -65,23 +77,6 @@ def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustR
     if target is None or distance_to_visits(state.known, target[None])[0] < options.naming_grid_step:
         target = maximin(state.known, within(sample_box(observation, options.restart_candidates)))
     return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
-
-
-def with_rival_tested(state: TrustRegionState, context: StepContext) -> TrustRegionState:
-    """Test other names of the points again, now that more visits predict the images better. Drop those that fail."""
-    naming, options, observation = state.naming, context.options, context.observation
-    if naming is None or naming.rival_displacement is None:
-        return state
-    order, predict = naming.rival_order, context.images.fit().predict
-    in_rival = lambda own: np.where((order >= 0)[:, None], own[..., order, :], np.nan)
-    start = naming.rival_displacement[None]
-    at = minimise(
-        lambda theta: context.residuals(in_rival(predict(theta))), start, observation.lower, observation.upper
-    )
-    here = conflict(context.residuals(predict(context.place)))
-    if at.E > options.naming_rival * max(float(here), 2 * options.naming_min_std_px**2):
-        return replace(state, naming=replace(naming, rival=None, rival_displacement=None))
-    return state
 
 
 def status_at_rest(certificate: Certificate, state: TrustRegionState) -> ServoStatus:

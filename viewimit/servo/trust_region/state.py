@@ -81,7 +81,9 @@ class TrustRegionState:
     destination: Destination = Destination()
     swaps: Swaps = Swaps()
     naming: Naming | None = None  # of a demonstrator's points that came without names; of the last search
+    unnamed: NDArray[np.float64] | None = None  # (N, 4), the points it names, as they came; None once they have moved
     n_naming_motions: int = 0  # made because no naming explained the images
+    n_renamings: int = 0  # corrections of the names
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     target_moved: tuple[bool, bool] = (
@@ -195,6 +197,7 @@ def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptio
         search=Search(n_restarts=state.search.n_restarts),
         swaps=state.swaps,
         naming=state.naming,
+        unnamed=state.unnamed,
         target_moved=(False, state.target_moved[1]),
         mismatch=np.zeros(joints),
     )

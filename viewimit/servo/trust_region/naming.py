@@ -8,9 +8,9 @@ Theory
 2. Let X (N, 3) be centred affine coordinates and P = X (XᵀX)⁻¹ Xᵀ their hat matrix. An affine map does not change P,
    and a permutation of the points permutes its rows and columns. So row i of P with its entries sorted describes point
    i for any map and any order. The assignment problem of the distances of sorted rows names all points.
-3. In other postures the rows do not agree. A grid of postures gives the best few namings. Each is refined: fit the
-   posture by least squares on E, assign points to the images recovered there, and repeat. A right naming leaves the E
-   of the noise, a wrong one hundreds of times more.
+3. In other postures the rows do not agree. A grid of postures gives the best few namings, in which P is then compared
+   entry by entry. Each is refined: fit the posture by least squares on E, assign points to the images recovered there,
+   and repeat. A right naming leaves the E of the noise, a wrong one hundreds of times more.
 4. A point without a partner changes every row. So points to leave out are tried, as few as possible. Without i,
    H = P + 11ᵀ/N becomes H + H_:i H_i: / (1 - H_ii), which is cheap.
 
@@ -50,6 +50,7 @@ from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
 Names = NDArray[np.int_]
+N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
 METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
 
 
@@ -142,6 +143,36 @@ def review_naming(
     return search.with_answers(found, rival)
 
 
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Points of both bodies that may have partners, n of each, and their hat matrices."""
+
+    demo: Names  # (n,)
+    own: Names  # (n,)
+    demo_hat: Array  # (n, n)
+    own_hats: Array  # (G, n, n)
+
+    def row_distances(self) -> Array:
+        """(G, n, n): squared distances of the sorted rows of all own points and all of the demonstrator's."""
+        return _squared_distances(np.sort(self.own_hats), np.sort(self.demo_hat))
+
+    def aligned(self, g: int) -> Iterator[tuple[float, Names]]:
+        """Yield pairs, (n,), for which the hat matrices agree entry by entry, and the squared distance that is left.
+
+        Sorted rows of a point and of its mirror image are equal. So one point of great leverage is paired with either
+        of the two likeliest first. The entries of its column then decide about the other points.
+        """
+        own, demo = self.own_hats[g], self.demo_hat
+        rows = _squared_distances(np.sort(own)[None], np.sort(demo))[0]
+        for first in np.argsort(-np.diag(own))[:N_LEVERAGES]:
+            for partner in np.argsort(rows[first])[:2]:
+                cost = rows + len(own) * (own[:, first, None] - demo[:, partner]) ** 2
+                for _ in range(ALIGNMENTS):
+                    pairs = assign(cost)
+                    cost = _squared_distances(own[None], demo[:, pairs])[0]
+                yield float(((own - demo[np.ix_(pairs, pairs)]) ** 2).sum()), pairs
+
+
 @dataclass(frozen=True)
 class _Search:
     """The data of one search. Points are counted among those that are shown, M, and placed by the kinematics, N."""
@@ -184,28 +215,39 @@ class _Search:
 
     def best(self, left_out: int) -> Naming | None:
         """Return the naming with the least E, with as many points left out besides those by which the bodies differ."""
-        found = [self.refine(names, self.postures[g]) for _, g, names in self.starts(self.trials(left_out))]
-        return min((one for one in found if one is not None), key=lambda one: one.E, default=None)
+        best: Naming | None = None
+        for _, g, names in self.starts(self.trials(left_out)):
+            found = self.refine(names, self.postures[g])
+            if found is not None and (best is None or found.E < best.E):
+                best = found
+                if best.accepted and best.E < best.E_noise:
+                    break
+        return best
 
-    def starts(self, trials: Iterable[tuple[Names, Names, Array]]) -> list[tuple[float, int, Names]]:
-        """Return the most similar namings of all trials: distance of the sorted rows, index of the posture, names."""
-        most, kept = self.options.naming_starts, list[tuple[float, int, Names]]()
-        for demo_kept, own_kept, cost in trials:
+    def starts(self, trials: Iterable[Trial]) -> list[tuple[float, int, Names]]:
+        """Return the most similar namings of all trials: distance of the hat matrices, index of the posture, names."""
+        most, kept = self.options.naming_starts, list[tuple[float, Trial, int, Names]]()
+        for trial in trials:
+            cost = trial.row_distances()
             bound = np.maximum(cost.min(1).sum(-1), cost.min(2).sum(-1))  # of the assignment's cost
             for g in np.argsort(bound).tolist():
                 if len(kept) == most and bound[g] >= kept[-1][0]:
                     break
                 pairs = assign(cost[g])
-                names = np.full(len(self.placed), -1)
-                names[own_kept] = demo_kept[pairs]
                 total = float(cost[g][range(len(pairs)), pairs].sum())
-                others = [one for one in kept if (one[2] != names).any()]
-                if len(others) == len(kept) or total < min(one[0] for one in kept if (one[2] == names).all()):
-                    kept = sorted([*others, (total, g, names)], key=lambda one: one[0])[:most]
-        return kept
+                kept = sorted([*kept, (total, trial, g, pairs)], key=lambda one: one[0])[:most]
+        found: dict[tuple[bytes, ...], tuple[float, int, Names]] = {}  # by names and neighbourhood
+        for _, trial, g, _ in kept:
+            for total, pairs in trial.aligned(g):
+                names = np.full(len(self.placed), -1)
+                names[trial.own] = trial.demo[pairs]
+                key = names.tobytes(), np.round(self.postures[g] / self.options.naming_neighbourhood).tobytes()
+                if key not in found or total < found[key][0]:
+                    found[key] = total, g, names
+        return sorted(found.values(), key=lambda one: one[0])[: 2 * most]
 
-    def trials(self, left_out: int) -> Iterator[tuple[Names, Names, Array]]:
-        """Yield for each choice of points: those kept of both bodies, and the distances of their rows (G, n, n)."""
+    def trials(self, left_out: int) -> Iterator[Trial]:
+        """Yield each choice of points to leave out, besides those by which the numbers differ."""
         M, N = len(self.shown), len(self.placed)
         demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
         if min(M - demo_out, N - own_out) < self.options.naming_min_points:
@@ -213,23 +255,9 @@ class _Search:
         if comb(M, demo_out) * comb(N, own_out) > self.options.naming_trials:
             return
         demos = list(_subsets(self.demo_hat, demo_out))
-        for own_kept, own_hats in _subsets(self.own_hats, own_out):
-            rows = np.sort(own_hats)
-            for demo_kept, demo_hat in demos:
-                yield demo_kept, own_kept, _squared_distances(rows, np.sort(demo_hat))
-
-    def rival_trials(self, names: Names) -> Iterator[tuple[Names, Names, Array]]:
-        """Yield the distances of the rows of named points, as they are, and without their names.
-
-        A point of a symmetric body has the same row as its counterpart. All points may then have the other name.
-        """
-        own_kept = np.flatnonzero(names >= 0)
-        demo_kept = names[own_kept]
-        own = self.kinematics.affine_coordinates(self.predict(self.postures)[:, own_kept])
-        demo = self.kinematics.affine_coordinates(self.demo[demo_kept])
-        cost = _squared_distances(np.sort(hat_matrix(own)), np.sort(hat_matrix(demo)))
-        yield demo_kept, own_kept, cost
-        yield demo_kept, own_kept, cost + float(cost.max()) * np.eye(len(own_kept))
+        for own, own_hats in _subsets(self.own_hats, own_out):
+            for demo, demo_hat in demos:
+                yield Trial(demo, own, demo_hat, own_hats)
 
     def refine(self, names: Names, start: Array) -> Naming | None:
         """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points.
@@ -341,16 +369,19 @@ class _Search:
         return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
 
     def with_rival(self, found: Naming) -> Naming:
-        """Look for other names that explain the images in another posture."""
-        for trial in self.rival_trials(self.inner(found.names)):
-            for _, g, other in self.starts([trial]):
-                rival = self.refine(other, self.postures[g])
-                if rival is not None and rival.E < self.options.naming_accept * max(
-                    found.E, found.E_noise, rival.E_noise
-                ):
-                    found = self.with_answers(found, rival)
-                    if found.is_ambiguous:
-                        return found
+        """Look for other names of the same points that explain the images in another posture."""
+        names = self.inner(found.names)
+        own = np.flatnonzero(names >= 0)
+        own_hats = hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)[:, own]))
+        demo_hat = hat_matrix(self.kinematics.affine_coordinates(self.demo[names[own]]))
+        for _, g, other in self.starts([Trial(names[own], own, demo_hat, own_hats)]):
+            if (other == names).all():
+                continue
+            rival = self.refine(other, self.postures[g])
+            if rival is not None and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
+                found = self.with_answers(found, rival)
+                if found.is_ambiguous:
+                    break
         return found
 
     def with_answers(self, found: Naming, rival: Naming) -> Naming:

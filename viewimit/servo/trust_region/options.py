@@ -65,6 +65,7 @@ class TrustRegionOptions:
     naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
     naming_postures: int = 5000  # at most; random ones where a grid has more
     naming_starts: int = 8  # most similar namings, each refined by least squares
+    naming_neighbourhood: float = _deg(45.0)  # rad: a naming is refined from one posture in each cell of this size
     naming_rounds: int = 8  # of refining the posture and the names in turn
     naming_reach: float = _deg(20.0)  # rad: of the posture in each round
     naming_trials: int = 450  # choices of points that are left out, at most

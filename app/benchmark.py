@@ -13,14 +13,13 @@ from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-from .control.commands.display import ChoosePoint
-from .control.page_model import PageModel
-from .control.queue import CommandQueue
-from .control.services import Services
-from .control.shedding import LoadShedding
+from .commands.display import ChoosePoint
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
+from .model.page_model import PageModel
+from .model.queue import CommandQueue
+from .model.services import LoadShedding, Services
 from .panels.images import ImagesPanel
 from .panels.landscape import LandscapePanel
 from .panels.panel import Layout

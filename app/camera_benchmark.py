@@ -14,15 +14,15 @@ import numpy as np
 
 from viewimit.loop.settings import Settings
 
-from .control.commands.method import switch_camera
-from .control.commands.session import ChooseSpeed, Play
-from .control.redraw import draw_all
-from .control.scheduler import Scheduler
-from .control.services import Services
+from .commands.method import switch_camera
+from .commands.session import ChooseSpeed, Play
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
-from .page import Page
+from .model.services import Services
+from .page.page import Page
+from .page.redraw import draw_all
+from .page.scheduler import Scheduler
 from .panels.status import StatusPanel
 from .quiet_client import quiet_client
 

@@ -4,20 +4,17 @@ import contextlib
 import logging
 import os
 import signal
-import socket
+import sys
 import threading
 import webbrowser
 from dataclasses import replace
 
 from viewimit.loop.session import Session
 
-from .server.address import address, invite, listen, require_free
-from .server.options import ServerOptions
-from .server.origins import is_loopback
-from .server.seat_counts import SeatCounts
-from .server.termination import Termination
-from .server.worker import LOG_FORMAT
-from .server.workers import working
+from .server.address import address, invite, is_loopback, listen, require_free
+from .server.limits import ServerOptions
+from .server.processes import LOG_FORMAT, Termination, supervised
+from .server.seats import Seats
 
 __all__ = ["ServerOptions", "serve", "usual_per_address", "usual_workers"]
 
@@ -36,8 +33,8 @@ def serve(
     """
     options = replace(options or ServerOptions(), host=host)
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
-    if options.workers > 1 and not can_hand_over():
-        raise ValueError(f"{options.workers} workers need a system where processes hand each other sockets: take 1")
+    if options.workers > 1 and not can_share_a_port():
+        raise ValueError(f"{options.workers} workers cannot share a port on Windows: take 1")
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)
     stopped = Termination()
@@ -50,11 +47,11 @@ def serve(
         if options.workers > 1:
             listeners = listen(host, port)
             port = listeners[0].getsockname()[1]
-            stack.enter_context(working(options, listeners, stopped))
+            stack.enter_context(supervised(options, listeners, stopped))
         else:
-            from .server.pages import serving  # what only hands over connections need not load viser
+            from .server.pages import serving  # what only supervises need not load viser
 
-            port = stack.enter_context(serving(options, SeatCounts(), port=port))
+            port = stack.enter_context(serving(options, Seats(), port=port))
         url = address(host, port)
         print(f"viewimit is listening on {url}", flush=True)
         if not is_loopback(host):
@@ -81,7 +78,7 @@ def _end() -> None:
 
 def usual_workers(host: str) -> int:
     """One process where only this machine comes, else one a core, up to MOST_WORKERS."""
-    if is_loopback(host) or not can_hand_over():
+    if is_loopback(host) or not can_share_a_port():
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(cores, MOST_WORKERS)
@@ -95,6 +92,6 @@ def usual_per_address(host: str, max_clients: int) -> int:
     return max_clients if is_loopback(host) else max_clients - max_clients // 10
 
 
-def can_hand_over() -> bool:
-    """Whether processes of this system can hand each other sockets."""
-    return hasattr(socket, "send_fds")
+def can_share_a_port() -> bool:
+    """Whether processes can accept from one inherited socket: on Windows, asyncio cannot."""
+    return sys.platform != "win32"

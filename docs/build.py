@@ -14,7 +14,7 @@ from sphinx.cmd.build import build_main
 from viewimit.app.lab.page import lab_page
 
 HERE = Path(__file__).parent
-NEEDLESS = ".buildinfo", "objects.inv"
+NEEDLESS = (".buildinfo",)
 
 
 def build(folder: Path) -> int:

@@ -141,7 +141,7 @@ def posture(page) -> list[float]:
 
 def chosen_point(page) -> str:
     """Its name, as the legend has it; "" while it has none."""
-    found = re.search(r"point (\S+), its", page.text_content(FOUR_IMAGES))
+    found = re.search(r"point (\S+): ", page.text_content(FOUR_IMAGES))
     return found[1] if found else ""
 
 

@@ -171,3 +171,17 @@ def pytest_terminal_summary(terminalreporter):
         terminalreporter.write_line(f"{len(passed_in_browser)} browser tests passed")
         if not passed_in_browser:
             terminalreporter.write_line("VIEWIMIT_REQUIRE_BROWSER=1, but no browser test ran", red=True)
+
+
+@pytest.fixture(params=["Firefox", "Chromium"])
+def window(request):
+    """A window of 1440x900 px, once in each browser, in which nothing may go wrong."""
+    import windows
+
+    if request.param == "Firefox" and windows.find_firefox() is None:
+        pytest.skip("no Firefox, or no screen and no Xvfb")
+    window = windows.Firefox() if request.param == "Firefox" else windows.Chromium(request.getfixturevalue("browser"))
+    yield window
+    problems = window.problems
+    window.close()
+    assert problems == []

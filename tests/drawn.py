@@ -32,6 +32,7 @@ HULL = "vi-hull"  # of a link
 SKELETON = "vi-bone"
 PHOTOGRAPH = "vi-photograph"
 NOT_DETECTED = "vi-idle"
+GOAL_POINTS = "vi-goal-ring"  # where the learner's own would be in the demonstrator's posture
 
 # In a landscape
 LEVELS = "vi-contour"

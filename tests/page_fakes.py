@@ -6,20 +6,8 @@ from dataclasses import replace
 from functools import partial
 
 from drawn import view_name
-from viewimit.app.control.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
-from viewimit.app.control.commands.duel import ChooseOpponent, ToggleDuel
-from viewimit.app.control.commands.experiments import (
-    ChooseExperiment,
-    ChooseMotion,
-    Download,
-    LoadMotion,
-    Record,
-    Replay,
-    RunOrCancel,
-    SaveMotion,
-    ShowMoment,
-)
-from viewimit.app.control.commands.method import (
+from viewimit.app.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
+from viewimit.app.commands.method import (
     FreeJoints,
     change_disturbance,
     change_seed,
@@ -28,8 +16,7 @@ from viewimit.app.control.commands.method import (
     switch_camera,
     switch_rectify,
 )
-from viewimit.app.control.commands.points import BestNext, ChooseLayout, EditPoints, RemovePoint, SaveScene
-from viewimit.app.control.commands.session import (
+from viewimit.app.commands.session import (
     ChoosePreset,
     ChooseSpeed,
     Play,
@@ -41,17 +28,34 @@ from viewimit.app.control.commands.session import (
     ToggleRehearsal,
     Undo,
 )
-from viewimit.app.control.disturbances import OF_ARMS, OF_IMAGES
-from viewimit.app.control.page_model import PageModel
-from viewimit.app.control.queue import CommandQueue
-from viewimit.app.control.redraw import draw_all
-from viewimit.app.control.scheduler import TICK
-from viewimit.app.control.services import Services
-from viewimit.app.control.shedding import LoadShedding
+from viewimit.app.commands.tools import (
+    BestNext,
+    ChooseExperiment,
+    ChooseLayout,
+    ChooseMotion,
+    ChooseOpponent,
+    Download,
+    EditPoints,
+    LoadMotion,
+    Record,
+    RemovePoint,
+    Replay,
+    RunOrCancel,
+    SaveMotion,
+    SaveScene,
+    ShowMoment,
+    ToggleDuel,
+)
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.page import Page
+from viewimit.app.model.choices import OF_ARMS, OF_IMAGES
+from viewimit.app.model.page_model import PageModel
+from viewimit.app.model.queue import CommandQueue
+from viewimit.app.model.services import LoadShedding, Services
+from viewimit.app.page.page import Page
+from viewimit.app.page.redraw import draw_all
+from viewimit.app.page.scheduler import TICK
 from viewimit.app.panels.display import DisplayPanel
 from viewimit.app.panels.images import ImagesPanel
 from viewimit.app.panels.status import StatusPanel

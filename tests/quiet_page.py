@@ -5,14 +5,13 @@ import time
 from types import SimpleNamespace
 
 import msgspec
-from viewimit.app.control.redraw import draw_all
-from viewimit.app.control.scheduler import TICK
-from viewimit.app.control.services import Services
-from viewimit.app.control.shedding import LoadShedding
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.page import Page
+from viewimit.app.model.services import LoadShedding, Services
+from viewimit.app.page.page import Page
+from viewimit.app.page.redraw import draw_all
+from viewimit.app.page.scheduler import TICK
 from viewimit.app.panels.actions import ActionsPanel
 from viewimit.app.panels.panel import Reach
 from viewimit.app.quiet_client import QuietClient, QuietHandle

@@ -19,12 +19,11 @@ from pathlib import Path
 import msgspec
 import viser
 from viewimit.app import viser_private
-from viewimit.app.control.scheduler import Scheduler
+from viewimit.app.page.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
-from viewimit.app.server.limits.connection_limits import Limits
-from viewimit.app.server.options import ServerOptions
+from viewimit.app.server.limits import Limits, ServerOptions
 from viewimit.app.server.pages import App
-from viewimit.app.server.seat_counts import SeatCounts, WorkerCounts
+from viewimit.app.server.seats import ProcessRow, Seats
 from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
@@ -124,8 +123,8 @@ class Server:
 class Attended(Scheduler):
     """A scheduler that tells which pages are there."""
 
-    def __init__(self, counts: WorkerCounts):
-        super().__init__(counts.live, counts.clear)
+    def __init__(self, row: ProcessRow):
+        super().__init__(row.live, row.clear)
         self.present: list = []
 
     def add(self, page) -> None:
@@ -141,9 +140,9 @@ class Here:
     """The server in this process, so that a test can break it."""
 
     def __init__(self, folder: Path, limits: Limits = PATIENT):
-        counts = SeatCounts()
-        self._scheduler = Attended(counts.rows[0])
-        self.access = AccessControl(limits, (), counts)
+        self.all_seats = Seats()
+        self._scheduler = Attended(self.all_seats.rows[0])
+        self.access = AccessControl(limits, (), self.all_seats)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, ServerOptions(), self._scheduler, Autosave(SqliteStore(folder)), {})

@@ -30,7 +30,8 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
 APP_ORDER = (
     {"viser_private", "quiet_client", "static", "drawing", "lab"},
     {"jobs", "sessions", "classroom"},
-    {"control"},
+    {"model"},
+    {"commands"},
     {"scene"},
     {"panels"},
     {"page"},
@@ -126,9 +127,9 @@ def test_rooms_of_the_page_import_only_what_stands_above_them():
         assert found <= above, path
 
 
-def test_control_knows_no_widgets():
+def test_model_and_commands_know_no_widgets():
     for path in EVERYTHING:
-        if module_of(path)[1:3] in (("app", "control"), ("app", "jobs")):
+        if module_of(path)[1:3] in (("app", "model"), ("app", "commands"), ("app", "jobs")):
             named = {part for module, node in imports_of(path) for part in (*module, *(a.name for a in node.names))}
             assert not {"viser", "viser_private"} & named, path
 
@@ -260,7 +261,7 @@ def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
 
 
 def test_a_server_loads_what_reads_meshes_for_a_robot_of_ones_own_alone():
-    begun = "import viewimit.app.serve, viewimit.app.page\nfrom viewimit.simulation.robot import link_meshes"
+    begun = "import viewimit.app.serve, viewimit.app.page.page\nfrom viewimit.simulation.robot import link_meshes"
     assert not loaded_by(f"{begun}\nlink_meshes('panda')") & {"trimesh", "scipy"}
 
 

@@ -17,7 +17,7 @@ from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EQUATION, EXPERIMENT, OPPONEN
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.jobs import experiment_child
-from viewimit.app.page import KEPT_EVERY
+from viewimit.app.page.page import KEPT_EVERY
 from viewimit.app.panels.guide.help import help_html
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.codec import decode, encode

@@ -113,9 +113,11 @@ def test_its_metadata_hold_on_an_index(wheel):
     assert metadata["License-Expression"] == "MIT" and len(metadata.get_all("License-File")) == 4
     assert any(name == "Typing :: Typed" for name in metadata.get_all("Classifier"))
     text = metadata.get_payload()
-    assert metadata["Description-Content-Type"] == "text/markdown" and "# viewimit\n" in text and "## Licences" in text
+    assert (
+        metadata["Description-Content-Type"] == "text/markdown" and "# viewimit\n" in text and "## Two commands" in text
+    )
     assert "![" not in text and "\n!" not in text
-    assert "](docs/" not in text and "](LICENSE)" not in text and "see LICENSE." in text
+    assert "](docs/" not in text and "](LICENSE)" not in text and "(LICENSE)" in text
 
 
 def pages_of(wheel):
@@ -182,6 +184,30 @@ def test_all_that_a_page_links_to_or_loads_is_there(wheel):
                 assert f'id="{anchor}"' in path.read_text("utf-8"), (place, address)
         assert not re.search(r'<link[^>]*href="https?:', page) and "@import" not in page
     assert not any(re.search(r"url\(\s*[\"']?https?:", sheet.read_text()) for sheet in site.rglob("*.css"))
+
+
+def test_the_reference_has_types_tables_of_parameters_and_sources(wheel):
+    page = (wheel / "viewimit/site/reference/library.html").read_text("utf-8")
+    start = page.index('id="viewimit.Session"')
+    session = page[start : page.index("</dl>", page.index("Raises", start))]
+    assert (
+        "Settings</span></a><span" in session and "Parameters<" in session and "<strong>open_eyes</strong>" in session
+    )
+    assert 'href="../_modules/viewimit/loop/session.html#Session"' in session
+    inventory = (wheel / "viewimit/site/objects.inv").read_bytes()
+    assert inventory.startswith(b"# Sphinx inventory version 2")
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize(
+    "words, first", [("servo", "servo"), ("robot", "robot"), ("cameras", "cameras"), ("tracks", "tracks")]
+)
+def test_search_finds_the_how_to_first(wheel, browser, words, first):
+    page = browser.new_page()
+    page.goto(f"{(wheel / 'viewimit/site/search.html').as_uri()}?q={words}")
+    page.wait_for_selector("#search-results li a")
+    assert page.get_attribute("#search-results li a >> nth=0", "href").startswith(f"how-to/{first}.html")
+    page.close()
 
 
 @pytest.mark.browser

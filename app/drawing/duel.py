@@ -23,7 +23,7 @@ WIDTH = 2 * COLUMN + GAP
 TOP, MAX_HEIGHT = 32, 86  # px of the plots
 BELOW = 28  # px from the plots to the words below
 COLUMNS = (0, 54, 136)  # px of the numbers below
-HEIGHT = TOP + MAX_HEIGHT + BELOW + 72
+HEIGHT = TOP + MAX_HEIGHT + BELOW + 78
 ROLES = ("learner", "opponent")
 STYLES = (Style("learner", "solid", "circle"), Style("opponent", "dashed", "square"))
 LEFT = 44  # px of the plot of errors
@@ -42,6 +42,7 @@ STATES = {  # after "the learner"
     ServoStatus.TOO_FEW_POINTS: "stopped",
     ServoStatus.MAX_MOTIONS: "stopped",
 }
+ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = (
     "Choose the opponent's transfer and servo above, then begin:",
@@ -93,16 +94,16 @@ def draw_empty() -> str:
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
-def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing]) -> str:
-    """Draw what lies over the ground, as HTML: names, paths or errors, standings, and the verdict."""
+def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing], playing: bool = True) -> str:
+    """Draw what lies over the ground, as HTML: names, paths or errors, standings, and the verdict, large."""
     plane, parts = small_plane(scene, MAX_HEIGHT), []
     for k, standing in enumerate(standings):
         inside = _path(plane, racers[k], k) if plane.has_plane else ""
         parts.append(_column(k, inside) + _words(standing, k))
     if not plane.has_plane:
         parts.append(draw_errors(standings))
-    for k, line in enumerate(verdict(standings)):
-        parts.append(svg.text(0, HEIGHT - 17 + 15 * k, line, "" if k else "vi-b"))
+    for k, line in enumerate(verdict(standings, playing)):
+        parts.append(svg.text(0, HEIGHT - 22 + 18 * k, line, "" if k else "vi-verdict"))
     return f'<div class="vi-over">{_wrap("".join(parts))}</div>'
 
 
@@ -138,14 +139,14 @@ def draw_errors_alone(standings: Sequence[Standing]) -> str:
     return f'<div class="vi-panel"><svg class="vi" viewBox="0 0 {WIDTH} {MAX_HEIGHT + 20}">{inside}</svg></div>'
 
 
-def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
+def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, str]:
     """Say who came within ARRIVED_DEG first, and how the other fared; no learner can know it."""
     own, other = (standing.arrived for standing in standings)
     aim = f"within {ARRIVED_DEG:g}° of the demonstrator"
     if own is None and other is None:
         if all(standing.snapshot.status.has_ended for standing in standings):
-            return f"Neither came {aim}.", _whereabouts(standings, (0, 1))
-        return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1))
+            return f"Neither came {aim}.", _whereabouts(standings, (0, 1), playing)
+        return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1), playing)
     if own is not None and own == other:
         return f"A tie: both were {aim} after {svg.count_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
@@ -153,15 +154,18 @@ def verdict(standings: Sequence[Standing]) -> tuple[str, str]:
     won = f"The {ROLES[first]} was first {aim}, after {svg.count_motions(soonest)}."
     late = standings[1 - first].arrived
     return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
-        standings, (1 - first,)
+        standings, (1 - first,), playing
     )
 
 
-def _whereabouts(standings: Sequence[Standing], which: Sequence[int]) -> str:
+def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: bool) -> str:
     parts = []
     for k in which:
         off = svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)
-        parts.append(f"the {ROLES[k]} {STATES[standings[k].snapshot.status]}, {off}° off")
+        status = standings[k].snapshot.status
+        parts.append(
+            f"the {ROLES[k]} {STATES[status] if playing or status not in ON_ITS_WAY else 'is paused'}, {off}° off"
+        )
     words = "; ".join(parts)
     return words[0].upper() + words[1:] + "."
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from viewimit.drawing import svg
 from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
 
-from .links import link
+from .overlays import link
 
 
 def asks(keys: Iterable[str]) -> str:

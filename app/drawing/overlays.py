@@ -1,8 +1,4 @@
-"""Layers over the library's drawings: links on image points, postures and motions, and marks of previewed postures.
-
-A layer stays while the drawing below it changes, so that a click is not lost when the arm moves. A style moves its
-parts to the present places.
-"""
+"""Links in drawings: the page's script sends what each asks for by the page's own connection."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -12,7 +8,7 @@ from numpy.typing import NDArray
 
 from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
-from viewimit.drawing.images.panel import LEGEND_SIZE, METRICS_SIZE
+from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
@@ -20,7 +16,37 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
-from .links import link
+
+def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
+    """Build one link.
+
+    Parameters
+    ----------
+    what
+        The action, as control/value.
+    name
+        What a screen reader says.
+    inside
+        HTML or SVG of the link.
+    stop
+        Whether the Tab key stops there.
+    pressed
+        Whether the choice is made, for a toggle; None for other links.
+    """
+    more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
+    if pressed is not None:
+        more += f' role="button" aria-pressed="{str(pressed).lower()}"'
+    return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
+
+
+def button(what: str, name: str, inside: str) -> str:
+    """Build a link that a screen reader announces as a button."""
+    return link(what, name, inside).replace("<a ", '<a role="button" ', 1)
+
+
+# Layers over the library's drawings: links on image points, postures and motions, and marks of previewed postures.
+# A layer stays while the drawing below it changes, so that a click is not lost when the arm moves. A style moves its
+# parts to the present places.
 
 MORE, LESS = "M1-4h3v3M-1 4h-3v-3M4-4l-3 3M-4 4l3-3", "M4-1h-3v-3M-4 1h3v3M1-1l3-3M-1 1l-3 3"  # icons, 12 px
 HIT, HALO = 12, 11  # px, radii of a point's link and of its mark
@@ -61,15 +87,12 @@ def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
 
 def _over_images(inside: Mapping[str, str], how: str, whole: bool, classes: str = "", attributes: str = "") -> str:
     """Wrap drawings by view in the panel's arrangement, so that each lies over its image. how: HTML of its sentence."""
-    drawings = [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
-    drawings += [
-        f'<p class="vi-how">{how}</p>',
-        _drawing("vi-legend", LEGEND_SIZE),
-        _drawing("vi-metrics", METRICS_SIZE),
-    ]
+    drawings = [f'<div class="vi-heading vi-over-{pair}" aria-hidden="true"></div>' for pair in HEADINGS]
+    drawings += [_drawing(f"vi-at-{view}", size, inside[view]) for view, size in SIZES[whole].items()]
+    drawings.append(f'<p class="vi-how">{how}</p>')
     kind = f"vi-images{' vi-whole' if whole else ''}"
     return (
-        f'<div class="vi-over{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
+        f'<div class="vi-above{classes}"><div class="vi-panel vi-four"><div class="{kind}"{attributes}>'
         f"{''.join(drawings)}</div></div></div>"
     )
 

@@ -3,8 +3,8 @@ tab."""
 
 from viewimit.drawing.curves import axis_end, draw_curves
 
-from ..control.state import PageState
 from ..drawing.overlays import hide_later_motions, motion_links
+from ..model.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html, put_visible
 

@@ -2,8 +2,8 @@
 
 from viewimit.loop.settings import given
 
-from ..control.commands.session import PoseJoint
-from ..control.state import PageState
+from ..commands.session import PoseJoint
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import JointSliders
 

@@ -6,16 +6,17 @@ from functools import partial
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
-from ..control.commands.display import ChoosePoint, FitView, Switch
-from ..control.commands.method import switch_camera, switch_rectify
-from ..control.commands.points import ChooseLayout
-from ..control.names import NO_POINT
-from ..control.points.layouts import chosen_layout, layout_choices
-from ..control.state import PageState
+from ..commands.display import ChoosePoint, FitView, Switch
+from ..commands.method import switch_camera, switch_rectify
+from ..commands.tools import ChooseLayout
+from ..model.choices import NO_POINT
+from ..model.points import chosen_layout, layout_choices
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
 
 SWITCHES = (
+    ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
     ("Hand gizmo", "gizmo"),

@@ -5,10 +5,10 @@ from functools import partial
 from viewimit.drawing.glossary import key_of
 from viewimit.loop.settings import MAX_SEED, Settings
 
-from ..control.commands.method import change_disturbance, change_seed
-from ..control.disturbances import OF_ARMS, OF_IMAGES, Amount
-from ..control.state import PageState
+from ..commands.method import change_disturbance, change_seed
 from ..drawing.glossary import beside
+from ..model.choices import OF_ARMS, OF_IMAGES, Amount
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
 

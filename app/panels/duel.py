@@ -2,10 +2,10 @@
 
 from viser import Icon
 
-from ..control.commands.duel import ChooseOpponent, ToggleDuel
-from ..control.names import servo_names, transfer_names
-from ..control.state import PageState
+from ..commands.tools import ChooseOpponent, ToggleDuel
 from ..drawing import duel as drawing
+from ..model.choices import servo_names, transfer_names
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put, put_html, put_label
 

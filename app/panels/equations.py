@@ -7,8 +7,8 @@ from typing import ClassVar
 from viewimit.drawing.equations import draw_conflict, draw_equations, draw_law
 from viewimit.loop.snapshot import Snapshot
 
-from ..control.state import PageState
 from ..drawing.glossary import asks
+from ..model.state import PageState
 from .panel import SLOWEST, Layout, Panel
 from .widgets import put_html, put_visible
 

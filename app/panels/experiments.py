@@ -4,17 +4,11 @@ from viser import Icon
 
 from viewimit.experiments import EXPERIMENTS
 
-from ..control.commands.experiments import (
-    ChooseExperiment,
-    ChooseMotion,
-    Download,
-    RunOrCancel,
-    ShowImitation,
-)
-from ..control.experiments import titles
-from ..control.motions import NAMES
-from ..control.state import PageState
+from ..commands.tools import ChooseExperiment, ChooseMotion, Download, RunOrCancel, ShowImitation
 from ..drawing.glossary import asks
+from ..model.experiments import titles
+from ..model.motions import NAMES
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .verdict import draw_progress, draw_verdict
 from .widgets import put, put_html, put_label, put_visible

@@ -1,8 +1,8 @@
 """Which motion is shown, out of those that are kept; and how many a second are made."""
 
-from ..control.commands.session import ChooseSpeed, Scrub
-from ..control.names import SPEEDS
-from ..control.state import PageState
+from ..commands.session import ChooseSpeed, Scrub
+from ..model.choices import SPEEDS
+from ..model.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put, put_html, put_most
 

@@ -2,9 +2,9 @@
 
 from viewimit.drawing.images.rectified import draw_rectified
 
-from ..control.moments.images import draw_shown
-from ..control.state import PageState, View
 from ..drawing.overlays import point_links, point_places, proposed_marks
+from ..model.images import draw_shown
+from ..model.state import PageState, View
 from .panel import Layout, Panel
 from .widgets import put_html
 
@@ -25,7 +25,7 @@ class ImagesPanel(Panel):
 
     def depends_on(self, state: PageState) -> tuple:
         view = state.view
-        shown = view.chosen, view.whole_frames, view.rectified, state.stage
+        shown = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, state.stage
         return state.generation, state.looked, state.points, *shown, *state.pictures.values()
 
     def show(self, state: PageState) -> None:

@@ -7,10 +7,10 @@ from viser import Icon
 from viewimit.drawing.glossary import ask
 from viewimit.simulation.scene import Scene
 
-from ..control.commands.display import FromStarts, Switch, ToggleComparison
-from ..control.state import PageState
+from ..commands.display import FromStarts, Switch, ToggleComparison
 from ..drawing.glossary import asks
 from ..drawing.overlays import draw_see_through, posture_links
+from ..model.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put, put_html, put_label, put_visible
 

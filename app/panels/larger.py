@@ -2,9 +2,8 @@
 
 from viser import GuiHtmlHandle
 
-from ..control.state import LARGE, PageState
-from ..drawing.links import link
-from ..drawing.overlays import LESS, MORE
+from ..drawing.overlays import LESS, MORE, link
+from ..model.state import LARGE, PageState
 from .panel import Layout, Panel
 from .widgets import put_html
 

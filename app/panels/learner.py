@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from viewimit.loop.settings import given
 
-from ..control.commands.session import StartJoint
-from ..control.state import PageState
+from ..commands.session import StartJoint
 from ..drawing.joint_bars import draw_learner
+from ..model.state import PageState
 from .panel import SLOW, Layout, Panel
 from .rehearsal import RehearsalButton
 from .widgets import JointSliders, put_html

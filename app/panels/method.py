@@ -1,10 +1,9 @@
 """Transfer, servo, and the joints that imitate."""
 
-from ..control.commands.method import FreeJoints, change_servo, change_transfer
-from ..control.joints import chosen_joints, joint_choices
-from ..control.names import servo_names, transfer_names
-from ..control.state import PageState
+from ..commands.method import FreeJoints, change_servo, change_transfer
 from ..drawing.glossary import beside
+from ..model.choices import chosen_joints, joint_choices, servo_names, transfer_names
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
 

@@ -6,9 +6,9 @@ from viser import Icon
 
 from viewimit.drawing.theme import rgb
 
-from ..control.commands.experiments import ChooseMotion, LoadMotion, Record, Replay, SaveMotion, ShowMoment
-from ..control.motions import NAMES
-from ..control.state import PageState
+from ..commands.tools import ChooseMotion, LoadMotion, Record, Replay, SaveMotion, ShowMoment
+from ..model.motions import NAMES
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put, put_html, put_label, put_most
 

@@ -6,9 +6,9 @@ from typing import NamedTuple, Protocol
 
 from viser import ClientHandle
 
-from ..control.queue import CommandQueue
-from ..control.state import PageState
 from ..lab.lessons.format import Lesson
+from ..model.queue import CommandQueue
+from ..model.state import PageState
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
 WIDTHS = (440, 560, 760)  # px of the right panels, by the room that a window has

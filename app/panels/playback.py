@@ -2,10 +2,10 @@
 
 from viser import Icon
 
-from ..control.commands.command import Command
-from ..control.commands.session import ChoosePreset, Play, Reset, Step, Undo
-from ..control.names import modified
-from ..control.state import PageState
+from ..commands.session import ChoosePreset, Play, Reset, Step, Undo
+from ..model.choices import modified
+from ..model.queue import Command
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put, put_html, put_label
 

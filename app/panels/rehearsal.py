@@ -4,9 +4,9 @@ from viser import Icon
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 
-from ..control.commands.session import ToggleRehearsal
-from ..control.moments.rehearsal import Rehearsal
-from ..control.state import PageState
+from ..commands.session import ToggleRehearsal
+from ..model.displayed import Rehearsal
+from ..model.state import PageState
 from .panel import Layout
 from .widgets import put_html, put_label
 

@@ -4,9 +4,9 @@ import html
 
 from viser import Icon
 
-from ..control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
-from ..control.saving import FORMATS, PICTURES, lacking
-from ..control.state import PageState
+from ..commands.tools import SavePicture, SaveReplay, choose_format, choose_picture
+from ..model.saving import FORMATS, PICTURES, lacking
+from ..model.state import PageState
 from .panel import Layout, Panel
 from .widgets import put
 

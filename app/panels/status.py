@@ -8,10 +8,9 @@ images are.
 from viewimit.drawing.curves import describe_errors
 from viewimit.drawing.status import StatusMessage, describe, describe_truth, draw_status
 
-from ..control.state import PageState
 from ..drawing.joint_bars import describe_body_points
-from ..drawing.links import link
-from ..drawing.overlays import describe_see_through
+from ..drawing.overlays import describe_see_through, link
+from ..model.state import PageState
 from .panel import SLOW, Layout, Panel
 from .widgets import put_html
 

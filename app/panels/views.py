@@ -1,7 +1,7 @@
 """How much there is room for, which the browser says by CSS pixels: widths of the panels, and the tabs of a window that
 is too small for all at once. layout.css shows the one that is chosen, without the server."""
 
-from ..control.state import PageState
+from ..model.state import PageState
 from .panel import Layout, Panel
 
 ICONS = {  # 24 x 24, strokes

@@ -8,8 +8,8 @@ from viser import GuiButtonHandle, IconName
 
 from viewimit.drawing.svg import joint_symbol
 
-from ..control.commands.command import Command
-from ..control.state import PageState
+from ..model.queue import Command
+from ..model.state import PageState
 from ..viser_private import push_input, push_property
 from .panel import Layout
 

@@ -21,8 +21,7 @@ from viewimit.simulation.urdf.reference import is_reference
 from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
-from .nodes import Nodes
-from .rotations import joint_quaternion, quaternion
+from .nodes import Nodes, joint_quaternion, quaternion
 
 ALWAYS_SEEN = ("learner", "demonstrator")
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}

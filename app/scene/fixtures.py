@@ -29,10 +29,7 @@ from viewimit.simulation.scene_geometry import (
 from viewimit.simulation.world import World
 
 from .. import viser_private
-from .colours import linear
-from .lettering import add_text
-from .nodes import Nodes
-from .rotations import quaternion
+from .nodes import Nodes, add_text, linear, quaternion
 
 BEHIND = 0.002  # m, a picture's distance from its plate
 CELLS, PIECE = 10, 5  # of the floor on either side, and points of its lines from one to the next that are drawn

@@ -13,10 +13,9 @@ from viewimit.simulation.camera import Camera
 from viewimit.simulation.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.simulation.world import World
 
-from ..control.state import PageState, View
+from ..model.state import PageState, View
 from ..viser_private import push_array, push_position
-from .colours import linear
-from .nodes import Nodes
+from .nodes import Nodes, linear
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
 

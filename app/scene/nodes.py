@@ -1,8 +1,18 @@
 """The nodes of one page's scene, from world to world."""
 
+from collections.abc import Sequence
+from functools import lru_cache
+from math import cos, sin
 from typing import TypeVar
 
-from viser import SceneNodeHandle
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image, ImageDraw, ImageFont
+from viewimit.assets import ROOT
+from viser import ImageHandle, SceneApi, SceneNodeHandle
+
+from viewimit.drawing.theme import rgb
+from viewimit.simulation.scene_geometry import default_view
 
 Node = TypeVar("Node", bound=SceneNodeHandle)
 
@@ -30,3 +40,94 @@ class Nodes:
         for name, node in self._of_before.items():
             if name not in self._of_world:
                 node.visible = False
+
+
+# Rotations as viser takes them: unit quaternions (w, x, y, z).
+
+
+def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
+    """R (3, 3) → (w, x, y, z), by the largest of its four squares (Shepperd 1978)."""
+    m = rotation
+    squares = np.array(
+        [
+            1 + m[0, 0] + m[1, 1] + m[2, 2],
+            1 + m[0, 0] - m[1, 1] - m[2, 2],
+            1 - m[0, 0] + m[1, 1] - m[2, 2],
+            1 - m[0, 0] - m[1, 1] + m[2, 2],
+        ]
+    )
+    k = int(np.argmax(squares))
+    products = np.array(
+        [
+            [squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [m[2, 1] - m[1, 2], squares[1], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]],
+            [m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], squares[2], m[2, 1] + m[1, 2]],
+            [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], squares[3]],
+        ]
+    )
+    w, x, y, z = products[k] / (2 * np.sqrt(squares[k]))
+    return float(w), float(x), float(y), float(z)
+
+
+def joint_quaternion(
+    T_parent_joint_wxyz: Sequence[float], axis: Sequence[float], angle: float
+) -> tuple[float, float, float, float]:
+    """Orientation of a joint's frame at `angle` rad: that of angle 0 times the turn about its axis, (3,)."""
+    a, b, c, d = T_parent_joint_wxyz
+    s, w = sin(angle / 2), cos(angle / 2)
+    x, y, z = s * axis[0], s * axis[1], s * axis[2]
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+
+
+# Colours as viser takes them.
+
+
+def linear(colour: ArrayLike) -> NDArray:
+    """(..., 3) sRGB, 0 … 255 → uint8. Batched meshes, and segments of several colours, read them as linear light."""
+    share = np.asarray(colour) / 255
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.round(255 * light).astype(np.uint8)
+
+
+# Words in the 3-D scene. viser's own labels are black on white in every colour scheme; these have a role's colour.
+
+FONT = ImageFont.truetype(
+    str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40
+)  # px a line, twice what is seen at a pixel ratio of 1
+
+TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
+
+
+def add_text(
+    scene: SceneApi, node: str, text: str, role: str, dark: bool, position: NDArray, line: float
+) -> ImageHandle:
+    """In the colour of an arm's role, turned to who looks from where the default view does. position: (3,) m, its
+    middle; line: m, the height of a line."""
+    picture = lettering(text, rgb(TEXT_ROLES[role], dark))
+    height, width, _ = picture.shape
+    return scene.add_image(
+        node,
+        picture,
+        line * width / height,
+        line,
+        format="png",
+        cast_shadow=False,
+        receive_shadow=False,
+        wxyz=quaternion(default_view()),
+        position=position,
+    )
+
+
+@lru_cache(64)
+def lettering(text: str, color: tuple[int, int, int]) -> NDArray:
+    """(h, w, 4) uint8, a line of text on nothing: one colour, and how much of each pixel it covers."""
+    ascent, descent = FONT.getmetrics()
+    cover = Image.new("L", (round(FONT.getlength(text)) + 4, ascent + descent))
+    ImageDraw.Draw(cover).text((2, 0), text, 255, FONT)
+    alpha = np.asarray(cover)[..., None]
+    return np.concatenate([np.broadcast_to(np.array(color, np.uint8), (*alpha.shape[:2], 3)), alpha], axis=-1)

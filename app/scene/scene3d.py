@@ -14,17 +14,15 @@ from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene_geometry import BELOW, LOOKS, POINT_SIZE, arm_landmarks, landmarks, octahedron
 from viewimit.simulation.world import World
 
-from ..control.commands.display import ChoosePoint
-from ..control.commands.points import PlacePoint
-from ..control.queue import CommandQueue
-from ..control.state import PageState
+from ..commands.display import ChoosePoint
+from ..commands.tools import PlacePoint
+from ..model.queue import CommandQueue
+from ..model.state import PageState
 from .arms import Arms, link_name
 from .fixtures import Fixtures, add_floor, add_light
-from .hand_gizmo import HandGizmo
+from .interaction import HandGizmo, ProposedPoint, picked
 from .moment import Moment
 from .nodes import Nodes
-from .picking import picked
-from .proposed import ProposedPoint
 from .view import DefaultView
 
 UNCOVERED = 0.05  # of the canvas's height, that is kept of what the strip covers

@@ -18,17 +18,21 @@ from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
 from .. import viser_private
-from .connection import MOST_MESSAGE, GuardedConnection
-from .content_policy import content_policy
+from .address import is_own_page
+from .connection import MOST_MESSAGE, GuardedConnection, plain_response
 from .cookie import cookie_for, token_of
-from .limits.connection_limits import Limits
-from .limits.fault_lines import in_a_line, logger_of
-from .limits.pending_connections import PendingConnections
-from .origins import is_own_page
-from .page_head import with_own_head
-from .rate_limits import LINES_A_SECOND, LINES_AT_ONCE, QuietLog, TokenBucket
-from .responses import plain_response
-from .seat_counts import SeatCounts
+from .limits import (
+    LINES_A_SECOND,
+    LINES_AT_ONCE,
+    Limits,
+    PendingConnections,
+    QuietLog,
+    TokenBucket,
+    in_a_line,
+    logger_of,
+)
+from .page_head import content_policy, with_own_head
+from .seats import Seats
 
 FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
@@ -37,21 +41,22 @@ LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-refer
 LAB_WITHIN = 3.0  # s until a page that is still computed is promised; websockets ends handshakes after 10
 LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>viewimit</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
+<link rel="icon" href="data:,">
 <style>body{font:1.1rem/1.5 system-ui,sans-serif;max-width:34em;margin:20vh auto;padding:0 1em}</style></head><body>
 <p role="status">This lesson is computed for the first time, which takes up to a minute. It opens by itself.</p>
 <script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
 NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="5">
-<title>viewimit: all seats are taken</title>
+<link rel="icon" href="data:,"><title>viewimit: all seats are taken</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
 <h1>All seats are taken</h1><p>{why}. This page tries again every few seconds; close a tab elsewhere to make room.</p>
 </body></html>"""
 
 
 class AccessControl:
-    """`serve` stands for websockets' own. limits: of this process; origins: pages elsewhere that may connect, as
-    scheme://host:port; counts: of all processes; worker: number of this one; listening: a socket in place of a port of
+    """`serve` stands for websockets' own. limits: of each process; origins: pages elsewhere that may connect, as
+    scheme://host:port; seats: of all processes; process: number of this one; listening: a socket in place of a port of
     its own; lab: pages of the lab, itself "", lessons by name.
     """
 
@@ -59,14 +64,14 @@ class AccessControl:
         self,
         limits: Limits,
         origins: Iterable[str],
-        counts: SeatCounts,
-        worker: int = 0,
+        seats: Seats,
+        process: int = 0,
         listening: socket.socket | None = None,
         lab: Callable[[str], str | None] = lambda lesson: None,
     ):
         self._lab, self._computing = lab, dict[str, asyncio.Future[str | None]]()
         self.limits, self._origins = limits, frozenset(origins)
-        self._counts, self._own, self._listening = counts, counts.rows[worker], listening
+        self._all_seats, self._own, self._listening = seats, seats.rows[process], listening
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
@@ -130,11 +135,12 @@ class AccessControl:
 
     @property
     def full(self) -> bool:
-        return len(self.seats) >= self.limits.seats
+        """Whether all processes together have as many tabs as they may; each may be one too many."""
+        return self._all_seats.taken >= self.limits.seats
 
     def full_for(self, address: int) -> bool:
         """Whether as many tabs are open from there as one address may have."""
-        return self._counts.seats_of(address) >= self.limits.seats_of_one
+        return self._all_seats.taken_from(address) >= self.limits.seats_of_one
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """A response, or None: take the websocket. Who comes before all is ready waits."""
@@ -161,8 +167,8 @@ class AccessControl:
         if answer.status_code == http.HTTPStatus.NOT_FOUND:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
-        if is_page and self._counts.seats >= self.limits.seats_of_all:  # another may have one left
-            why = f"{self._counts.seats} tabs are open here, which is as many as there is room for"
+        if is_page and self.full:
+            why = f"{self._all_seats.taken} tabs are open here, which is as many as there is room for"
             answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
         elif is_page and self.full_for(connection.network):
             why = (
@@ -213,12 +219,15 @@ class AccessControl:
         if connection in self.seats:
             self.seats.discard(connection)
             self._own.leave(connection.network)
-        self._own.ended += 1
 
     def _tell_health(self) -> Response:
-        well = self._counts.well
+        well = self._all_seats.well
         status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
-        told = {"status": "ok" if well else "failing", "clients": self._counts.seats, "workers": len(self._counts.rows)}
+        told = {
+            "status": "ok" if well else "failing",
+            "clients": self._all_seats.taken,
+            "workers": len(self._all_seats.rows),
+        }
         return plain_response(status, json.dumps(told) + "\n", "application/json")
 
 

@@ -1,34 +1,78 @@
-"""A connection whose messages are checked before viser sees them, at a bounded rate."""
+"""A connection: its request is read and answered, then its messages are checked before viser sees them."""
 
 import asyncio
+import re
 import socket
 from contextlib import suppress
 from http import HTTPStatus
 from typing import Any, Protocol
 
+import h11
 from viser import ClientHandle
 from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
+from websockets.http11 import MAX_LINE_LENGTH, MAX_NUM_HEADERS, Response
 from websockets.protocol import State
 
-from . import message_schema
-from .limits.client_address import network_of
-from .limits.connection_limits import Limits
-from .limits.pending_connections import PendingConnections
-from .limits.unsent import Unsent
-from .message_schema import Hostile, Refused
-from .rate_limits import TokenBucket
-from .request_head import METHODS, MOST_HEAD, NotAnswered, RequestHead, read_head, too_long
-from .responses import plain_response
-from .validation import PART, MessageValidator
+from . import messages
+from .limits import Limits, PendingConnections, TokenBucket, Unsent, network_of
+from .messages import PART, Hostile, MessageValidator, Refused
 
+MOST_HEAD = 1 << 14  # bytes of a request's head
+METHODS = "GET, HEAD"
+ONCE = (  # headers that would be given to two answers, or to none
+    b"accept-encoding", b"cookie", b"host", b"origin", b"sec-fetch-site", b"sec-purpose", b"sec-websocket-key",
+    b"sec-websocket-version", b"transfer-encoding", b"upgrade", b"x-forwarded-proto",
+)  # fmt: skip
+PRINTABLE = re.compile(rb"[\t -~\x80-\xff]*")
 MOST_MESSAGE = PART + 4096  # bytes
 FRAMES_A_SECOND, FRAMES_AT_ONCE = 150, 600  # of all kinds; a browser sends at most 20 a second and widget
 REFUSALS_A_SECOND, REFUSALS_AT_ONCE = 0.5, 20  # messages that are dropped, before the client is closed
 LINES_OF_ONE = 1.0  # a second, that one connection brings into the log
 UNSENT = 1 << 18  # bytes that the system keeps for a client that is slow to take them
 LOOKS = 4  # at what waits for a client, in the time in which it must take something of it
+
+
+class NotAnswered(ValueError):
+    """A request that gets nothing but a status and a sentence."""
+
+    def __init__(self, status: HTTPStatus, what: str):
+        super().__init__(what)
+        self.status = status
+
+
+def plain_response(status: HTTPStatus, text: str, kind: str = "text/plain", **more: str) -> Response:
+    """Return an answer with which the connection ends. more: further headers."""
+    body = text.encode()
+    headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)), **more})
+    headers["Connection"] = "close"
+    headers["Cache-Control"] = "no-store"
+    return Response(status.value, status.phrase, headers, body)
+
+
+def as_get(request: h11.Request) -> bytes:
+    """Write the head of a request as a GET of HTTP/1.1, all that websockets reads. Raises NotAnswered."""
+    headers = dict(request.headers)
+    if request.http_version not in (b"1.0", b"1.1"):
+        raise NotAnswered(HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "another version than HTTP/1.0 or HTTP/1.1")
+    if request.method.decode() not in METHODS.split(", "):
+        raise NotAnswered(HTTPStatus.METHOD_NOT_ALLOWED, f"another method than {METHODS}")
+    twice = next((name for name in ONCE if [found for found, _ in request.headers].count(name) > 1), None)
+    if twice is not None:
+        raise NotAnswered(HTTPStatus.BAD_REQUEST, f"a request with more than one {twice.decode()}")
+    if not all(PRINTABLE.fullmatch(value) for _, value in request.headers):
+        raise NotAnswered(HTTPStatus.BAD_REQUEST, "a header with control characters")
+    if b"transfer-encoding" in headers or headers.pop(b"content-length", b"0") != b"0":
+        raise NotAnswered(HTTPStatus.BAD_REQUEST, "a head that a body follows")
+    if b"upgrade" in headers and (request.method != b"GET" or request.http_version == b"1.0"):
+        raise NotAnswered(HTTPStatus.BAD_REQUEST, "a websocket by another request than a GET of HTTP/1.1")
+    lines = [b"GET %s HTTP/1.1\r\n" % request.target]
+    lines += [b"%s: %s\r\n" % pair for pair in request.headers if pair[0] in headers]
+    if len(lines) > MAX_NUM_HEADERS or max(map(len, lines)) > MAX_LINE_LENGTH or sum(map(len, lines)) > MOST_HEAD:
+        raise NotAnswered(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too many headers, or too long")
+    return b"".join(lines) + b"\r\n"
 
 
 class Host(Protocol):
@@ -56,9 +100,11 @@ class GuardedConnection(ServerConnection):
         self.token: str | None = None
         self.network = network_of(None)
         self._unsent = Unsent()
-        self._received = b""  # of a request that has not come as a whole; then what came behind it before its answer
-        self._came = 0  # bytes, with empty lines before it
-        self._head: RequestHead | None = None
+        self._http = h11.Connection(h11.SERVER, MOST_HEAD)
+        self._came = 0  # bytes, with empty lines before the head
+        self._begun = False
+        self._asked: h11.Request | None = None
+        self._early = b""  # what came behind the request for a websocket before its answer
         self._refused = False
         self._frames = TokenBucket(FRAMES_A_SECOND, FRAMES_AT_ONCE)
         self._lines = TokenBucket(LINES_OF_ONE, 1)
@@ -72,7 +118,11 @@ class GuardedConnection(ServerConnection):
     @property
     def wants_no_body(self) -> bool:
         """Whether its request is for the head of an answer."""
-        return self._head is not None and not self._head.of_body
+        return self._asked is not None and self._asked.method == b"HEAD"
+
+    @property
+    def _wants_websocket(self) -> bool:
+        return self._asked is not None and b"upgrade" in dict(self._asked.headers)
 
     @property
     def name(self) -> str:
@@ -100,39 +150,46 @@ class GuardedConnection(ServerConnection):
         self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
 
     def data_received(self, data: bytes) -> None:
-        if self._head is not None:
+        if self._refused:
+            return
+        if self._asked is not None:
             self._read_on(data)
-        elif not self._refused:
-            self._came += len(data)
-            self._received = (self._received + data).lstrip(b"\r\n")
-            if b"\n" in data or self._came > MOST_HEAD:  # else it cannot be whole
-                self._begin()
-
-    def _begin(self) -> None:
-        """Once all of a request's head has come."""
+            return
         try:
-            self._head = read_head(self._received)
-            if self._head is None and self._came > MOST_HEAD:
-                raise too_long()
+            self._read_head(data)
         except NotAnswered as refusal:
             self._refuse(refusal)
-            return
-        if self._head is not None:
-            self._received = b""
-            super().data_received(self._head.plain)
-            self._read_on(self._head.behind)
+
+    def _read_head(self, data: bytes) -> None:
+        """Read on in the head of the request; once it is whole, websockets gets it as a GET."""
+        self._came += len(data)
+        data = data if self._begun else data.lstrip(b"\r\n")  # which may come first
+        self._begun = self._begun or bool(data)
+        if data:
+            self._http.receive_data(data)
+        try:
+            event = self._http.next_event()
+        except h11.RemoteProtocolError as error:
+            status = HTTPStatus(error.error_status_hint)
+            raise NotAnswered(status, "a malformed head, or one that is too long") from None
+        if isinstance(event, h11.Request):
+            self._asked = event
+            super().data_received(as_get(event))
+            self._read_on(self._http.trailing_data[0])
+        elif self._came > MOST_HEAD:
+            raise NotAnswered(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"a head of more than {MOST_HEAD} bytes")
 
     def _read_on(self, data: bytes) -> None:
         """What comes behind a request's head. Before the answer websockets would take it for a frame, fail, and answer
         nothing: what follows the request for a websocket waits, be it not too much; all else asks for nothing more."""
         if self.protocol.state is not State.CONNECTING:
             super().data_received(data)
-        elif self._head is not None and self._head.websocket and len(self._received) + len(data) <= MOST_HEAD:
-            self._received += data
+        elif self._wants_websocket and len(self._early) + len(data) <= MOST_HEAD:
+            self._early += data
 
     async def handshake(self, *args, **options) -> None:
         await super().handshake(*args, **options)
-        early, self._received = self._received, b""
+        early, self._early = self._early, b""
         if early and self.protocol.state is State.OPEN:
             super().data_received(early)
 
@@ -140,13 +197,13 @@ class GuardedConnection(ServerConnection):
         """Who has sent all of a request may end its side, and is answered yet; True: the connection stays."""
         if self._refused:
             return False  # it is closed once the answer is sent
-        if self._head is not None and not self._head.websocket and self.protocol.state is State.CONNECTING:
+        if self._asked is not None and not self._wants_websocket and self.protocol.state is State.CONNECTING:
             return True
         return super().eof_received()
 
     def _end_if_late(self) -> None:
         """Who has begun a request and not said all of its head is told so; who has said nothing is left as it is."""
-        if self._head is None and self._received and not self._refused:
+        if self._asked is None and self._begun and not self._refused:
             within = self._host.limits.head_within
             self._refuse(NotAnswered(HTTPStatus.REQUEST_TIMEOUT, f"a head that was not whole after {within:g} s"))
 
@@ -156,9 +213,8 @@ class GuardedConnection(ServerConnection):
         self._host.note(self, str(refusal))
         allow = {"Allow": METHODS} if refusal.status == HTTPStatus.METHOD_NOT_ALLOWED else {}
         answer = plain_response(refusal.status, str(refusal) + "\n", **allow)
-        if self._received.startswith(b"HEAD "):
+        if self.wants_no_body:
             answer.body = b""
-        self._received = b""
         self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
         self.transport.write(answer.serialize())
         with suppress(OSError):  # it has just gone
@@ -219,11 +275,11 @@ class GuardedConnection(ServerConnection):
                 self._end(CloseCode.POLICY_VIOLATION, str(refusal))
 
     def _admit(self, raw: bytes | str) -> None:
-        message = message_schema.read(raw)
+        message = messages.read(raw)
         if self._validator is None:
             client = self._host.client_of(self)
             if client is None:
-                if not isinstance(message, message_schema.ViewerCameraMessage):
+                if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
             self._validator = MessageValidator(client, self._host.belongs_to_another)

@@ -19,14 +19,14 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..control.scheduler import Scheduler
-from ..control.services import Services
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
-from ..page import LEAVES_WITHIN, CannotResume, Page
+from ..model.services import Services
+from ..page.page import LEAVES_WITHIN, CannotResume, Page
+from ..page.scheduler import Scheduler
 from ..panels.panel import Reach
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
@@ -35,11 +35,9 @@ from ..sessions.resume import Place, SessionKeys
 from ..sessions.stores import open_store
 from ..static import stylesheet
 from .access import AccessControl
-from .address import origin_for_others
-from .limits.fault_lines import in_a_line
-from .options import ServerOptions
-from .origins import own_names
-from .seat_counts import SeatCounts
+from .address import origin_for_others, own_names
+from .limits import ServerOptions, in_a_line
+from .seats import Seats
 
 BUILT_AT_ONCE = 2  # pages: all others would wait for many more
 AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
@@ -49,21 +47,21 @@ log = logging.getLogger(__name__)
 @contextlib.contextmanager
 def serving(
     options: ServerOptions,
-    counts: SeatCounts,
-    worker: int = 0,
+    seats: Seats,
+    process: int = 0,
     listening: socket.socket | None = None,
     port: int = 0,
 ) -> Iterator[int]:
     """Pages are served inside, on the port that it yields; in the end all that the visitors did is kept.
 
-    worker: which of the processes this one is; listening: a socket in place of host and port.
+    process: which of them this one is; listening: a socket in place of host and port.
     Raises OSError for a store that cannot be used.
     """
     own_names()  # begins to ask for them
     autosave = Autosave(open_store(options.store))
-    scheduler = Scheduler(counts.rows[worker].live, counts.rows[worker].clear)
+    scheduler = Scheduler(seats.rows[process].live, seats.rows[process].clear)
     lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)
-    access = AccessControl(options.limits_of(worker), options.origins, counts, worker, listening, lab.page)
+    access = AccessControl(options.limits, options.origins, seats, process, listening, lab.page)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),

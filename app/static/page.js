@@ -1,9 +1,9 @@
 // What viser's page lacks for keys, screen readers and the stylesheet; and clicks in drawings, sent by the page's own
-// connection.
+// connection. What a browser may lack is in limits.js, which comes before it.
 "use strict";
 // viser's worker has the connection. An action is sent at once, and again until a text widget that nobody sees shows its
 // number: so each is taken once, in its order, also if the connection was lost
-const LABEL = "vi-actions", AGAIN_MS = 2000, LOAD = Math.random().toString(36).slice(2);
+const LABEL = "vi-actions", AGAIN_MS = 2000, WATCHES_AFTER_MS = 4000, LOAD = Math.random().toString(36).slice(2);
 let wire = null, box = "", acted = 0, unsaid = [], again = 0, isDue = false;
 const say = () => {
   clearTimeout(again);
@@ -25,6 +25,8 @@ const taken = last => {
 const heard = message => {
   if (message.type === "GuiTextMessage" && message.props.label === LABEL) {
     box = message.uuid;
+    if (!isConnected) setTimeout(watchSpeed, WATCHES_AFTER_MS, () => act("flat", 1));
+    connected();
     tellBrowser();  // and what was left before the connection was lost
   } else if (message.type === "GuiUpdateMessage" && message.uuid === box && "value" in message.updates) {
     taken(message.updates.value);
@@ -59,8 +61,6 @@ document.addEventListener("click", event => {
 const MEDIA = Object.entries({
   dark: "(prefers-color-scheme:dark)",
   still: "(prefers-reduced-motion:reduce)",
-  layout: "(min-width:1600px) and (min-height:900px)",  // the page has room for more
-  vast: "(min-width:2400px) and (min-height:1200px)",  // for much more
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
 const tellBrowser = () => {
@@ -103,7 +103,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = "large large-figures large-l large-r large-L large-R card";
+const ALONE = "flat large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",
@@ -116,28 +116,23 @@ const OF_MARKERS = [
   ["vi-lines", "vi-row", marker => marker.parentElement.parentElement],
   ["vi-quiet-lines", "vi-row vi-quiet", marker => marker.parentElement.parentElement],
   ["vi-play-cell", "vi-play-row", marker => marker.parentElement],
+  ["vi-stack", "vi-four", marker => marker.closest(".vi-above") ? null : marker.parentElement.parentElement],
   ["vi-before-tabs", "mantine-Tabs-root", marker => marker.parentElement.previousElementSibling],
 ].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);
 const name = () => {
   for (const [name, elements] of HELD) root.classList.toggle(name, elements.item(0) !== null);
+  isFlat = !drawsWebGL || root.classList.contains("vi-has-flat");
   for (const [name, selector] of FOUND) root.classList.toggle(name, document.querySelector(selector) !== null);
   for (const [name, markers, place] of OF_MARKERS)
     for (const marker of markers) place(marker)?.classList.toggle(name, true);
+  for (const strip of document.querySelectorAll("[data-dock-strip]"))
+    strip.classList.toggle("vi-alone", strip.querySelectorAll("[role=tab]").length < 2);
 };
 document.addEventListener("change", name);
 for (const [event, drags] of [["pointerdown", true], ["pointerup", false], ["pointercancel", false]])
   document.addEventListener(event, ({target}) => {
     root.classList.toggle("vi-drags", drags && target.closest(".mantine-Slider-root") !== null);
   }, true);
-// What is shown in the card beside the scene has no tab: who was there sees the first one
-const leaveCurves = () => {
-  if (!root.classList.contains("vi-has-card")) return;
-  for (const tab of document.querySelectorAll("[data-dock-strip] [role=tab][aria-selected=true]")) {
-    const first = tab.closest("[data-dock-strip]").querySelector("[role=tab]");
-    if (!tab.checkVisibility() && first.checkVisibility())
-      for (const kind of ["pointerdown", "pointerup"]) first.dispatchEvent(new PointerEvent(kind, {bubbles: true}));
-  }
-};
 let waits = false;
 const later = () => {
   if (waits) return;
@@ -145,7 +140,6 @@ const later = () => {
   setTimeout(() => {
     waits = false;
     describe();
-    leaveCurves();
     tellUnseen();
   }, 100);
 };
@@ -268,6 +262,17 @@ const presents = key => {
 };
 document.addEventListener("pointermove", event => {
   pointer.style.translate = `${event.clientX}px ${event.clientY}px`;
+});
+
+// A row of a matrix of an equation lights its epipolar line in the images
+document.addEventListener("pointerover", ({target}) => {
+  const row = target.closest("[data-lines] mtr"), {line} = root.dataset;
+  const matrix = row && row.closest("[data-lines]").querySelector("mtable");
+  const rows = matrix && matrix.contains(row) ? [...matrix.querySelectorAll("mtr")] : [];
+  const lit = rows.length ? row.closest("[data-lines]").dataset.lines.split(" ")[rows.indexOf(row)] : undefined;
+  if (lit === line) return;
+  if (lit) root.dataset.line = lit;
+  else delete root.dataset.line;
 });
 
 // A question that keys have come to keeps the focus when the numbers beside it are drawn anew

@@ -17,11 +17,10 @@ from viewimit.analysis.landscape import Landscape, landscape
 from viewimit.analysis.self_assessment import assess
 from viewimit.drawing import curves, status
 from viewimit.drawing import landscape as landscapes
+from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.panel import draw_images
-from viewimit.drawing.images.planes import image_windows
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.simulation.appearance import Bodies, Silhouettes, reachable_image_points
-from viewimit.simulation.robot import link_meshes
+from viewimit.simulation.appearance import Bodies
 
 from . import states
 
@@ -39,19 +38,18 @@ class Drawing:
 
 
 def _bodies(session: Session) -> Bodies:
-    return _silhouettes(session).bodies(session.snapshot)
+    return _appearance(session).of(session.snapshot)[0]
 
 
 @cache
-def _silhouettes(session: Session) -> Silhouettes:
-    meshes = link_meshes(session.world.scene.robot)
-    return Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, session.world)
+def _appearance(session: Session) -> Appearance:
+    return Appearance(session.world)
 
 
 def _images(session: Session, chosen: int) -> str:
-    now, world = session.snapshot, session.world
-    windows = image_windows(reachable_image_points(world, [now.theta, now.theta_demo]), world.scene.head.image)
-    return draw_images(now, _bodies(session), windows, chosen, construction=construct(now, chosen))
+    now = session.snapshot
+    bodies, windows = _appearance(session).of(now)
+    return draw_images(now, bodies, windows, chosen, construction=construct(now, chosen), goal=True)
 
 
 @cache
@@ -107,8 +105,8 @@ class DrawingDirective(SphinxDirective):
         words = nodes.container("", classes=["words"])
         self.state.nested_parse(self.content, self.content_offset, words)
         E = states.session(drawing.state).snapshot.E
-        told = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
-        words += nodes.raw("", f"<p><a {told}>Open the page in this state</a></p>", format="html")
+        anchor = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
+        words += nodes.raw("", f"<p><a {anchor}>Open the page in this state</a></p>", format="html")
         figure += words
         return [figure]
 

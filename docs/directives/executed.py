@@ -145,7 +145,7 @@ class Console(SphinxDirective):
     option_spec = {"status": directives.nonnegative_int, "short": directives.positive_int}
 
     def run(self) -> list[nodes.Node]:
-        told, place = [], workspace(self.env.docname)
+        printed, place = [], workspace(self.env.docname)
         commands = [line for line in self.content if line.strip()]
         for k, line in enumerate(commands):
             where = f"{self.env.docname}, line {self.lineno}: {line}"
@@ -158,8 +158,8 @@ class Console(SphinxDirective):
                 raise ExtensionError(f"{where}: ends with status {status}, not {expected}: {err}")
             output = (out + (err if status else "")).rstrip("\n")
             most = self.options.get("short", len(output))
-            told += [line, *([output[:most] + ("…" if len(output) > most else "")] if output else [])]
-        return [literal("\n".join(told), "console", "console")]
+            printed += [line, *([output[:most] + ("…" if len(output) > most else "")] if output else [])]
+        return [literal("\n".join(printed), "console", "console")]
 
     @staticmethod
     def _viewimit(words: list[str], place: Workspace) -> tuple[int, str, str]:

@@ -74,5 +74,21 @@ class Gallery(SphinxDirective):
         return [nodes.raw("", build_gallery(Path(self.env.app.outdir) / FOLDER), format="html")]
 
 
+class Replay(SphinxDirective):
+    """One replay of the gallery, in a frame of its own: `replay NAME`."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Raises an error that names the replays, for an unknown name."""
+        found = {entry.name: entry for entry in entries()}
+        entry = found.get(self.arguments[0])
+        if entry is None:
+            raise self.error(f"no replay {self.arguments[0]}: there are {', '.join(found)}")
+        frame = f'<iframe class="replay" src="{FOLDER}/{entry.name}.html" title="{html.escape(entry.title)}"></iframe>'
+        return [nodes.raw("", frame, format="html")]
+
+
 def add_to(app: Sphinx) -> None:
     app.add_directive("gallery", Gallery)
+    app.add_directive("replay", Replay)

@@ -20,8 +20,8 @@ class Glossary(SphinxDirective):
                 section += nodes.raw("", f'<div class="equation">{mathml(entry.formula)}</div>', format="html")
             for level, words in (("Good", entry.good), ("Bad", entry.bad)):
                 if words:
-                    told = f'<p><b class="{level.lower()}">{level}</b> {escape(words)}</p>'
-                    section += nodes.raw("", told, format="html")
+                    grade = f'<p><b class="{level.lower()}">{level}</b> {escape(words)}</p>'
+                    section += nodes.raw("", grade, format="html")
             found.append(section)
         return found
 

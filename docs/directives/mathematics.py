@@ -15,9 +15,9 @@ def inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 def block(translator: HTML5Translator, node: nodes.math_block) -> None:
     number = node.get("label")
-    told = f'<span class="number">({number})</span>' if number else ""
+    label = f'<span class="number">({number})</span>' if number else ""
     place = f' id="equation-{number}"' if number else ""
-    translator.body.append(f'<div class="equation"{place}>{_convert(node.astext(), "block")}{told}</div>')
+    translator.body.append(f'<div class="equation"{place}>{_convert(node.astext(), "block")}{label}</div>')
     raise nodes.SkipNode
 
 

@@ -33,8 +33,8 @@ class Measured(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         rows = ["| what | found | command |", "|---|---|---|"]
         for figure in figures():
-            told = "<br>".join(f"`{command}`" for command in figure.commands)
-            rows.append(f"| {figure.what} | {figure.found} | {told} |")
+            commands = "<br>".join(f"`{command}`" for command in figure.commands)
+            rows.append(f"| {figure.what} | {figure.found} | {commands} |")
         place = nodes.container(classes=["measured"])
         self.state.nested_parse(StringList(rows, str(FILE)), 0, place)
         settings = {command: found for figure in figures() for command, found in zip(figure.commands, figure.settings)}

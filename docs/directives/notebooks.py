@@ -18,8 +18,8 @@ def as_markdown(notebook: str) -> str:
 
 def _read(app: Sphinx, page: str, source: list[str]) -> None:
     if str(app.env.doc2path(page)).endswith(ENDING):
-        told = f"This page is a notebook, `docs/{page}{ENDING}`, as it ran when these pages were built."
-        source[0] = f"{as_markdown(source[0])}\n\n---\n\n{told}\n"
+        origin = f"This page is a notebook, `docs/{page}{ENDING}`, as it ran when these pages were built."
+        source[0] = f"{as_markdown(source[0])}\n\n---\n\n{origin}\n"
 
 
 def add_to(app: Sphinx) -> None:

@@ -389,7 +389,7 @@ def files(tmp_path, monkeypatch):
         ("landscape --step-deg nan", "--step-deg: must be between 0.1 and 45, got nan"),
         ("landscape --joints 1,2,3", "--scene, --joints: a landscape needs two moving joints, this scene has 3"),
         ("reproduce fig7 --joints 2", "--joints, .*: a landscape needs two moving joints, this scene has 1"),
-        ("landscape --out a.pdf", "--out: a.pdf: unknown extension '.pdf'; there are .npz, .csv, .png, .svg"),
+        ("landscape --out a.gif", "--out: a.gif: unknown extension '.gif'; there are .npz, .csv, .svg, .png, .pdf"),
         ("landscape --out nowhere/a.npz", "--out: .*nowhere/a.npz: No such file or directory"),
         ("landscape --out nowhere/a.csv", "--out: .*nowhere/a.csv: No such file or directory"),
         ("imitate --out a.xlsx", "--out: a.xlsx: unknown extension '.xlsx'; there are .csv, .npz"),

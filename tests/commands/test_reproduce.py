@@ -96,7 +96,7 @@ def test_a_recorded_motion_of_other_joints_is_imitated(ask_json, tmp_path):
 
 
 def test_without_a_renderer_it_says_what_to_install(ask, tmp_path, monkeypatch):
-    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda suffix=".png": False)
     status, _, err = ask("reproduce", "fig10", "--out", tmp_path)
     assert status == 0 and "pip install 'viewimit[plot]'" in err
     assert {path.suffix for path in tmp_path.iterdir()} == {".npz", ".csv", ".json", ".svg"}

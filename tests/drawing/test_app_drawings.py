@@ -14,6 +14,7 @@ from drawn import (
     FROM_LEFT,
     FROM_PARTNER,
     FROM_RIGHT,
+    GOAL_POINTS,
     HIGH,
     LEARNERS_PATH,
     LEVEL_NUMBERS,
@@ -39,8 +40,9 @@ from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing import curves, equations, glossary, relief, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
+from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images import panel
-from viewimit.drawing.images.planes import image_windows
+from viewimit.drawing.images.planes import MARGIN, SIZES, holds, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.equations import MISSING
 from viewimit.estimation.residuals import conflict
@@ -51,7 +53,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import Certificate, ServoStatus
 from viewimit.servo.trust_region.options import MAX_STD_PER_PX
-from viewimit.simulation.appearance import Silhouettes, reachable_image_points
+from viewimit.simulation.appearance import Silhouettes, points_in_images
 
 MINUS = "−"
 MATHML = "{http://www.w3.org/1998/Math/MathML}"
@@ -105,11 +107,14 @@ def silhouettes(session):
 def drawn(session, chosen=None, silhouettes=None, snapshot=None, **options):
     silhouettes = silhouettes or Silhouettes({}, session.world)
     snapshot = snapshot or session.snapshot
-    return panel.draw_images(snapshot, silhouettes.bodies(snapshot), windows_of(session), chosen, **options)
+    return panel.draw_images(
+        snapshot, silhouettes.bodies(snapshot), windows_of(session, silhouettes), chosen, **options
+    )
 
 
-def windows_of(session):
-    return image_windows(reachable_image_points(session.world), session.scene.head.image)
+def windows_of(session, silhouettes=None):
+    bodies = (silhouettes or Silhouettes({}, session.world)).bodies(session.snapshot)
+    return image_windows(points_in_images(bodies), session.scene.head.image)
 
 
 def planes(html):
@@ -199,23 +204,59 @@ class TestImages:
         assert f"×{gain}" in drawn(session)
         assert panel.arrow_gain(np.array([[8.0, 1.0]])) == 1
 
-    def test_windows_hold_every_point_of_every_posture(self, session):
-        world, windows = session.world, windows_of(session)[False]
-        lower, upper = world.scene.lower, world.scene.upper
-        rng = np.random.default_rng(1)
-        for theta in rng.uniform(lower, upper, (40, 2)):
-            for names, (points, _) in (("lr", world.demo_images(theta)), ("LR", world.own_images(theta))):
-                for k, name in enumerate(names):
-                    w = windows[name]
-                    inside = (points[:, 2 * k : 2 * k + 2] - (w.x, w.y)) / (w.w, w.h)
-                    assert (inside > 0).all() and (inside < 1).all()
-        assert windows["L"].scale == windows["R"].scale and windows["l"].scale == windows["r"].scale
+    def test_windows_fit_the_run_and_its_goal_with_room_for_a_ring(self, session):
+        appearance, world = Appearance(session.world), session.world
+        for snapshot in session.history:
+            bodies, windows = appearance.of(snapshot)
+            for view, points in points_in_images(bodies).items():
+                x, y, w, h, scale = windows[False][view][:5]
+                inside = (points - (x, y)) * scale
+                assert (inside >= 0).all() and (inside <= SIZES[False][view]).all()
+        goal = world.own_images(session.snapshot.theta_demo)[0]
+        np.testing.assert_allclose(np.concatenate(list(bodies.goal.points), -1), goal)
+        first = appearance.of(session.history[0])[1]
+        for pair in ("lr", "LR"):
+            tight = []
+            for view in pair:
+                points = (
+                    points_in_images(appearance.of(session.history[0])[0])[view] - first[False][view][:2]
+                ) * first[False][view].scale
+                room = np.array([points.min(0), SIZES[False][view] - points.max(0)])
+                assert (room >= MARGIN - 1e-6).all()
+                tight.append(room.min())
+            assert min(tight) == pytest.approx(MARGIN)
+        assert first[False]["L"].scale == first[False]["R"].scale and first[False]["l"].scale == first[False]["r"].scale
+
+    def test_windows_widen_for_an_arm_that_leaves_them_and_fit_again_at_a_start(self, session):
+        appearance, start = Appearance(session.world), session.history[0]
+        _, before = appearance.of(start)
+        far = replace(start, theta=np.radians([-30.0, 0.0]), motion=1)
+        bodies, wider = appearance.of(far)
+        assert holds(wider, points_in_images(bodies)) and not holds(before, points_in_images(bodies))
+        assert wider[False]["L"].scale < before[False]["L"].scale
+        assert appearance.of(session.history[1])[1] is wider
+        assert appearance.of(start)[1][False]["L"] == before[False]["L"]
+
+    def test_the_goal_is_where_the_learners_points_are_in_the_demonstrators_posture(self, session):
+        snapshot = session.snapshot
+        there = session.observe(snapshot.theta_demo, snapshot)
+        for name, box in planes(drawn(session, goal=True)).items():
+            rings = marked(box, "path", GOAL_POINTS)
+            assert len(rings) == (name in "LR")
+            if rings:
+                window = windows_of(session)[False][name]
+                centres = starts(rings[0].get("d"))
+                side = 2 * (name == "R")
+                expected = (there.views.own[:, side : side + 2] - (window.x, window.y)) * window.scale
+                assert centres == pytest.approx(expected, abs=0.06)
+        assert GOAL_POINTS not in used(drawn(session))
 
     def test_metrics_are_those_of_the_residuals(self, session):
         e = session.snapshot.e.reshape(-1, 2)
         text = " ".join(parsed(drawn(session)).itertext())
-        for value in (np.linalg.norm(e, axis=1).mean(), np.linalg.norm(e, axis=1).max(), session.snapshot.E):
+        for value in (np.linalg.norm(e, axis=1).mean(), np.linalg.norm(e, axis=1).max()):
             assert f"{value:.1f}" in text
+        assert svg.short_E(session.snapshot.E) in text  # as the status says it
 
     def test_too_few_points_leave_frames_points_and_dashes(self):
         session = stepped(0, missing=0.5)
@@ -231,9 +272,10 @@ class TestImages:
             method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
             monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
             snapshot = replace(session.snapshot)
-            row = panel.draw_metrics(snapshot, panel.residual_lengths(snapshot))
-            assert shape is None or shape in row
-            assert word in row and (word or "high" not in row)
+            for write in (panel.draw_metrics, panel.write_metrics):
+                row = write(panel.metrics_of(snapshot))
+                assert shape is None or shape in row
+                assert word in row and (word or "high" not in row)
 
 
 class TestSilhouettes:

@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
-from viewimit.app.control.comparison import Comparison
-from viewimit.app.control.queue import CommandQueue
 from viewimit.app.drawing.landscapes import draw_compared, draw_together
+from viewimit.app.model.landscapes import Comparison
+from viewimit.app.model.queue import CommandQueue
 
 from viewimit.analysis.minima import study_transfer
 from viewimit.estimation.transfers import TRANSFERS

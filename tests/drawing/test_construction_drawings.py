@@ -8,7 +8,7 @@ from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.images.planes import describe_construction, image_windows, last_stage
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.appearance import Silhouettes, reachable_image_points
+from viewimit.simulation.appearance import Silhouettes, points_in_images
 
 POINT = 3
 
@@ -17,7 +17,7 @@ def drawn(transfer, stage, whole=False):
     session = Session(Settings.paper(transfer=transfer))
     snapshot = session.snapshot
     bodies = Silhouettes({}, session.world).bodies(snapshot)
-    windows = image_windows(reachable_image_points(session.world), session.scene.head.image)
+    windows = image_windows(points_in_images(bodies), session.scene.head.image)
     found = construct(snapshot, POINT)
     html = draw_images(snapshot, bodies, windows, POINT, whole, construction=found, stage=stage)
     return {view: marked(parsed(html), "svg", IMAGE_L[:-1] + view)[0] for view in "lrLR"}

@@ -26,22 +26,20 @@ from drawn import (
     used,
     words,
 )
-from viewimit.app.control.duel import Duel
-from viewimit.app.control.player import Player
 from viewimit.app.drawing import duel as duel_drawing
 from viewimit.app.drawing import joint_bars, landscapes
+from viewimit.app.model.duel import Duel
+from viewimit.app.model.player import Player
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over
 from viewimit.analysis.minima import study_transfer
 from viewimit.drawing import curves, landscape
-from viewimit.drawing.images import planes
 from viewimit.drawing.landscape import SMALL_WIDTH, LandscapePicture, small_plane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import ServoStatus
-from viewimit.simulation.appearance import arm_image_points, reachable_image_points
 
 PAGE_CSS = stylesheet()
 SEVEN = Settings.paper(joints=tuple(range(1, 8)), points=16, demonstrator_deg=(10, 40, -10, -80, 15, 100, 30))
@@ -238,21 +236,6 @@ class TestObservability:
 
 
 class TestManyJoints:
-    def test_windows_hold_what_is_near_and_say_when_they_do_not(self):
-        session = Session(SEVEN)
-        world, snapshot, frame = session.world, session.snapshot, session.scene.head.image
-        windows = planes.image_windows(reachable_image_points(world, [snapshot.theta, snapshot.theta_demo]), frame)
-        assert planes.holds(windows, arm_image_points(world, snapshot))
-        far = replace(snapshot, theta=np.radians([-100.0, 80, 60, -20, 0, 200, 0]))
-        assert not planes.holds(windows, arm_image_points(world, far))
-        wider = planes.image_windows(
-            reachable_image_points(world, [snapshot.theta, snapshot.theta_demo, far.theta]), frame
-        )
-        assert planes.holds(wider, arm_image_points(world, far)) and planes.holds(
-            wider, arm_image_points(world, snapshot)
-        )
-        assert wider[False]["L"].scale <= windows[False]["L"].scale
-
     @pytest.mark.parametrize("settings, columns", [(Settings.paper(), False), (SEVEN, True)])
     def test_the_learners_bars_stand_in_two_columns_if_many(self, settings, columns):
         session = Session(settings)

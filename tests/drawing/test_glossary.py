@@ -7,7 +7,7 @@ import pytest
 from drawn import SCALE_OF_MORE, parsed
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.control.commands.session import Play, Step, Undo
+from viewimit.app.commands.session import Play, Step, Undo
 from viewimit.app.drawing.glossary import asks, beside, current_values, listed
 from viewimit.app.panels.guide.glossary import numbers_now
 from viewimit.app.panels.guide.help import help_html

@@ -6,7 +6,18 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
-from drawn import INSET, JOINT_LABELS, LABELS, LEARNERS_PATH, LED, LEVEL_NUMBERS, marked, only, parsed, path
+from drawn import (
+    INSET,
+    JOINT_LABELS,
+    LABELS,
+    LEARNERS_PATH,
+    LED,
+    LEVEL_NUMBERS,
+    marked,
+    only,
+    parsed,
+    path,
+)
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
 from viewimit.drawing import posture_plane
@@ -162,12 +173,24 @@ def test_a_plot_without_room_for_the_inset_has_none():
     made = landscape_over(
         session.world, TRANSFERS["projective"], views.demo, views.visible[:, :2], grid_axes(session.world)
     )
-    assert INSET in LandscapePicture(made, session.scene, session.snapshot).html
+    assert INSET in LandscapePicture(made, session.scene, session.snapshot).draw_path(session.history, 0)
     narrow = msgspec.structs.replace(session.scene, range_deg=((30.0, 60.0), (-180.0, 0.0)))
     rows = slice(30, 61)
     cut = replace(made, axes=(made.axes[0][rows], made.axes[1]), E=made.E[rows])
     picture = LandscapePicture(cut, narrow, session.snapshot)
-    assert INSET not in picture.html and only(parsed(picture.draw_path(session.history, 0)), "text", LEVEL_NUMBERS)
+    path = picture.draw_path(session.history, 0)
+    assert INSET not in path and only(parsed(path), "text", LEVEL_NUMBERS)
+
+
+def test_the_path_does_not_cross_the_inset():
+    """What is drawn later covers it."""
+    session = Session(Settings.paper(start_deg=(10, -170)))
+    made = landscape_over(
+        session.world, session.snapshot.fit, session.snapshot.views.demo, session.snapshot.views.visible[:, :2],
+        grid_axes(session.world),
+    )  # fmt: skip
+    path = LandscapePicture(made, session.scene, session.snapshot).draw_path(session.history, 0)
+    assert 0 <= path.index(LEARNERS_PATH) < path.index(INSET)
 
 
 def test_labels_are_not_placed_anew_when_the_path_crosses_the_lines_that_lead_to_them(monkeypatch):

@@ -15,7 +15,7 @@ from viewimit.drawing.images.planes import image_windows
 from viewimit.estimation.views import VIEWS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.appearance import Silhouettes, reachable_image_points
+from viewimit.simulation.appearance import Silhouettes, points_in_images
 from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene_geometry import on_plate
 
@@ -32,7 +32,7 @@ def planes(session, whole, pictures):
     world = session.world
     vertices = {link: mesh.vertices for link, mesh in link_meshes(world.scene.robot).items()}
     bodies = Silhouettes(vertices, world).bodies(session.snapshot)
-    windows = image_windows(reachable_image_points(world), world.scene.head.image)
+    windows = image_windows(points_in_images(bodies), world.scene.head.image)
     drawn = draw_images(session.snapshot, bodies, windows, whole_frames=whole, pictures=pictures)
     parts = re.findall(r"<svg .*?</svg>", drawn, re.DOTALL)
     return {view_name(part): part for part in parts if VIEW_NAME in part}

@@ -1,11 +1,15 @@
 """A study has the same digits wherever its runs are made, in whatever order, and however often it was interrupted."""
 
+import hashlib
+import importlib
 import json
 import math
 import os
 import signal
+import sys
 from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +17,13 @@ from numpy.typing import NDArray
 from waiting import wait_until
 
 from viewimit.commands.bench import current_words
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.estimation.transfers.registry import transfer_method
 from viewimit.experiments import executors
 from viewimit.experiments.bench import calibration, compare, robustness, scenes, success, tracking
 from viewimit.experiments.bench.benchmark import Context
 from viewimit.experiments.executors import Cluster, Done, LocalPool, Study, StudyError, StudyFolder, carry_out
-from viewimit.servo import ServoStatus
+from viewimit.servo import SERVOS, ServoStatus
 
 WHAT = {"command": "bench", "seed": 3}
 TASKS = [(k,) for k in range(7)]
@@ -150,10 +156,15 @@ def dask(monkeypatch):
     monkeypatch.setattr(executors, "CONNECT_S", 20.0)
     begun = []
 
-    def begin(workers, processes=False):
+    def begin(workers, processes=False, **more):
         begun.append(
             distributed.LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=processes, dashboard_address=":0", silence_logs=50
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=processes,
+                dashboard_address=":0",
+                silence_logs=50,
+                **more,
             )
         )
         return begun[-1]
@@ -211,6 +222,84 @@ def test_a_cluster_that_cannot_be_used_is_said_in_a_line(dask, monkeypatch):
     monkeypatch.setattr(executors.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(StudyError, match=r"needs dask.distributed: pip install 'viewimit\[cluster\]'"):
         rows(Study(Cluster(one.scheduler_address)))
+
+
+OWN_SERVO = """
+from viewimit import SERVOS
+from viewimit.servo import Broyden
+
+class Mine(Broyden):
+    pass
+
+SERVOS["mine"] = Mine()
+"""
+
+
+@pytest.fixture
+def own_servo(tmp_path, monkeypatch):
+    """A file that assigns a servo `mine`, imported here."""
+    path = tmp_path / "my_servo.py"
+    path.write_text(OWN_SERVO)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.import_module("my_servo")
+    yield path
+    del SERVOS["mine"], sys.modules["my_servo"]
+
+
+def rows_of_mine(executor):
+    settings = compare.Settings.paper(transfer="projective", servo="mine")  # workers lack it when they load the tasks
+    return compare.run(settings, ["mine"], 2, 2, 30, CASES, Context(Study(executor)))
+
+
+def test_a_worker_that_lacks_a_servo_is_named_with_the_remedy_that_helps(dask, own_servo):
+    one = dask(1, True)
+    with pytest.raises(StudyError) as refused:
+        rows_of_mine(Cluster(one.scheduler_address))
+    (worker,) = one.scheduler_info["workers"]
+    assert str(refused.value).startswith(f"the worker {worker} has no servo 'mine'; there are gradient, ")
+    assert str(refused.value).endswith(
+        "start it with --preload FILE, the .py file that assigns it to SERVOS or TRANSFERS"
+    )
+    other = dask(1, True, preload=[str(own_servo)])
+    assert repr(rows_of_mine(Cluster(other.scheduler_address))) == repr(rows_of_mine(LocalPool(1)))
+
+
+def test_a_worker_with_another_servo_of_that_name_is_refused(dask, own_servo, monkeypatch):
+    hashes, real = iter([{"servo mine": "elsewhere"}]), executors.own_methods()
+    assert list(real) == ["servo mine"]  # the library's own are not listed
+    monkeypatch.setattr(executors, "own_methods", lambda: next(hashes, real))
+    with pytest.raises(StudyError, match="the worker .* has another servo mine, of another file: start it again"):
+        rows_of_mine(Cluster(dask(1).scheduler_address))
+
+
+def test_processes_of_this_machine_that_lack_a_servo_are_reported(own_servo):
+    with pytest.raises(StudyError, match="a process of the study has no servo 'mine'; .* above `if __name__"):
+        rows_of_mine(LocalPool(2))
+
+
+def test_a_worker_that_lacks_a_function_of_the_study_is_named(dask, own_servo):
+    one, work = dask(1, True), sys.modules["my_servo"].Mine
+    own_servo.unlink()
+    with pytest.raises(StudyError, match="the worker tcp://.* lacks what the study needs .*my_servo.*: install it"):
+        list(Study(Cluster(one.scheduler_address)).each(work, [()]))
+
+
+def test_a_study_of_a_servo_that_was_edited_is_refused(own_servo, ask, monkeypatch, tmp_path):
+    monkeypatch.setattr(compare.CompareBenchmark, "cases", CASES)
+    monkeypatch.setattr(executors.os, "cpu_count", lambda: 1)
+    words = "bench", "compare", "--servo", "mine", "--runs", 1, "--max-motions", 3, "--out", tmp_path / "kept"
+    assert ask(*words)[0] == 0
+    own_servo.write_text(OWN_SERVO + "# edited")
+    status, _, err = ask(*words)
+    assert status == 2 and "holds another study, methods {'servo mine': " in err
+
+
+def test_a_transfer_of_ones_own_has_the_hash_of_its_file(own_servo, monkeypatch):
+    monkeypatch.setitem(TRANSFERS, "mine", transfer_method(sys.modules["my_servo"].Mine().start))
+    assert executors.own_methods().keys() == {"servo mine"}  # the function is the library's own
+    monkeypatch.setitem(TRANSFERS, "mine", transfer_method(tenth))
+    found = executors.own_methods()
+    assert found["transfer mine"] == hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:12]
 
 
 def test_the_fingerprint_is_of_code_that_changes_results(tmp_path, monkeypatch):

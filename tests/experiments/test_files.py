@@ -142,7 +142,7 @@ def test_a_figure_in_a_file_is_the_pages(made):
 
 
 def test_without_a_renderer_all_but_png_is_written(tmp_path, monkeypatch):
-    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda suffix=".png": False)
     written = write("fig9", EXPERIMENTS["fig9"], COARSE["fig9"](), tmp_path)
     assert {path.suffix for path in written} == {".npz", ".csv", ".json", ".svg"}
 

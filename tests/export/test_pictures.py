@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from drawn import IMAGE_L, OWN_POINTS
 from quiet_page import QuietPage
-from viewimit.app.control import saving
-from viewimit.app.control.commands.duel import ToggleDuel
-from viewimit.app.control.commands.saving import SavePicture, SaveReplay, choose_format, choose_picture
-from viewimit.app.control.commands.session import Step
-from viewimit.app.control.saving import PICTURES
+from viewimit.app.commands.session import Step
+from viewimit.app.commands.tools import SavePicture, SaveReplay, ToggleDuel, choose_format, choose_picture
 from viewimit.app.jobs.experiments import Request, Run
+from viewimit.app.model import saving
+from viewimit.app.model.saving import PICTURES
 
 import viewimit
 from viewimit.drawing.curves import draw_curves
@@ -56,7 +55,7 @@ def text_of(picture):
 
 def test_a_picture_stands_alone_and_says_what_it_is_and_what_repeats_it(session):
     moment, citation = session.history[3], cite(session)
-    images = draw_images(moment, *Appearance(session.world, session.history[0]).of(moment), 7)
+    images = draw_images(moment, *Appearance(session.world).of(moment), 7, print_size=True)
     made = make_landscape(session.world, moment)
     figures = (
         four_images(images, "The four images"),
@@ -104,7 +103,7 @@ def test_the_scene_is_seen_as_a_pinhole_camera_at_the_eye_would(session):
 def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypatch):
     picture = draw_space(session.world, session.snapshot).captioned(cite(session))
     assert encode(picture, ".svg") == picture.encode()
-    monkeypatch.setattr(figures, "can_render", lambda: False)
+    monkeypatch.setattr(figures, "can_render", lambda suffix=".png": False)
     with pytest.raises(ValueError, match=r"PNG needs resvg_py: pip install 'viewimit\[plot\]'; SVG does not"):
         encode(picture, ".png")
 

@@ -15,10 +15,10 @@ import zipfile
 
 import numpy as np
 import pytest
-from viewimit.app.control.scheduler import Scheduler
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Request
-from viewimit.app.server.seat_counts import SeatCounts
+from viewimit.app.page.scheduler import Scheduler
+from viewimit.app.server.seats import Seats
 from waiting import wait_until
 
 from viewimit.experiments.paper import fig9
@@ -202,7 +202,7 @@ def test_sessions_go_on_while_an_experiment_runs(worker, event_loop):
         def drawings(self):
             return ()
 
-    scheduler, told = Scheduler(SeatCounts().rows[0].live), Told()
+    scheduler, told = Scheduler(Seats().rows[0].live), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

@@ -53,8 +53,8 @@ from browsing import (
     wait_for_text,
     wait_until_complete,
 )
-from viewimit.app.control.names import servo_names, transfer_names
-from viewimit.app.control.presets import PRESETS
+from viewimit.app.model.choices import servo_names, transfer_names
+from viewimit.app.model.presets import PRESETS
 from viewimit.app.sessions.link import Linked, written
 
 from viewimit.loop.session import Session

@@ -3,7 +3,7 @@
 import re
 
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import Scrub, Step
+from viewimit.app.commands.session import Scrub, Step
 from viewimit.app.panels.status import StatusPanel
 
 from viewimit.loop.settings import Settings
@@ -14,7 +14,7 @@ def numbers(page):
     page.tick(0.2)
     shown, strip = page.shown, page.page.panel(StatusPanel).html
     told = [float(E) for E in re.findall(r"E ([\d.]+) px²", strip)]
-    seen = re.search(r">E</text>.*?vi-big\">([\d.]+)<", shown)[1]
+    seen = re.search(r"vi-E.*?<b>([\d.]+)</b>", shown)[1]
     instead = re.search(r": (\S+)° instead", strip)[1]
     bars = re.findall(r">([−\d.]+)°</b>", shown)
     return told[0], float(seen), instead, bars, re.search(r"<b>(.*?)</b>", strip)[1]

@@ -5,8 +5,8 @@ import threading
 import numpy as np
 import pytest
 from page_fakes import Camera, Visit
-from viewimit.app.control.background import Background
 from viewimit.app.jobs import session_eyes
+from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.panel import Panel
 from viewimit.app.sessions.autosave import SavedSession
@@ -245,7 +245,7 @@ class Counter(Panel):
 
 
 def test_a_panel_is_one_class_and_one_line_and_is_shown_only_when_what_it_shows_changes(monkeypatch):
-    monkeypatch.setattr("viewimit.app.page.PANELS", [*PANELS, Counter])
+    monkeypatch.setattr("viewimit.app.page.page.PANELS", [*PANELS, Counter])
     visit = Visit(Camera(), settings=Settings.paper())
     visit.tick(40)
     visit.act("step")

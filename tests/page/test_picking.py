@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from viewimit.app.scene.picking import REACH, picked
+from viewimit.app.scene.interaction import REACH, picked
 
 FOV = np.radians(36.0)
 AHEAD = np.array([0.0, 1.0, 0.0])

@@ -2,7 +2,7 @@
 
 import numpy as np
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import Step
+from viewimit.app.commands.session import Step
 
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene

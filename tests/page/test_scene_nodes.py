@@ -11,8 +11,8 @@ import viser
 from page_fakes import quiet_model
 from protocol import Client
 from viewed_scene import ViewedScene
-from viewimit.app.control.presets import PRESETS
-from viewimit.app.control.queue import CommandQueue
+from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.queue import CommandQueue
 from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes
 from viewimit.app.scene.moment import Moment

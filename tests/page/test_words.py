@@ -4,9 +4,9 @@ import re
 
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.control.commands.session import Step
-from viewimit.app.control.motions import NAMES
-from viewimit.app.control.presets import PRESETS
+from viewimit.app.commands.session import Step
+from viewimit.app.model.motions import NAMES
+from viewimit.app.model.presets import PRESETS
 
 from viewimit.estimation.equations import with_minus
 from viewimit.loop.settings import Settings

@@ -191,7 +191,7 @@ def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
 
 
 def test_a_png_that_cannot_be_rendered_is_refused_with_alternatives(ask, tidy, tmp_path, monkeypatch):
-    monkeypatch.setattr(figures, "can_render", lambda: False)
+    monkeypatch.setattr(figures, "can_render", lambda suffix=".png": False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
     assert status == 2 and "pip install" in err
     instead = re.search(r"(\.\w+) does not", err)[1]
@@ -235,7 +235,7 @@ def test_a_report_shows_points_and_residuals_to_one_scale(ask, ask_json, tidy, t
 def test_a_report_is_a_picture_too(ask, tidy, tmp_path, monkeypatch):
     assert ask("evaluate", tidy, "--out", tmp_path / "report.png")[0] == 0
     assert (tmp_path / "report.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda: False)
+    monkeypatch.setattr("viewimit.drawing.export.figures.can_render", lambda suffix=".png": False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "other.png")
     assert status == 2 and "pip install 'viewimit[plot]'" in err
 

@@ -7,9 +7,8 @@ import msgspec
 import pytest
 from protocol import Client
 from serving import Server, browser_of
-from viewimit.app.control.actions import LABEL, MAX_ACTIONS, MAX_CHARS, Actions
-from viewimit.app.control.commands.command import Command
-from viewimit.app.control.queue import CommandQueue
+from viewimit.app.model.queue import Command, CommandQueue
+from viewimit.app.panels.actions import LABEL, MAX_ACTIONS, MAX_CHARS, Actions
 from waiting import stays, wait_until
 
 

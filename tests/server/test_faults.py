@@ -14,11 +14,11 @@ from browsing import PAUSE
 from drawn import MOTIONS_MADE, learners_bars
 from protocol import Client
 from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of, tell_all
-from viewimit.app.control.command_loop import CommandLoop
+from viewimit.app.page.loop import CommandLoop
 from viewimit.app.panels.panel import SLOW
 from viewimit.app.panels.save import SavePanel
 from viewimit.app.server import pages
-from viewimit.app.server.limits.connection_limits import Limits
+from viewimit.app.server.limits import Limits
 from waiting import stays, wait_until
 
 from viewimit.loop.session import Session

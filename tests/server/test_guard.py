@@ -15,14 +15,13 @@ import pytest
 from browsing import PATIENCE_MS, PATIENCE_S, SPARING, STATUS
 from protocol import VIEW, Client
 from serving import Server
-from viewimit.app.server import message_schema
+from viewimit.app.server import messages as message_schema
+from viewimit.app.server.address import is_own_page
 from viewimit.app.server.connection import FRAMES_AT_ONCE, MOST_MESSAGE
-from viewimit.app.server.content_policy import content_policy
 from viewimit.app.server.cookie import cookie_value, token_of
-from viewimit.app.server.message_schema import MOST_BUT_PARTS
-from viewimit.app.server.origins import is_own_page
-from viewimit.app.server.rate_limits import LINES_A_SECOND, QuietLog, TokenBucket
-from viewimit.app.server.validation import MOST_BYTES, PART, Uploads
+from viewimit.app.server.limits import LINES_A_SECOND, QuietLog, TokenBucket
+from viewimit.app.server.messages import MOST_BUT_PARTS, MOST_BYTES, PART, Uploads
+from viewimit.app.server.page_head import content_policy
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 

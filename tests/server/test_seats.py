@@ -9,12 +9,8 @@ import viser
 from protocol import VIEW, Client
 from serving import Here, Server
 from viewimit.app.serve import usual_per_address
-from viewimit.app.server.limits.client_address import network_of
-from viewimit.app.server.limits.connection_limits import Limits
-from viewimit.app.server.limits.pending_connections import PendingConnections
-from viewimit.app.server.limits.unsent import Unsent
-from viewimit.app.server.options import PENDING, ServerOptions
-from viewimit.app.server.seat_counts import SeatCounts
+from viewimit.app.server.limits import PENDING, Limits, PendingConnections, ServerOptions, Unsent, network_of
+from viewimit.app.server.seats import Seats
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -68,7 +64,7 @@ def framed(payload: bytes) -> bytes:
 
 
 def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here):
-    server = here(Limits(seats=40, seats_of_one=40, page_within=0.5, stalled_within=600, closed_within=0.3))
+    server = here(Limits(seats_of_one=40, page_within=0.5, stalled_within=600, closed_within=0.3))
     with contextlib.ExitStack() as held:
         clients = [held.enter_context(deaf(server.url)) for _ in range(40)]
         assert all(client.recv(12) == b"HTTP/1.1 101" for client in clients)  # though the first may have left again
@@ -77,9 +73,9 @@ def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here
             assert newcomer.closed(0) is None
 
 
-@pytest.mark.parametrize("of_all, status", [(1, 503), (2, 200)])
-def test_a_page_is_refused_when_no_process_has_a_seat(here, of_all, status):
-    server = here(Limits(seats=1, seats_of_all=of_all))
+@pytest.mark.parametrize("seats, status", [(1, 503), (2, 200)])
+def test_a_page_is_refused_when_all_seats_are_taken(here, seats, status):
+    server = here(Limits(seats=seats))
     with Client(server.url).ready(), connected(server.url) as newcomer:
         newcomer.sendall(f"GET / HTTP/1.1\r\nHost: {server.url.removeprefix('http://')}\r\n\r\n".encode())
         assert newcomer.recv(12) == f"HTTP/1.1 {status}".encode()
@@ -187,23 +183,23 @@ def test_a_class_behind_one_address_has_room_by_default_and_elsewhere_too():
     most = ServerOptions().max_clients
     options = ServerOptions(workers=2, max_per_address=usual_per_address("0.0.0.0", most))
     assert 30 < options.seats_of_one < most
-    assert options.limits_of(0).pending_of_one >= 4 * 30 and options.share_of_one(PENDING) < PENDING
+    assert 4 * 30 <= options.limits.pending_of_one < PENDING
     alone = ServerOptions(max_per_address=usual_per_address("127.0.0.1", most))
-    assert alone.seats_of_one == most and alone.share_of_one(PENDING) == PENDING
+    assert alone.seats_of_one == most and alone.limits.pending_of_one == PENDING
     each = ServerOptions(max_per_address=2)
-    assert each.limits_of(0).seats_of_one == 2 and each.share_of_one(PENDING) == 12
+    assert each.limits.seats_of_one == 2 and each.limits.pending_of_one == 12
 
 
 def test_seats_are_counted_by_address_and_forgotten_with_their_process():
-    counts = SeatCounts(2)
+    counts = Seats(2)
     home, school = network_of(("10.0.0.7", 1)), network_of(("10.0.0.8", 1))
     for row, address in ((0, home), (1, home), (1, school), (0, home)):
         counts.rows[row].take(address)
-    assert (counts.seats_of(home), counts.seats_of(school), counts.seats) == (3, 1, 4)
+    assert (counts.taken_from(home), counts.taken_from(school), counts.taken) == (3, 1, 4)
     counts.rows[0].leave(home)
-    assert (counts.seats_of(home), counts.seats) == (2, 3)
+    assert (counts.taken_from(home), counts.taken) == (2, 3)
     counts.rows[1].clear()
-    assert (counts.seats_of(home), counts.seats_of(school), counts.seats) == (1, 0, 1)
+    assert (counts.taken_from(home), counts.taken_from(school), counts.taken) == (1, 0, 1)
 
 
 @pytest.mark.parametrize(

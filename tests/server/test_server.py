@@ -9,8 +9,16 @@ import pytest
 from viewimit.app import serve as serve_module
 from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 from viewimit.app.server import address as address_module
-from viewimit.app.server.address import PortInUse, address, address_for_others, invite, require_free
-from viewimit.app.server.origins import is_loopback, is_own_page, own_names
+from viewimit.app.server.address import (
+    PortInUse,
+    address,
+    address_for_others,
+    invite,
+    is_loopback,
+    is_own_page,
+    own_names,
+    require_free,
+)
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -33,9 +41,9 @@ def test_bad_settings_fail_before_a_port_is_taken():
 def test_a_class_is_served_by_more_than_one_process_where_that_can_be(monkeypatch):
     assert usual_workers("127.0.0.1") == usual_workers("localhost") == 1
     assert 1 <= usual_workers("0.0.0.0") <= MOST_WORKERS
-    monkeypatch.setattr(serve_module, "can_hand_over", lambda: False)
+    monkeypatch.setattr(serve_module, "can_share_a_port", lambda: False)
     assert usual_workers("0.0.0.0") == 1
-    with pytest.raises(ValueError, match="2 workers need a system"):
+    with pytest.raises(ValueError, match="2 workers cannot share a port"):
         serve(port=0, options=ServerOptions(workers=2))
 
 

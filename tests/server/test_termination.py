@@ -4,11 +4,11 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-from viewimit.app.server.termination import Termination
+from viewimit.app.server.processes import Termination
 
 ALWAYS = """
 import signal, sys
-from viewimit.app.server.termination import Termination
+from viewimit.app.server.processes import Termination
 
 def at_each_line(*_):
     signal.raise_signal(signal.SIGTERM)

@@ -1,200 +1,163 @@
-"""Several processes behind one port: a browser stays with its own, and what becomes of it when one ends."""
+"""Several processes behind one port: how visitors are spread over them, and what becomes of them when one ends."""
 
 import asyncio
+import contextlib
 import multiprocessing
 import os
 import signal
 import socket
+import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
 from protocol import Client
 from serving import Server, browser_of, kept_of, tell_all, workers_of
 from test_faults import comes_back, what_a_visitor_sees, work
-from viewimit.app.server import dispatcher as dispatcher_module
-from viewimit.app.server import workers as workers_module
+from viewimit.app.server import processes
 from viewimit.app.server.address import listen
-from viewimit.app.server.dispatcher import KNOWN, Dispatcher, Placing
-from viewimit.app.server.options import ServerOptions
-from viewimit.app.server.seat_counts import WELL_FOR, SeatCounts
-from viewimit.app.server.termination import Termination
-from viewimit.app.server.workers import LOOK_EVERY, Signs, working
+from viewimit.app.server.limits import ServerOptions
+from viewimit.app.server.processes import DECLINES_FOR, LOOK_EVERY, FairListener, Signs, Termination, supervised
+from viewimit.app.server.seats import AWAKE_FOR, WELL_FOR, Seats
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-pytestmark = pytest.mark.skipif(not hasattr(socket, "send_fds"), reason="processes cannot hand over sockets here")
-HEAD = "GET / HTTP/1.1\r\nHost: here:80\r\nCookie: viewimit-80={}\r\n\r\n"
-
-
-def token(name: str) -> str:
-    return name.ljust(32, "-")
-
-
-def test_a_browser_stays_with_its_worker_and_new_ones_go_where_fewest_are():
-    counts = SeatCounts(3)
-    placing = Placing(ServerOptions(workers=3), counts)
-    for k in range(12):
-        placing.handed[placing.place(token(str(k)))] += 1
-    assert placing.handed == [4, 4, 4]
-    before = [placing.place(token(str(k))) for k in range(12)]
-    counts.rows[1].ended = 3  # three of the second worker's have gone
-    assert placing.place(None) == 1
-    assert [placing.place(token(str(k))) for k in range(12)] == before
-
-
-def test_a_worker_without_a_free_seat_gets_nobody_new_and_no_more_seats_are_given_than_there_are():
-    options, counts = ServerOptions(max_clients=7, workers=3), SeatCounts(3)
-    assert [options.clients_of(k) for k in range(3)] == [3, 2, 2]
-    placing = Placing(options, counts)
-    assert placing.place(token("one")) == 0
-    placing.handed = [0, 9, 9]
-    counts.rows[0].seats = 3
-    assert placing.place(token("one")) in (1, 2)
-    assert placing.place(token("one")) == placing.place(token("one"))
-
-
-def test_who_is_new_does_not_wait_for_a_worker_that_is_only_beginning():
-    counts = SeatCounts(2)
-    placing = Placing(ServerOptions(workers=2), counts)
-    assert placing.place(token("early")) == 0  # both begin: one of them
-    counts.rows[1].live()
-    assert placing.place(token("early")) == 0  # its own
-    placing.handed = [0, 9]
-    assert placing.place(None) == placing.place(token("new")) == 1
-    counts.rows[0].live()
-    assert placing.place(None) == 0
-
-
-def test_only_so_many_browsers_are_remembered():
-    placing = Placing(ServerOptions(workers=2), SeatCounts(2))
-    placing.handed = [9, 0]
-    assert {placing.place(token(str(k))) for k in range(KNOWN + 5)} == {1}
-    placing.handed = [0, 9]  # who is new goes to the first now
-    assert {placing.place(token(str(k))) for k in range(5, KNOWN + 5)} == {1}
-    assert [placing.place(token(str(k))) for k in range(5)] == [0] * 5
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes cannot share a port here")
 
 
 def test_a_server_is_well_while_all_its_processes_give_signs_of_life(monkeypatch):
     now = 1000.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
-    counts = SeatCounts(2)
-    counts.rows[0].live()
-    assert not counts.well and not counts.rows[1].began
-    counts.rows[1].live()
-    assert counts.well
+    seats = Seats(2)
+    seats.rows[0].live()
+    assert not seats.well and not seats.rows[1].began
+    seats.rows[1].live()
+    assert seats.well
     now += WELL_FOR + 1
-    counts.rows[0].live()
-    assert not counts.well
-    counts.rows[0].seats, counts.rows[1].seats = 3, 4
-    assert counts.seats == 7
-    counts.rows[1].clear()
-    assert counts.seats == 3 and not counts.rows[1].began
+    seats.rows[0].live()
+    assert not seats.well
+    seats.rows[0].seats, seats.rows[1].seats = 3, 4
+    assert seats.taken == 7
+    seats.rows[1].clear()
+    assert seats.taken == 3 and not seats.rows[1].began
 
 
-class Dispatching:
-    """A dispatcher in this process, with the ends that its workers would have."""
+class Accepting:
+    """A process of several that share listening sockets, as far as accepting goes: in this process, in a loop of its
+    own. accepted: connections, in their order."""
 
-    def __init__(self, workers: int = 2):
-        pairs = [socket.socketpair() for _ in range(workers)]
-        self.ends = [theirs for _, theirs in pairs]
-        for end in self.ends:
-            end.settimeout(5)
-        (listener,) = listen("127.0.0.1", 0)
-        self.place = listener.getsockname()
-        self._dispatcher = Dispatcher(
-            Placing(ServerOptions(workers=workers), SeatCounts(workers)), [ours for ours, _ in pairs]
-        )
-        self._listener, self._stopped = listener, asyncio.Event()
-        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), daemon=True)
+    def __init__(self, listeners, seats: Seats, process: int):
+        self.accepted: list[asyncio.StreamWriter] = []
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
+        begin = self._begin(FairListener([listener.dup() for listener in listeners], seats, process))
+        self._server = asyncio.run_coroutine_threadsafe(begin, self._loop).result(5)
 
-    async def _run(self) -> None:
-        self._loop = asyncio.get_running_loop()
-        accepting = self._loop.create_task(self._dispatcher.accept(self._listener))
-        await self._stopped.wait()
-        accepting.cancel()
+    async def _begin(self, listener: FairListener) -> asyncio.Server:
+        return await asyncio.start_server(lambda _, writer: self.accepted.append(writer), sock=listener)
+
+    @property
+    def port(self) -> int:
+        return self._server.sockets[0].getsockname()[1]
+
+    async def _end(self) -> None:
+        self._server.close()
+        for writer in self.accepted:
+            writer.close()
 
     def stop(self) -> None:
-        self._loop.call_soon_threadsafe(self._stopped.set)
-        self._thread.join(5)
-        self._listener.close()
-
-    def handed(self, worker: int) -> socket.socket:
-        _, (descriptor,), _, _ = socket.recv_fds(self.ends[worker], 1, 1)
-        connection = socket.socket(fileno=descriptor)
-        connection.settimeout(5)
-        return connection
+        if not self._thread.is_alive():
+            return
+        asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(5)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
 
 
 @pytest.fixture
-def dispatching():
-    made = Dispatching()
-    yield made
-    made.stop()
+def sharing():
+    """Two processes' parts of the listeners of a place, and the seats that they count."""
+    with contextlib.ExitStack() as stack:
+
+        def begin(host: str = "127.0.0.1"):
+            listeners, seats = listen(host, 0), Seats(2)
+            for row in seats.rows:
+                row.seen = time.monotonic() + 600  # awake all the time
+            both = [Accepting(listeners, seats, k) for k in range(2)]
+            for one in (*both, *(SimpleNamespace(stop=listener.close) for listener in listeners)):
+                stack.callback(one.stop)
+            return both, seats
+
+        yield begin
 
 
-def test_a_connection_is_handed_over_whole_and_its_browser_goes_to_the_same_worker(dispatching):
-    for name, worker in (("anna", 0), ("bert", 1), ("anna", 0), ("anna", 0), ("bert", 1)):
-        head = HEAD.format(token(name)).encode()
-        with socket.create_connection(dispatching.place) as client:
-            client.sendall(head[:20])
-            time.sleep(0.05)  # so that the head comes in two parts
-            client.sendall(head[20:] + b"and more")
-            with dispatching.handed(worker) as connection:
-                sent = head + b"and more"
-                wait_until(lambda: connection.recv(1000, socket.MSG_PEEK) == sent)  # noqa: B023
-                assert connection.recv(1000) == sent
-                assert connection.getpeername() == client.getsockname()
-                connection.sendall(b"an answer")
-            assert client.recv(100) == b"an answer"
+def test_connections_go_to_the_process_with_fewest_seats(sharing):
+    (one, other), seats = sharing()
+    seats.rows[0].seats = 1
+    for k in range(1, 6):
+        socket.create_connection(("127.0.0.1", one.port)).close()
+        wait_until(lambda k=k: len(other.accepted) == k)
+    seats.rows[1].seats = 2
+    socket.create_connection(("127.0.0.1", one.port)).close()
+    wait_until(lambda: len(one.accepted) == 1)
+    assert len(other.accepted) == 5
 
 
-def test_who_never_ends_a_head_is_told_so_and_holds_nobody_up(dispatching, monkeypatch):
-    monkeypatch.setattr(dispatcher_module, "HEAD_WITHIN", 0.5)
-    with socket.create_connection(dispatching.place) as silent, socket.create_connection(dispatching.place) as gone:
-        gone.close()
-        silent.sendall(b"GET / HT")
-        with socket.create_connection(dispatching.place) as other:
-            other.sendall(HEAD.format(token("carl")).encode())
-            dispatching.handed(0).close()
-        silent.settimeout(5)
-        assert silent.recv(1000).startswith(b"HTTP/1.1 408 ")  # for it has begun
+def test_who_comes_does_not_wait_for_a_process_that_hangs_or_only_begins(sharing):
+    (one, other), seats = sharing()
+    other.stop()
+    seats.rows[0].seats = 3
+    seats.rows[1].seen = time.monotonic() - 2 * AWAKE_FOR
+    socket.create_connection(("127.0.0.1", one.port)).close()
+    wait_until(lambda: len(one.accepted) == 1)
+    seats.rows[1].clear()
+    socket.create_connection(("127.0.0.1", one.port)).close()
+    wait_until(lambda: len(one.accepted) == 2)
 
 
-def test_a_head_that_does_not_grow_is_searched_once_and_looked_at_ever_more_rarely(monkeypatch):
-    searched, slept, sleep = [], [], asyncio.sleep
-    is_whole = dispatcher_module.is_whole
-    monkeypatch.setattr(dispatcher_module, "is_whole", lambda head: searched.append(len(head)) or is_whole(head))
-    monkeypatch.setattr(asyncio, "sleep", lambda s: slept.append(s) or sleep(s / 10))
-    dispatching = Dispatching()
-    with socket.create_connection(dispatching.place) as client:
-        head = HEAD.format(token("anna")).encode()
-        client.sendall(head[:20])
-        wait_until(lambda: len(slept) >= 8)
-        assert slept[:6] == [0.02, 0.04, 0.08, 0.16, 0.32, 0.5] and max(slept) == 0.5
-        client.sendall(head[20:])
-        dispatching.handed(0).close()
-    assert searched == [20, len(head)]
-    dispatching.stop()
-
-
-def test_of_connections_that_send_nothing_only_so_many_are_open_and_the_oldest_make_room(monkeypatch):
-    monkeypatch.setattr(dispatcher_module, "UNPLACED", 3)
-    dispatching = Dispatching()
-    waiting = [socket.create_connection(dispatching.place) for _ in range(5)]
-    for client in waiting:
-        client.settimeout(5)
-    assert [client.recv(10) for client in waiting[:2]] == [b"", b""]
-    waiting[4].sendall(HEAD.format(token("dora")).encode())
-    dispatching.handed(0).close()
-    for client in waiting:
+def test_a_class_that_comes_at_once_is_spread(sharing):
+    both, seats = sharing()
+    clients = []
+    for k in range(60):
+        clients.append(socket.create_connection(("127.0.0.1", both[0].port)))
+        wait_until(lambda k=k: sum(len(one.accepted) for one in both) == k + 1)
+        for row, one in zip(seats.rows, both):
+            row.seats = len(one.accepted)
+    for client in clients:
         client.close()
-    dispatching.stop()
+    assert {len(one.accepted) for one in both} == {30}
+
+
+def test_a_process_that_declines_looks_at_the_queue_now_and_then(sharing, monkeypatch):
+    asked = []
+    monkeypatch.setattr(Seats, "fewest_awake", lambda seats: asked.append(time.monotonic()) or 0)
+    (one, other), seats = sharing()
+    other.stop()
+    seats.rows[0].seats = 1
+    with socket.create_connection(("127.0.0.1", one.port)):
+        wait_until(lambda: len(asked) > 10)
+        looks, lasted = len(asked), asked[-1] - asked[0]
+        assert looks <= 2 + lasted / DECLINES_FOR and not one.accepted
+        seats.rows[0].seats = 0
+        wait_until(lambda: len(one.accepted) == 1)
+
+
+@pytest.mark.skipif(not socket.has_ipv6, reason="no IPv6 here")
+def test_all_addresses_of_a_name_are_answered(sharing, monkeypatch):
+    places = [(socket.AF_INET, ("127.0.0.1", 0)), (socket.AF_INET6, ("::1", 0, 0, 0))]
+    found = [(family, socket.SOCK_STREAM, 0, "", place) for family, place in places]
+    with monkeypatch.context() as named:
+        named.setattr(socket, "getaddrinfo", lambda *_, **__: found)
+        both, _ = sharing("a.name")
+    for address in ("127.0.0.1", "::1"):
+        socket.create_connection((address, both[0].port)).close()
+    wait_until(lambda: sum(len(one.accepted) for one in both) == 2)
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
@@ -248,7 +211,7 @@ def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
 def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
     server = Server("--workers", "2", "--max-clients", "3")
     clients = [Client(server.url).ready() for _ in range(3)]
-    with pytest.raises(InvalidStatus), server.says("all 1 are taken"):
+    with pytest.raises(InvalidStatus), server.says("all 3 are taken"):
         Client(server.url)
     clients.pop().close()
     wait_until(lambda: server.seated == 2)
@@ -275,21 +238,21 @@ def test_workers_keep_their_sessions_and_end_when_the_process_that_hands_over_is
 
 
 def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monkeypatch):
-    monkeypatch.setattr(workers_module, "MOST_ENDS", 3)
+    monkeypatch.setattr(processes, "MOST_ENDS", 3)
     (tmp_path / "a file").touch()
     options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
     with pytest.raises(RuntimeError, match="end again and again"):
-        with working(options, listen("127.0.0.1", 0), Termination()):
+        with supervised(options, listen("127.0.0.1", 0), Termination()):
             pass
     assert capfd.readouterr().err.count("NotADirectoryError") >= 3
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
 def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(tmp_path, monkeypatch, caplog):
-    monkeypatch.setattr(workers_module, "SILENT_FOR", 2.0)
+    monkeypatch.setattr(processes, "SILENT_FOR", 2.0)
     stopped, begun = Termination(), lambda: {child.pid for child in multiprocessing.active_children()}
     others = begun()
-    with working(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
+    with supervised(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
         first = begun() - others
         silent = min(first)
         os.kill(silent, signal.SIGSTOP)

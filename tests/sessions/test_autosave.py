@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.page import KEPT_EVERY
+from viewimit.app.page.page import KEPT_EVERY
 from viewimit.app.sessions.autosave import CHUNK, Autosave, SavedPage, SavedSession
 from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until

@@ -14,7 +14,7 @@ from quiet_page import QuietPage
 from serving import Here, browser_of, kept_of
 from sessions_kept import BEGUN, kept_session
 from typing_extensions import TypeAliasType
-from viewimit.app.page import CannotResume
+from viewimit.app.page.page import CannotResume
 from viewimit.app.sessions import codec, saved
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.kinds import fits

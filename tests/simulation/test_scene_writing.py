@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from page_fakes import Hands, quiet_model
 from urdfs import arm, joint, link, write
-from viewimit.app.control.commands.points import PlacePoint
+from viewimit.app.commands.tools import PlacePoint
 
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.codegen import as_command, as_python

@@ -16,7 +16,7 @@ from tqdm import tqdm
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import BENCHMARKS, Benchmark
 from ..experiments.bench.benchmark import Context, OptionError, Progress, SceneOptions
-from ..experiments.executors import Cluster, LocalPool, Study, StudyError, StudyFolder, code_version
+from ..experiments.executors import Cluster, LocalPool, Study, StudyError, StudyFolder, code_version, own_methods
 from ..geometry.affine import require_points
 from ..sensing.files import escape
 from ..simulation.scene import load_scene, scene_names
@@ -174,7 +174,7 @@ def _study(args: argparse.Namespace) -> Study:
         if "scene" in study and args.scene not in scene_names():  # a file: its content counts, not its path
             content = Path(args.scene).read_bytes()
             study["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
-        folder = StudyFolder(out, {**study, "code": code_version()})
+        folder = StudyFolder(out, {**study, "code": code_version(), "methods": own_methods()})
     return Study(Cluster(cluster) if cluster else LocalPool(), folder)
 
 

@@ -85,8 +85,7 @@ def run(args: argparse.Namespace) -> int:
     from ..app.classroom.room import Room
     from ..app.classroom.server import ServerOptions, class_app, uvicorn_server
     from ..app.classroom.store import Store
-    from ..app.server.address import listen, require_free
-    from ..app.server.origins import require_origin
+    from ..app.server.address import listen, require_free, require_origin
 
     with naming("--embed"):
         for origin in args.embed:

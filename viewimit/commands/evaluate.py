@@ -69,7 +69,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
     )
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .png")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
+    )
     add_json_option(parser)
 
 

@@ -1,4 +1,4 @@
-"""What `evaluate` reports of tracked points: parts of its JSON, text, one HTML file, or a PNG."""
+"""What `evaluate` reports of tracked points: parts of its JSON, text, one HTML file, or a picture."""
 
 import html
 from collections.abc import Iterator, Sequence
@@ -21,7 +21,7 @@ MIRRORED = (
 )
 PAIRS = tuple(pair for pair in combinations(VIEWS, 2) if pair != ("l", "r"))  # Eq. (4); no constraint is of (l, r)
 COEFFICIENTS = ("f13", "f23", "f31", "f32", "f33")
-FORMATS = (".html", ".png")
+FORMATS = (".html", *figures.PICTURES)
 STYLE = """body { font: 15px system-ui, sans-serif; margin: 2em auto; max-width: 70em; color: var(--ink) }
 svg.vi { display: inline-block; width: 48%; border: 1px solid var(--rule); margin: 0.4% }
 table { border-collapse: collapse; margin: 1em 0 } td, th { padding: 0.2em 0.8em; text-align: right }
@@ -36,14 +36,13 @@ def require_format(path: Path) -> None:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(FORMATS)}")
-    if suffix == ".png":
-        figures.require_renderer(path, ".html")
+    figures.require_renderer(path, ".html")
 
 
 def write(path: Path, result: dict) -> None:
     """`first`, the first frame that has an E, is drawn; HTML lists all. Raises OSError."""
     frame = result["first"]
-    if path.suffix.lower() == ".png":
+    if path.suffix.lower() in figures.PICTURES:
         heading = f"frame {frame['frame']}, {result['transfer']} transfer, E = {_E(frame)} px²"
         drawing = draw_views(frame["seen"], frame["recovered"], frame["usable"], heading)
         figures.write(path, figures.standalone(drawing, heading))

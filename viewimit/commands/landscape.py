@@ -32,7 +32,7 @@ from .options import (
     settings_from,
 )
 
-PICTURES, TABLES = (".png", ".svg"), (".npz", ".csv")
+TABLES = (".npz", ".csv")
 TITLE = "E over the postures of the learner"
 
 
@@ -40,7 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     names = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor")
     add_settings(parser, *names, transfer=f"{', '.join(TRANSFERS)} ({DEFAULT_TRANSFER})")
     parser.add_argument("--step-deg", type=between(float, 0.1, 45), help="of the grid (1, camera images 10)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .png or .svg")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write it as .npz, .csv, .svg, .png or .pdf")
     add_json_option(parser)
 
 
@@ -94,12 +94,11 @@ def _report(result: dict) -> None:
 
 
 def _require_format(path: Path) -> None:
-    """Raises ValueError for an extension that is not written, or a PNG without what renders it."""
+    """Raises ValueError for an extension that is not written, or a picture without the package that writes it."""
     suffix = path.suffix.lower()
-    if suffix not in TABLES + PICTURES:
-        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + PICTURES)}")
-    if suffix == ".png":
-        figures.require_renderer(path, ".svg")
+    if suffix not in TABLES + figures.PICTURES:
+        raise ValueError(f"{path}: unknown extension {suffix!r}; there are {', '.join(TABLES + figures.PICTURES)}")
+    figures.require_renderer(path, ".svg")
 
 
 def _write(path: Path, landscape: Landscape, scene: Scene, snapshot: Snapshot) -> None:

@@ -26,7 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"{', '.join(EXPERIMENTS)}, or all (all); with --sensor rendered {', '.join(ON_PICTURES)}",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="write figures (SVG, PNG), data (CSV, NPZ) and manifests"
+        "--out", type=Path, metavar="DIR", help="write figures (SVG, PNG, PDF), data (CSV, NPZ) and manifests"
     )
     parser.add_argument(
         "--motion",
@@ -47,8 +47,9 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             args.out.mkdir(parents=True, exist_ok=True)
-        if not figures.can_render():
-            print(f"viewimit reproduce: no .png; that needs {figures.RENDERER}: {figures.INSTALL}", file=sys.stderr)
+        for suffix, (package, install) in figures.WRITERS.items():
+            if not figures.can_render(suffix):
+                print(f"viewimit reproduce: no {suffix}; that needs {package}: {install}", file=sys.stderr)
     figures_json, judged = {}, []
     for name in names:
         experiment = experiments[name]

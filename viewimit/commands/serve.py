@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> int:
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
-    from ..app.server.origins import require_origin
+    from ..app.server.address import require_origin
     from ..app.sessions.stores import open_store
 
     with naming("--origin"):

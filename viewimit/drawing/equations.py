@@ -119,7 +119,9 @@ def _cards(*equations: Equation) -> str:
 def _card(equation: Equation) -> str:
     head = f"<b>{equation.number}</b> {equation.title}".strip()
     tail = f'<span class="vi-note">{equation.note}</span>' if equation.note else ""
-    return f'<div class="vi-eq">{head}{filled(equation)}{tail}</div>'
+    lines = f' data-lines="{" ".join(equation.lines)}"' if equation.lines else ""
+    hint = '<span class="vi-note">Point at a row of 𝐀: its line lights up in the images.</span>' if lines else ""
+    return f'<div class="vi-eq"{lines}>{head}{filled(equation)}{tail}{hint}</div>'
 
 
 def mathml(latex: str) -> str:

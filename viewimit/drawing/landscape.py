@@ -159,6 +159,7 @@ class LandscapePicture:
     ):
         self._plane = plane = PosturePlane(scene)
         self._above = ""  # marks, over the path
+        self._inset_ground = ""  # of the enlargement, over the path that would cross it
         self._labels: list[Label] = []  # of marks and contours
         self._zoom: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None  # centre of the inset, px and degrees
         joints = scene.moving_joints
@@ -181,7 +182,7 @@ class LandscapePicture:
     def draw_alone(self, settings: Settings) -> str:
         """Draw the picture without a path, captioned with its settings."""
         labels = self._plane.labels.copy().draw(self._labels)
-        inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._above}{labels}</g>'
+        inside = f'<g transform="translate(0 {CAPTION})">{self._ground}{self._inset_ground}{self._above}{labels}</g>'
         return figure(settings, inside, height=self._plane.height + CAPTION)
 
     def draw_path(self, history: Sequence[Snapshot], cursor: int, theta: NDArray[np.float64] | None = None) -> str:
@@ -205,7 +206,7 @@ class LandscapePicture:
             if probe.any():
                 parts.append(f'<path class="vi-probe-own" d="{svg.circles(points[: done - 1][probe], 2.6)}"/>')
         words = self._path_labels.draw(history, cursor, theta, points)
-        parts += [_dot(now), self._in_inset(line), self._above, words]
+        parts += [self._inset_ground, _dot(now), self._in_inset(line), self._above, words]
         return self._plane.wrap("".join(parts), "vi-over")
 
     def _draw(self, landscape: Landscape, snapshot: Snapshot) -> str:
@@ -215,11 +216,10 @@ class LandscapePicture:
         marks = plane.place(np.stack([demo, lowest]))
         start = plane.place(np.array(snapshot.settings.start_deg))
         labels.take_points(marks, 8)
-        inset = ""
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         room = min(plane.box[2:]) > 2 * INSET
         if fine and room and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
-            inset = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
+            self._inset_ground = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
@@ -228,7 +228,7 @@ class LandscapePicture:
             x, y = marks[k].tolist()
             self._labels.append(led(x, y, words, kind, (k == 0) == left_first))
         self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])
-        return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E) + inset
+        return relief.shading(grid, landscape.E, plane.box) + relief.contours(grid, landscape.E)
 
     def _inset(
         self,

@@ -21,6 +21,7 @@ from .images.panel import AMBER, RED
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
+COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
 ANY = np.radians(90.0)  # larger angles allow any posture
 TITLES = {
     ServoStatus.READY: "Ready",
@@ -229,15 +230,31 @@ def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo
     return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
 
 
-def draw_status(message: StatusMessage, truth: str, choices: str = "") -> str:
-    """Draw the strip as HTML. truth: what the learner does not know; choices: links, in HTML."""
+def describe_outcome(
+    status: ServoStatus, motions: int, theta: NDArray[np.float64], theta_demo: NDArray[np.float64], playing: bool
+) -> str:
+    """Say first, in plain words, what has come of it, as HTML; this uses the truth. theta, theta_demo: (m,) rad."""
+    off = float(np.abs(theta - theta_demo).max())
+    how_far, after = f"{svg.degrees(off)} off", f"after {svg.count_motions(motions)}"
+    if status == ServoStatus.READY:
+        return "<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one."
+    if not status.has_ended:
+        return f"<b>{'Copying' if playing else 'Paused'}:</b> still {how_far} {after}."
+    if off < COPIED:
+        return f"<b>Copied:</b> {how_far} {after}."
+    return f"<b>{'Nearly copied' if off < NEARLY else 'Not copied'}:</b> it stopped {how_far} {after}."
+
+
+def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: str = "") -> str:
+    """Draw the strip as HTML. truth: what the learner does not know; choices, outcome: HTML."""
     words = f"<b>{svg.escape(message.title)}</b> · {svg.escape(with_minus(message.sentence))}"
     if message.doubt:
         words += f" <i>{svg.escape(message.doubt)}</i>"
     known, true = ask(message.word) if message.word else "", svg.escape(truth)
     who = "Page" if message.state in BY_PAGE else "Learner"
+    first = f'<div class="vi-outcome vi-tells"><p>{outcome}</p></div>' if outcome else ""
     return (
-        f'<div class="vi-strip"><div class="vi-status"><div>{_icon(SHAPES.get(message.state, IDLE))}'
+        f'<div class="vi-strip"><div class="vi-status">{first}<div>{_icon(SHAPES.get(message.state, IDLE))}'
         f'<em>{who} says</em><p role="status">{words}{choices}</p>{known}</div>'
         f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )

@@ -153,6 +153,12 @@ def saltire(place: NDArray[np.float64]) -> str:
     return f'<path class="vi-x-paper" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
 
 
+def sample(mark: str, left: float, width: float) -> str:
+    """Draw a mark around y = 0 that stands in a line of text. left, width: of the part that is shown, px."""
+    box = f'viewBox="{left:g} -7 {width:g} 14" style="width:{width:g}px"'
+    return f'<svg class="vi vi-sample" {box} aria-hidden="true">{mark}</svg>'
+
+
 def text(x: float, y: float, content: str, classes: str = "") -> str:
     """Draw a label with its baseline at (x, y) px; content is escaped."""
     attribute = f' class="{classes}"' if classes else ""

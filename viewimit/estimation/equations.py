@@ -26,6 +26,9 @@ class Equation:
     note: str = ""  # HTML
     long: bool = False  # whether it is one long line
     wide: bool = False  # whether it holds matrices
+    lines: tuple[
+        str, ...
+    ] = ()  # by row of its first matrix: images of an epipolar line, such as "lL", that the row is of
 
     def __post_init__(self) -> None:
         holes = self.latex.count(HOLE)

@@ -3,7 +3,8 @@
 A study goes to its executor batch by batch, and a folder can keep the finished batches. A script that asks for more
 than one local process needs `if __name__ == "__main__":`. On a cluster, the scheduler distributes the batches and
 repeats those of lost workers. Each worker needs the same viewimit and numpy, and one thread:
-`dask worker ADDRESS --nthreads 1`.
+`dask worker ADDRESS --nthreads 1`. Workers need a servo or transfer of your own, too: name the file that assigns it to
+SERVOS or TRANSFERS by `--preload FILE`.
 """
 
 import asyncio
@@ -15,6 +16,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -31,6 +33,9 @@ import zstandard
 
 from .. import __version__
 from ..assets import ROOT
+from ..estimation.transfers import TRANSFERS
+from ..loop.settings import UnknownMethod
+from ..servo import SERVOS
 
 Batch = Sequence[tuple[Any, ...]]  # of tasks, each the arguments of one call
 
@@ -82,6 +87,15 @@ def carry_out(work: Callable[..., Any], batch: Batch) -> Done:
     return Done(results, time.thread_time() - began)
 
 
+def _carry_out_packed(packed: bytes) -> Done:
+    """Carry out a pickled (work, batch) in another process. Raises ImportError if this process lacks the work."""
+    try:
+        work, batch = pickle.loads(packed)
+    except AttributeError as error:  # a function that its module does not have here
+        raise ImportError(str(error)) from None
+    return carry_out(work, batch)
+
+
 @dataclass(frozen=True)
 class LocalPool:
     """Executor that uses processes on this machine."""
@@ -101,19 +115,27 @@ class LocalPool:
             while True:
                 for number, batch in left:
                     with _interrupts_blocked():
-                        running[pool.submit(carry_out, work, batch)] = number
+                        running[pool.submit(_carry_out_packed, pickle.dumps((work, batch)))] = number
                     if len(running) >= (1 + QUEUED_BATCHES) * workers:
                         break
                 if not running:
                     break
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    yield running.pop(future), future.result()
+                    yield running.pop(future), _result(future)
         except BaseException:  # nothing is cancelled: the pool would fail on that when its workers end
             for worker in set(multiprocessing.active_children()) - others:
                 worker.terminate()
             raise
         finally:
             pool.shutdown()
+
+
+def _result(future: Future) -> Done:
+    try:
+        return future.result()
+    except UnknownMethod as error:
+        advice = 'assign it in your script above `if __name__ == "__main__":`'
+        raise StudyError(f"a process of the study has {error}: {advice}") from None
 
 
 @contextlib.contextmanager
@@ -148,10 +170,11 @@ CONNECT_S = 30.0  # time to find a scheduler, and then to find its first worker
 MAX_RESUBMISSIONS = 3  # of a batch that the scheduler has given up, each after 4 lost workers
 LIBRARY = Path(__file__).parents[1]
 WITHOUT_EFFECT = {"app", "assets", "commands", "drawing"}  # packages that change no digit of a result
+PRELOAD = "start it with --preload FILE, the .py file that assigns it to SERVOS or TRANSFERS"
 
 
-class OtherCode(Exception):
-    """A worker has another version of this library."""
+class UnfitWorker(Exception):
+    """A worker cannot make the runs of a study; the message says which worker, why, and what to do."""
 
 
 @cache
@@ -165,6 +188,21 @@ def code_version() -> str:
     for path in [*sorted(sources), *sorted(ROOT.rglob("*.toml")), *sorted(ROOT.rglob("*.urdf"))]:
         found.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n"))
     return f"viewimit {__version__} ({found.hexdigest()[:12]}), numpy {np.__version__}"
+
+
+def own_methods() -> dict[str, str]:
+    """Return a hash of the file of each servo and transfer that is not of this library, such as {"servo mine": "3f…"}.
+
+    A method that was typed in, without a file, is left out.
+    """
+    modules = {f"servo {name}": type(method.servo).__module__ for name, method in SERVOS.items()}
+    modules |= {f"transfer {name}": method.fit.__module__ for name, method in TRANSFERS.items()}
+    found = {}
+    for name, module in modules.items():
+        file = Path(getattr(sys.modules.get(module), "__file__", None) or "").resolve()
+        if file.is_file() and LIBRARY not in file.parents:
+            found[name] = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
+    return found
 
 
 @dataclass(frozen=True)
@@ -198,7 +236,7 @@ def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Bat
     import distributed
 
     left, running, lost = iter(batches), dict[Any, tuple[int, bytes]](), dict[int, int]()
-    done, version = distributed.as_completed(loop=client.loop), code_version()
+    done, version, methods = distributed.as_completed(loop=client.loop), code_version(), own_methods()
 
     def submit(number: int, packed: bytes) -> None:
         """Pickled, so that Dask does not look for tasks of its own among the tuples."""
@@ -209,7 +247,7 @@ def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Bat
     def fill() -> None:
         most = (1 + QUEUED_BATCHES) * max(sum(client.nthreads().values()), 1)
         while len(running) < most and (following := next(left, None)) is not None:
-            submit(following[0], pickle.dumps((work, following[1])))
+            submit(following[0], pickle.dumps((methods, pickle.dumps((work, following[1])))))
 
     fill()
     for future in done:
@@ -224,25 +262,33 @@ def _run(client: Any, work: Callable[..., Any], batches: Sequence[tuple[int, Bat
             continue
         except distributed.client.FutureCancelledError as error:
             raise StudyError(f"the scheduler at {client.scheduler.address} is lost: {_line(error)}") from None
-        except OtherCode as error:
+        except UnfitWorker as error:
             raise StudyError(_line(error)) from None
-        except ModuleNotFoundError as error:
-            raise StudyError(f"a worker of {client.scheduler.address} lacks what the study needs: {error}") from None
         fill()
         yield number, found
 
 
 def _carry_out(packed: bytes, expected: str) -> Done:
-    """Runs on a worker."""
+    """Make the runs of a batch, on a worker.
+
+    Other versions of this library have the same two arguments, and so report that their `code_version` is another.
+    """
     import distributed
 
+    worker = f"the worker {distributed.get_worker().address}"
     if code_version() != expected:
-        raise OtherCode(
-            f"the worker {distributed.get_worker().address} has {code_version()}, and the study is of {expected}: "
-            "install the same there"
-        )
-    work, batch = pickle.loads(packed)
-    return carry_out(work, batch)
+        raise UnfitWorker(f"{worker} has {code_version()}, and the study is of {expected}: install the same there")
+    methods, packed = pickle.loads(packed)
+    here = own_methods()
+    for name in methods.keys() & here.keys():
+        if here[name] != methods[name]:
+            raise UnfitWorker(f"{worker} has another {name}, of another file: start it again with the same file")
+    try:
+        return _carry_out_packed(packed)
+    except UnknownMethod as error:
+        raise UnfitWorker(f"{worker} has {error}: {PRELOAD}") from None
+    except ImportError as error:
+        raise UnfitWorker(f"{worker} lacks what the study needs ({error}): install it there, or {PRELOAD}") from None
 
 
 def _line(error: Exception) -> str:

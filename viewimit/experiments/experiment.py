@@ -94,7 +94,7 @@ def stacked(parts: list[dict[str, Any]]) -> Table:
 
 
 def write(name: str, experiment: Experiment, result: Result, folder: Path) -> list[Path]:
-    """Write a result under this name into a folder, which is made if need be; a PNG only if one can be rendered.
+    """Write a result under this name into a folder, which is made if need be; PNG and PDF only with their packages.
 
     Returns the paths. Raises OSError.
     """
@@ -110,7 +110,7 @@ def write(name: str, experiment: Experiment, result: Result, folder: Path) -> li
             write_csv(written[-1], columns)
     if experiment.draw is not None:
         drawing = figures.standalone(experiment.figure(result), experiment.title, describe_settings(result.settings))
-        for suffix in (".svg", ".png") if figures.can_render() else (".svg",):
+        for suffix in (".svg", *filter(figures.can_render, figures.WRITERS)):
             written.append(folder / f"{name}{suffix}")
             figures.write(written[-1], drawing)
     manifest = {

@@ -26,6 +26,7 @@ from ..simulation.robot import BodyPoint
 RECTIFY = ("auto", "off")
 SENSORS = ("projected", "rendered")
 USUAL_POINTS = 10
+USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 MAX_SEED = 2**32 - 1
 SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
 OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
@@ -34,6 +35,10 @@ MAX_TURNS, TOLERANCE_DEG = 2, 1e-7  # of angles that may be radians: their size,
 Range = tuple[float, float]  # degrees
 PAPER_FIELDS: Mapping[str, Any] = {"transfer": "epipolar", "servo": "broyden", "frames": 1}  # beside `Settings()`
 D = TypeVar("D", bound=Disturbance)
+
+
+class UnknownMethod(ValueError):
+    """No servo or transfer of this name is in this process."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +104,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             description="layout of the scene's body points, by their number; rendered pictures show markers instead",
             unit="N",
             option="n-points",
-            default=f"{USUAL_POINTS}, or the scene's nearest to that",
+            default=USUAL_LAYOUT,
         ),
     ] = USUAL_POINTS
     body_points: Annotated[
@@ -320,8 +325,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         for name, field in FIELDS.items():
             value = getattr(self, name)
             choices = field.choices if isinstance(field, Setting) else ()
-            if choices and value not in choices and not (value == OWN and name in ("transfer", "servo")):
-                raise ValueError(f"no {name} {value!r}; there are {', '.join(choices)}")
+            is_method = name in ("transfer", "servo")
+            if choices and value not in choices and not (value == OWN and is_method):
+                kind = UnknownMethod if is_method else ValueError
+                raise kind(f"no {name} {value!r}; there are {', '.join(choices)}")
             if field.bounds is not None and value is not None:
                 low, high = field.bounds
                 if not low <= value <= high:  # NaN fails too

@@ -371,6 +371,7 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
         lower=workspace[0] - start,
         upper=workspace[1] - start,
         motion=now.motion,
+        residual=now.e,
         noise_px=noise_px if known is None else max(noise_px, known.noise_px),
         unnamed=None if now.views.matched else _shown(now.views),
         calibration=() if known is None else known.seen_from(lower - start),

@@ -1,7 +1,7 @@
 """The input of a servo at each motion, and the visits that it remembers."""
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,8 @@ class Observation:
     rectification: Rectification | None = None  # of the images; None: they need none
     max_step: float = np.inf  # rad per joint: a longer motion is made in several, and the servo asked after the last
     max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
+    # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
+    residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
 
     def __getattr__(self, name: str) -> Any:
         """Return a field by its name in an earlier version."""
@@ -121,6 +123,7 @@ def in_units(observation: Observation, unit_px: float) -> Observation:
         observation,
         own=observation.own / unit_px,
         E=observation.E / unit_px**2,
+        residual=observation.residual / unit_px,
         noise_px=observation.noise_px / unit_px,
         unnamed=None if observation.unnamed is None else observation.unnamed / unit_px,
         calibration=tuple(Visit.of(one.displacement, one.own / unit_px, one.seen) for one in observation.calibration),

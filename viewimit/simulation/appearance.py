@@ -1,10 +1,10 @@
-"""What both arms look like in the four views: silhouettes, skeletons, and where their points can be.
+"""What both arms look like in the four views, and the learner in the demonstrator's posture: silhouettes, skeletons.
 
 This is ground truth, for viewers only. A silhouette is the convex hull of each link's image. The vertices that are
 extreme in a few directions make a polygon inside the hull, at most 2 px smaller at its corners.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -18,11 +18,8 @@ from .world import World
 DIRECTIONS = 12  # corners of a polygon at most
 MIN_DEPTH_M = 0.05  # nearer vertices are moved back to it
 HULL_DIRECTIONS = 48  # directions in 3-D in which a link's extreme vertices are kept
-GRID_ANGLES, MIN_SAMPLES = 9, 200  # postures: angles for each of two joints; random samples for more joints
-SAMPLE_RANGE_RAD = np.radians(20)  # of the random samples, about each posture
 
 Floats = NDArray[np.float64]
-Images = tuple[Floats, NDArray[np.bool_]]  # points (..., N, 4) px, visible (..., N, 2)
 
 
 class Moment(Protocol):
@@ -50,6 +47,7 @@ class ArmImages:
 
     hulls: Floats  # (2, links, DIRECTIONS, 2) px, closed polygons whose corners may repeat
     origins: Floats  # (2, n + 1, 2) px, of all links
+    points: Floats  # (2, N, 2) px, without noise
     memory: dict[Any, Any] = field(default_factory=dict)  # cache of the drawing code
 
 
@@ -61,6 +59,7 @@ class Bodies:
     own: ArmImages  # in L, R
     recovered: Floats | None  # (2, n + 1, 2) px in L, R: the demonstrator's links by the transfer, None without one
     frame: tuple[int, int]  # width and height of the images [px]
+    goal: ArmImages  # in L, R: the learner as it would look in the demonstrator's posture
 
 
 class Silhouettes:
@@ -92,17 +91,20 @@ class Silhouettes:
         world = self._world
         demo = self._arm("demonstrator", moment.theta_demo, world.T_world_demo, world.demo_pair)
         own = self._arm("learner", moment.theta, world.T_world_own, world.own_pair)
+        goal = self._arm("goal", moment.theta_demo, world.T_world_own, world.own_pair)
         found = None
         if moment.transfer is not None:
             recovered = moment.transfer.recover(demo.origins[0], demo.origins[1])
             found = np.stack([recovered[:, :2], recovered[:, 2:]])
-        return Bodies(demo, own, found, world.scene.head.image)
+        return Bodies(demo, own, found, world.scene.head.image, goal)
 
     def _arm(self, arm: str, theta: Floats, T_world_base: Floats, cameras: Cameras) -> ArmImages:
         key, latest = theta.tobytes(), self._latest.get(arm)
         if latest is None or latest[0] != key:
-            seen = self.seen(self._world.link_frames(theta, T_world_base), cameras)
-            latest = self._latest[arm] = key, ArmImages(*seen)
+            hulls, origins = self.seen(self._world.link_frames(theta, T_world_base), cameras)
+            images = self._world.demo_images if arm == "demonstrator" else self._world.own_images
+            points = images(theta)[0].reshape(-1, 2, 2).swapaxes(0, 1)
+            latest = self._latest[arm] = key, ArmImages(hulls, origins, points)
         return latest[1]
 
     def seen(self, T_world_links: Floats, cameras: Cameras) -> tuple[Floats, Floats]:
@@ -126,37 +128,11 @@ _ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 _COMPASS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1)
 
 
-def reachable_image_points(world: World, held: Sequence[Floats] = ()) -> dict[str, Floats]:
-    """Return image points of both arms over their range, (k, 2) px by view.
-
-    With more than two joints an arm reaches nearly everywhere. So the postures are near the demonstrator's and near
-    `held`, (m,) rad each.
-    """
-    theta = _sample_postures(world, held)
-    return _by_view(world.demo_images(theta), world.own_images(theta))
-
-
-def arm_image_points(world: World, moment: Moment) -> dict[str, Floats]:
-    """Return the image points of both arms without noise, (k, 2) px by view."""
-    return _by_view(world.demo_images(moment.theta_demo), world.own_images(moment.theta))
-
-
-def _by_view(demo: Images, own: Images) -> dict[str, Floats]:
-    points = {}
-    for pair, (images, visible) in (("lr", demo), ("LR", own)):
-        for side, view in enumerate(pair):
-            points[view] = images[..., 2 * side : 2 * side + 2][visible[..., side]].reshape(-1, 2)
-    return points
-
-
-def _sample_postures(world: World, held: Sequence[Floats]) -> list[Floats]:
-    """Angles of the moving joints, one flat array each: a grid over the range of two, or samples near `held`."""
-    lower, upper = world.scene.lower, world.scene.upper
-    if len(lower) <= 2:
-        axes = [np.linspace(low, high, GRID_ANGLES) for low, high in zip(lower, upper)]
-        return [axis.ravel() for axis in np.meshgrid(*axes)]
-    centres = np.array([np.radians(world.scene.posture_deg)[world.scene.moving], *held])
-    near = np.random.default_rng(0).uniform(
-        -SAMPLE_RANGE_RAD, SAMPLE_RANGE_RAD, (len(centres), -(-MIN_SAMPLES // len(centres)), len(lower))
-    )
-    return list(np.clip(centres[:, None] + near, lower, upper).reshape(-1, len(lower)).T)
+def points_in_images(bodies: Bodies) -> dict[str, Floats]:
+    """Return what is drawn of both arms and of the goal, (k, 2) px by view, moved to the frame's edge if outside."""
+    shown = {}
+    for views, arms in (("lr", (bodies.demo,)), ("LR", (bodies.own, bodies.goal))):
+        for k, view in enumerate(views):
+            parts = [part for arm in arms for part in (arm.hulls[k].reshape(-1, 2), arm.origins[k], arm.points[k])]
+            shown[view] = np.clip(np.concatenate(parts), 0, bodies.frame)
+    return shown

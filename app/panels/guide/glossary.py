@@ -4,8 +4,8 @@ import numpy as np
 
 from viewimit.drawing.images.panel import residual_lengths
 
-from ...control.state import PageState
 from ...drawing.glossary import current_values, linked_cards
+from ...model.state import PageState
 from ..panel import SLOWEST, Layout, Panel
 from ..widgets import put_html
 

@@ -9,11 +9,12 @@ PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "
      "its own arm (L, R), and knows nothing but points in these four images: no model of an arm, no calibration."),
     ("Two views give a line.", "Click a point, or press N: where it lies in l puts it on a line in L; r gives "
-     "a second line. The lines are computed as if both arms were in the same posture; a hollow diamond, where they "
-     "cross, is where the point would be if that were true."),
-    ("A wrong posture makes a conflict.", "Where the postures differ, no lines can fit all points. The misfit that "
+     "a second line. The lines are computed as if both arms were in the same pose. A hollow diamond is where the "
+     "lines put the point."),
+    ("A wrong pose makes a conflict.", "Where the poses differ, no lines can fit all points. The misfit that "
      "remains, the arrows e from diamonds to dots, is the conflict; E is their mean square. An arrow is a "
-     "contradiction, not a signpost: only at the right posture do dots and diamonds agree."),
+     "contradiction, not a signpost. The grey ghost in L and R is the goal, which the learner does not know: "
+     "only there do dots and diamonds meet. G hides it."),
     ("The conflict drives the arm.", "Play. The learner moves, learns what that changes in its images, and goes where "
      "E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch yourself first:"
      " it goes through 12 postures with nobody to imitate, and needs no probes then."),

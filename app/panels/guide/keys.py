@@ -4,12 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ...control.commands.command import Command
-from ...control.commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleHelp, ToggleShare
-from ...control.commands.points import BestNext, EditPoints, RemovePoint
-from ...control.commands.saving import SavePicture
-from ...control.commands.session import Play, Reset, Step, Undo
-from ...control.state import PageState
+from ...commands.display import BuildUp, FitView, LetGo, NextLarger, NextPoint, ToggleGoal, ToggleHelp, ToggleShare
+from ...commands.session import Play, Reset, Step, Undo
+from ...commands.tools import BestNext, EditPoints, RemovePoint, SavePicture
+from ...model.queue import Command
+from ...model.state import PageState
 from ..panel import Layout, Panel
 from .help import help_html
 
@@ -28,6 +27,7 @@ class Key:
         "N",
         "V",
         "H",
+        "G",
         "C",
         "M",
         "E",
@@ -50,6 +50,7 @@ KEYS = (
     Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", Undo()),
     Key("R", "R", "reset", "Reset to the start", Reset()),
     Key("N", "N", "next point", "Choose the next point", NextPoint()),
+    Key("G", "G", "goal", "Show the goal in L and R, or hide it", ToggleGoal()),
     Key("C", "C", "construct", "Build up, step by step, how the chosen point is recovered", BuildUp()),
     Key("V", "V", "view", "Fit the view", FitView()),
     Key("H", "H", "help", "Help", ToggleHelp(), True),

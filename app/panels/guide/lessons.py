@@ -5,10 +5,10 @@ from urllib.parse import quote
 
 from viewimit.drawing.svg import escape
 
-from ...control.state import PageState
-from ...drawing.links import button
+from ...drawing.overlays import button
 from ...lab.lessons.format import Lesson
 from ...lab.lessons.source import ORDER
+from ...model.state import PageState
 from ...sessions.link import written
 from ..panel import Layout, Panel
 from ..widgets import put_html

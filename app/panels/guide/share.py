@@ -6,9 +6,9 @@ from typing import Any
 from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 
-from ...control.commands.display import ToggleShare
-from ...control.state import PageState
+from ...commands.display import ToggleShare
 from ...lab.address import lab_address
+from ...model.state import PageState
 from ...sessions.link import files_named, written
 from ..panel import Layout, Panel
 from ..qr import draw_qr

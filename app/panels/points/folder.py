@@ -2,9 +2,9 @@
 
 from viser import Icon
 
-from ...control.commands.points import BestNext, EditPoints, RemovePoint, SaveScene
-from ...control.state import PageState
+from ...commands.tools import BestNext, EditPoints, RemovePoint, SaveScene
 from ...drawing.joint_bars import draw_body_points
+from ...model.state import PageState
 from ..panel import Layout, Panel
 from ..widgets import put_html, put_label
 

@@ -1,8 +1,11 @@
-"""Drawings as files: standalone SVG, PNG, and figures with a caption that makes them citable.
+"""Drawings as files: standalone SVG, PNG, PDF, and figures with a caption that makes them citable.
 
 Many programs that show SVG know neither CSS variables nor a page's stylesheet. A standalone file therefore holds the
 rules that it uses, with the light scheme's colours written out. It has no script and no address; it names its font
 without embedding it. Such programs know no MathML either, so equations are typeset as outlines.
+
+A PDF is made by Typst, whose SVG reader is that of resvg, which renders the PNGs: its lines stay lines, and its text
+stays text, in a subset of the font that the file holds.
 """
 
 import html
@@ -27,6 +30,11 @@ MARGIN = 8  # px around a drawing
 PNG_SCALE, PRINT_SCALE = 3, 4  # pixels per px of a drawing; PRINT_SCALE: 15 cm at 300 pixels per inch
 RENDERER, TYPESETTER = "resvg_py", "ziamath"
 INSTALL = "pip install 'viewimit[plot]'"  # installs both
+WRITERS = {".png": (RENDERER, INSTALL), ".pdf": ("typst", "pip install 'viewimit[typst]'")}  # packages, by extension
+PICTURES = (".svg", *WRITERS)
+TYPST = """#set document(title: sys.inputs.title, date: none)
+#set page(width: auto, height: auto, margin: 0pt)
+#image(bytes(sys.inputs.picture), format: "svg", alt: sys.inputs.title)"""
 PNG_FONTS = [str(ROOT / "fonts" / f"Inter-{style}.ttf") for style in ("Regular", "SemiBold")]
 WIDTH = 424  # px of most drawings
 GAP, LINE = 8, 12  # px between drawings, and between the lines of the caption
@@ -108,15 +116,17 @@ def _with_short_ids(inside: str) -> str:
     return re.sub(r'(id="|url\(#)([\w-]+)', lambda found: found[1] + numbers.get(found[2], found[2]), inside)
 
 
-def can_render() -> bool:
-    """Say whether the package that renders PNGs is installed."""
-    return importlib.util.find_spec(RENDERER) is not None
+def can_render(suffix: str = ".png") -> bool:
+    """Say whether the package that writes this kind of picture is installed."""
+    return importlib.util.find_spec(WRITERS[suffix][0]) is not None
 
 
 def require_renderer(path: Path, instead: str) -> None:
-    """Raise ValueError if PNGs cannot be rendered. instead: the extension that needs no renderer."""
-    if not can_render():
-        raise ValueError(f"{path}: .png needs {RENDERER}: {INSTALL}; {instead} does not")
+    """Raise ValueError if a picture of this name cannot be written. instead: the extension that needs no package."""
+    suffix = path.suffix.lower()
+    if suffix in WRITERS and not can_render(suffix):
+        package, install = WRITERS[suffix]
+        raise ValueError(f"{path}: {suffix} needs {package}: {install}; {instead} does not")
 
 
 def as_png(picture: str, scale: int = PRINT_SCALE) -> bytes:
@@ -135,6 +145,16 @@ def as_png(picture: str, scale: int = PRINT_SCALE) -> bytes:
     )
 
 
+def as_pdf(picture: str) -> bytes:
+    """Convert a standalone SVG to PDF, 1 px to 0.75 pt. The same picture gives the same file. Needs `can_render`."""
+    import typst
+
+    title = re.search(r"<title>(.*?)</title>", picture)
+    inputs = {"picture": picture, "title": html.unescape(title[1]) if title else ""}
+    fonts = [str(ROOT / "fonts")]
+    return bytes(typst.compile(TYPST.encode(), sys_inputs=inputs, font_paths=fonts, ignore_system_fonts=True))
+
+
 def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -> bytes:
     """Encode a standalone SVG as .svg or, by `render`, as .png. Raises ValueError if PNGs cannot be rendered."""
     if suffix == ".svg":
@@ -145,9 +165,10 @@ def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -
 
 
 def write(path: Path, picture: str) -> None:
-    """Write a standalone SVG as .svg or .png. Raises OSError."""
-    if path.suffix.lower() == ".png":
-        path.write_bytes(as_png(picture, PNG_SCALE))
+    """Write a standalone SVG as .svg, .png or .pdf. Raises OSError."""
+    suffix = path.suffix.lower()
+    if suffix in WRITERS:
+        path.write_bytes(as_pdf(picture) if suffix == ".pdf" else as_png(picture, PNG_SCALE))
     else:
         path.write_text(picture, "utf-8")
 

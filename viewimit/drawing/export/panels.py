@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ...analysis.observability import joint_uncertainty
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
-from ...simulation.appearance import Bodies, Silhouettes, arm_image_points, reachable_image_points
+from ...simulation.appearance import Bodies, Silhouettes, points_in_images
 from ...simulation.disturbances import ArmDisturbance
 from ...simulation.robot import link_meshes
 from ...simulation.world import World
@@ -16,6 +17,7 @@ from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
 TOO_FEW = "fewer than five points are seen in all four images"
+WIDER = 1.15  # factor by which a posture that leaves the windows is taken to be larger
 COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time
 START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # settings without influence on E
 
@@ -23,29 +25,36 @@ START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # sett
 class Appearance:
     """What both arms look like in the four images, and which part of each image is shown.
 
-    Parameters
-    ----------
-    world
-        The scene with its cameras.
-    first
-        A snapshot whose postures the windows must show.
+    The windows fit what has been shown so far of the run and its goal. They widen when an arm leaves them, and fit anew
+    when the run begins anew.
     """
 
-    def __init__(self, world: World, first: Snapshot):
+    def __init__(self, world: World):
         meshes = link_meshes(world.scene.robot)
-        self._world = world
         self._silhouettes = Silhouettes({link: mesh.vertices for link, mesh in meshes.items()}, world)
-        self._postures = [first.theta, first.theta_demo]
-        self._windows = image_windows(reachable_image_points(world, self._postures), world.scene.head.image)
+        self._motion = 0  # of the last moment
+        self._shown: dict[str, NDArray[np.float64]] = {}  # (k, 2) px by view, which the windows hold
+        self._windows: Windows = {}
 
     def of(self, moment: Snapshot) -> tuple[Bodies, Windows]:
-        """Return both arms' images at a moment, and the windows, which widen if an arm of many joints leaves them."""
-        if len(moment.theta) > 2 and not holds(self._windows, arm_image_points(self._world, moment)):
-            self._postures += [moment.theta, moment.theta_demo]
-            self._windows = image_windows(
-                reachable_image_points(self._world, self._postures), self._world.scene.head.image
-            )
-        return self._silhouettes.bodies(moment), self._windows
+        """Return both arms' images at a moment, and the windows."""
+        bodies = self._silhouettes.bodies(moment)
+        shown = points_in_images(bodies)
+        if not self._windows or moment.motion == 0 < self._motion:
+            self._fit(shown, bodies)
+        elif not holds(self._windows, shown):
+            self._fit({view: np.concatenate([self._shown[view], _widened(shown[view])]) for view in shown}, bodies)
+        self._motion = moment.motion
+        return bodies, self._windows
+
+    def _fit(self, shown: dict[str, NDArray[np.float64]], bodies: Bodies) -> None:
+        self._shown, self._windows = shown, image_windows(shown, bodies.frame)
+
+
+def _widened(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (k, 2) px stretched about their middle, so that a slow motion does not widen the windows at every step."""
+    middle = (points.min(0) + points.max(0)) / 2
+    return middle + WIDER * (points - middle)
 
 
 @dataclass(frozen=True, eq=False)

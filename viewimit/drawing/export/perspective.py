@@ -27,9 +27,11 @@ EXPOSURE = 4.0
 NEAR = 0.02  # m: nearer parts are not drawn
 CELLS = 7  # of the floor on either side
 ASPECT = 1.3
-SHADOW_CORNERS = 24  # of a link's shadow
+CORNERS = 24  # of an outline or of a link's shadow
 TRIANGLE = "M{:.1f} {:.1f}L{:.1f} {:.1f} {:.1f} {:.1f}z"
 LOOK = scene_geometry.LOOKS[False]
+_TURNS = 2 * np.pi * np.arange(CORNERS) / CORNERS
+_COMPASS = np.stack([np.cos(_TURNS), np.sin(_TURNS)])
 
 
 @dataclass(frozen=True)
@@ -72,15 +74,31 @@ def default_viewpoint(world: World, moment: Snapshot) -> Viewpoint:
     return Viewpoint(*fit_view(np.concatenate(landmarks), ASPECT, 0.02))
 
 
-def draw_space(world: World, moment: Snapshot, viewpoint: Viewpoint | None = None, rays: bool = False) -> Figure:
-    """Draw both arms at a moment. rays: whether to draw lines from image points to body points."""
+def draw_space(
+    world: World, moment: Snapshot, viewpoint: Viewpoint | None = None, rays: bool = False, outlines: bool = False
+) -> Figure:
+    """Draw both arms at a moment.
+
+    Parameters
+    ----------
+    world, moment
+        What stands where.
+    viewpoint
+        From where; None for the page's own.
+    rays
+        Whether to draw lines from image points to body points.
+    outlines
+        Whether the arms' links are drawn as convex outlines instead of face by face, in a twentieth of the size.
+    """
     viewpoint = default_viewpoint(world, moment) if viewpoint is None else viewpoint
     bases = scene_geometry.bases_of(world)
     postures = {"learner": moment.theta, "demonstrator": moment.theta_demo}
     frames = {arm: world.link_frames(postures[arm], bases[arm]) for arm in bases}
     links, standing = list(_links(world, frames)), list(_standing(world))
-    solids = [*links, *standing]
-    items = [item for vertices, faces, colour in solids for item in _faces(viewpoint, vertices, faces, colour)]
+    drawn = standing if outlines else [*links, *standing]  # what stands is no convex body
+    items = [item for vertices, faces, colour in drawn for item in _faces(viewpoint, vertices, faces, colour)]
+    if outlines:
+        items += [item for vertices, _, colour in links for item in _outline(viewpoint, vertices, colour)]
     items += _points(
         world, moment, viewpoint, {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}, rays
     )
@@ -128,6 +146,19 @@ def _faces(
         tint = "#{:02x}{:02x}{:02x}".format(*shade)
         d = TRIANGLE.format(*triangle)
         yield Item(float(far), f'<path fill="{tint}" stroke="{tint}" d="{d}"/>')
+
+
+def _outline(viewpoint: Viewpoint, vertices: NDArray[np.float64], colour: tuple[int, int, int]) -> Iterator[Item]:
+    """Draw the outline of a nearly convex body, lit from the side. colour: 0 … 255."""
+    places, depth = viewpoint.see(vertices)
+    if (depth > NEAR).all():
+        corners = places[(places @ _COMPASS).argmax(0)]
+        fill, edge = (
+            "#{:02x}{:02x}{:02x}".format(*_shaded(np.array([way]), colour)[0])
+            for way in ([0, -0.7, 0.7], [0, 0.7, -0.7])
+        )
+        look = f'fill="{fill}" stroke="{edge}"'
+        yield Item(float(depth.mean()), f'<path {look} d="{svg.path(corners)}z"/>')
 
 
 def _shaded(normals: NDArray[np.float64], colour: tuple[int, int, int]) -> NDArray[np.float64]:
@@ -195,9 +226,8 @@ def _line(
 def _hull_shadow(viewpoint: Viewpoint, vertices: NDArray[np.float64]) -> str:
     """Draw the shadow of a nearly convex body on the floor."""
     ground = _cast(vertices)
-    turns = 2 * np.pi * np.arange(SHADOW_CORNERS) / SHADOW_CORNERS
-    outline = ground[(ground @ np.stack([np.cos(turns), np.sin(turns)])).argmax(0)]
-    places, depth = viewpoint.see(np.column_stack([outline, np.zeros(SHADOW_CORNERS)]))
+    outline = ground[(ground @ _COMPASS).argmax(0)]
+    places, depth = viewpoint.see(np.column_stack([outline, np.zeros(CORNERS)]))
     return f'<path d="{svg.path(places)}z"/>' if (depth > NEAR).all() else ""
 
 

@@ -1,14 +1,16 @@
 """The panel Images: the learner's four image planes and what the transfer says about them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
+from ...estimation.transfers.registry import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
 from ...loop.snapshot import Snapshot
@@ -20,14 +22,19 @@ from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
 
 GAINS = (10, 5, 2)
-READOUT_UP = 17  # px from the bottom of L and R, where a caption lies over both
+READOUT_UP = 8  # px from the bottom of L and R
+READOUT_LETTER = 5.7  # px, width of a letter of the readout
+GOAL_DOT = 3.4  # px, radius
 SMALL, MAX_ARROW = 8.0, 20.0  # px: residuals below SMALL are drawn larger, up to MAX_ARROW
 AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill-conditioned, and badly so
-COLUMNS, LETTER = (0, 86, 152, 258, 352), 5.4  # px: of the metrics; width of a letter of their labels
-LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px
+COLUMNS = (0, 74, 140, 236, 302, 372)  # px: of the metrics in print
+LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px, in print
+SPARK, SPARK_MOTIONS = (96, 34), 60  # px of the small curve of E, and the motions that it shows at most
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
-CAPTIONS = {"own": "the learner sees itself", "demo": "sees the demonstrator"}  # over L and R, over l and r
-RECTIFIED = {**CAPTIONS, "own": "the learner sees itself; all four then rectified"}
+HEADINGS = {"own": "The learner’s own arm, left and right eye", "demo": "Demonstrator"}  # of L and R, of l and r
+PUT_BY = {True: "where the lines put it", False: "where the transfer puts it"}  # by whether lines are crossed
+PRINTED_COLUMN = 108  # px, of the legend in print
+RECTIFIED = {**HEADINGS, "own": "The learner’s own arm; all four images are then rectified"}
 
 
 def draw_images(
@@ -41,6 +48,9 @@ def draw_images(
     construction: Construction | None = None,
     stage: int | None = None,
     gain: float | None = None,
+    goal: bool = False,
+    course: Sequence[float] = (),
+    print_size: bool = False,
 ) -> str:
     """Draw the panel as HTML: the four images, the legend and the metrics, which the page's stylesheet arranges.
 
@@ -66,6 +76,12 @@ def draw_images(
         The last stage of the construction to draw; None for all of it.
     gain
         Factor by which the residuals are drawn longer; None chooses one.
+    goal
+        Whether L and R show the learner as it would look in the demonstrator's posture.
+    course
+        E after each motion so far, px²; empty for no small curve of it.
+    print_size
+        Whether legend and metrics are drawings of a fixed width instead of text that wraps.
     """
     shown = windows[whole_frames]
     lengths = residual_lengths(snapshot)
@@ -82,6 +98,8 @@ def draw_images(
     if standing is not None:
         for view, (hulls, _) in planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
             content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
+    if goal:
+        content |= {view: ghost + content[view] for view, ghost in _ghosts(bodies, windows, whole_frames).items()}
     kind = "vi-images vi-whole" if whole_frames else "vi-images"
     kind += "" if stage is None else " vi-building"
     kind += " vi-pictured" if pictures else "" if standing is None else " vi-see-through"
@@ -95,18 +113,34 @@ def draw_images(
         if view in "LR" and chosen is not None and is_shown(stage, crossed, "own"):
             inside += _readout(snapshot, chosen, k - 2, shown[view], SIZES[whole_frames][view])
         parts.append(planes.plane(view, shown[view], whole_frames, bodies.frame, inside))
-    captions = CAPTIONS if snapshot.rectification is None else RECTIFIED
+    headings = HEADINGS if snapshot.rectification is None else RECTIFIED
     parts += [
-        f'<div class="vi-caption vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
-        for pair, words in captions.items()
+        f'<div class="vi-heading vi-over-{pair}">{words} {ask(f"{pair}_views")}</div>'
+        for pair, words in headings.items()
     ]
+    parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
     if chosen is not None:
         parts.append(f'<p class="vi-how">{describe_construction(construction, chosen, stage, crossed)}</p>')
-    parts.append(draw_legend(gain, chosen, crossed))
-    parts.append(draw_metrics(snapshot, lengths))
+    metrics = _metrics(snapshot, lengths)
+    parts.append(draw_metrics(metrics) if print_size else write_metrics(metrics, course))
     inside = "".join(parts)
     four = f'<div class="{kind}" role="group" aria-label="The four images">{inside}</div>'
     return f'<div class="vi-panel vi-four">{four}</div>'
+
+
+def _ghosts(bodies: Bodies, windows: Windows, whole: bool) -> dict[str, str]:
+    """Draw the learner as it would look in the demonstrator's posture, in L and R. Cached with that arm."""
+    kept = bodies.goal.memory.get(("ghost", whole))
+    if kept is None or kept[0] is not windows:
+        points = planes.placed(bodies.goal.points, windows[whole], "LR")
+        arms = planes.draw_arm(bodies.goal, windows, whole, "LR").values()
+        drawn = {
+            view: f'<g class="vi-ghost"><path class="vi-goal" d="{hulls}"/><path class="vi-goal-bone" d="{bones}"/>'
+            f'<path class="vi-goal-ring" d="{svg.circles(points[k], GOAL_DOT)}"/></g>'
+            for k, (view, (hulls, bones)) in enumerate(zip("LR", arms))
+        }
+        kept = bodies.goal.memory["ghost", whole] = windows, drawn
+    return kept[1]
 
 
 def arrow_gain(lengths: NDArray[np.float64]) -> float:
@@ -199,9 +233,13 @@ def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
     """Write the chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
-    length = svg.number(math.hypot(*e.tolist()))
+    words = f"point {chosen}: {svg.number(math.hypot(*e.tolist()))} px"
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
-    return svg.text(x, size[1] - READOUT_UP, f"{chosen}: {length} px", f"vi-chosen vi-halo{end}")
+    width = READOUT_LETTER * len(words) + 6
+    left = x - 3 if window.readout_left else x + 3 - width
+    y = size[1] - READOUT_UP
+    behind = f'<rect class="vi-behind" x="{left:.1f}" y="{y - 11}" width="{width:.1f}" height="15" rx="3"/>'
+    return behind + svg.text(x, y, words, f"vi-chosen{end}")
 
 
 def _epipolar_lines(
@@ -250,29 +288,56 @@ def _chord(line: list[float], window: Window) -> str:
 # Legend and metrics
 
 
-@lru_cache(256)
-def draw_legend(gain: float, chosen: int | None, crossed: bool) -> str:
-    """Draw the legend in two rows. crossed: whether the construction has epipolar lines, or steps."""
+class LegendEntry(NamedTuple):
+    """A mark and its meaning."""
+
+    mark: str  # SVG around (10, 0)
+    words: str
+    left: float  # px of the mark's left edge
+    width: float  # px
+
+
+def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
+    """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
     arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
-        ('<path class="vi-own" d="M10 0h0"/>', "own point"),
-        (f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', "recovered"),
-        ('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow),
-        (f'<path class="vi-seen" d="{diamond(OBSERVED)}"/>', "demonstrator"),
+        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
+        LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
+        LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
+    if goal:
+        ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
+        ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
+        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
+    return entries
+
+
+@lru_cache(256)
+def write_legend(gain: float, crossed: bool, goal: bool) -> str:
+    """Write the legend as HTML that wraps where it must; `describe_construction` tells of the chosen point's marks."""
+    written = "".join(
+        f"<span>{svg.sample(mark, left, width)}{words}</span> "
+        for mark, words, left, width in _legend_entries(gain, crossed, goal)
+    )
+    return f'<div class="vi-legend">{written}</div>'
+
+
+@lru_cache(256)
+def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> str:
+    """Draw the legend in two rows, for print."""
+    entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(('<circle class="vi-ring" cx="10" cy="0" r="5.5"/>', f"point {chosen}, its"))
+        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
     if chosen is not None and crossed:
-        entries.append(('<path class="vi-line" d="M0 0H20"/>', "line from left"))
-        entries.append(('<path class="vi-line vi-from-right" d="M0 0H20"/>', "line from right"))
-        entries.append(('<path class="vi-line vi-partner" d="M0 0H20"/>', "line from partner"))
-    if chosen is not None and not crossed:
-        entries.append(('<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>', "steps to it"))
+        entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
+    elif chosen is not None:
+        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
-    for i, (mark, words) in enumerate(entries):
+    for i, (mark, words, _, _) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
-        parts.append(f'<g transform="translate({2 + 101 * (i % 4)} {8 + 16 * (i // 4)})">{mark}{label}</g>')
+        place = f"translate({2 + PRINTED_COLUMN * (i % 4)} {8 + 16 * (i // 4)})"
+        parts.append(f'<g transform="{place}">{mark}{label}</g>')
     return f'<svg class="vi vi-legend" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
 
 
@@ -285,11 +350,23 @@ def residual_lengths(snapshot: Snapshot) -> NDArray[np.float64]:
     return np.sqrt(squares[:, ::2] + squares[:, 1::2])
 
 
-def draw_metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> str:
-    """Draw E, mean and largest |e|, the transfer's condition and the visible points, each with its "?".
+class Metric(NamedTuple):
+    """A number of the transfer."""
 
-    lengths: from `residual_lengths`.
-    """
+    level: str  # of `gauge`
+    label: str
+    value: str
+    unit: str
+    title: str = ""  # the label's symbol, by which the glossary knows it
+
+
+def metrics_of(snapshot: Snapshot) -> tuple[Metric, ...]:
+    """Return E, mean and largest |e|, the transfer's condition, the points' flatness, and how many are visible."""
+    return _metrics(snapshot, residual_lengths(snapshot))
+
+
+def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, ...]:
+    """lengths: from `residual_lengths`."""
     known = lengths.size > 0
     mean, largest, where = np.nan, np.nan, ""
     if known:
@@ -300,26 +377,65 @@ def draw_metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> str:
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
     name = snapshot.method.condition_name
-    few = used < MIN_POINTS
-    columns = (
-        ("", "E", _short(snapshot.E), " px²" if known else ""),
-        ("", "mean |e|", svg.number(mean), " px" if known else ""),
-        ("", "largest |e|", svg.number(largest), where),
-        (level, name + word, _short(condition, 100), ""),
-        ("red" if few else "", "points seen", f"{used}", f" of {count}"),
+    found = [
+        Metric("", "E", svg.escape(svg.short_E(snapshot.E)), " px²" if known else ""),
+        Metric("", "mean |e|", svg.number(mean), " px" if known else ""),
+        Metric("", "largest |e|", svg.number(largest), where),
+        Metric(level, name + word, _short(condition, 100), "", name),
+    ]
+    if name != FLATNESS:
+        flat = snapshot.flatness if known else np.nan
+        found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100), ""))
+    if used < count:
+        found.append(Metric("red" if used < MIN_POINTS else "", "seen", f"{used}", f" of {count}", "points seen"))
+    return tuple(found)
+
+
+def write_metrics(metrics: Sequence[Metric], course: Sequence[float] = ()) -> str:
+    """Write E large, with a small curve of its course, and the other numbers small, as HTML."""
+    first, *others = metrics
+    large = f'<div class="vi-metric vi-E"><span>Conflict E {_ask(first)}</span>{_value(first)}</div>'
+    small = "".join(
+        f'<div class="vi-metric"><span>{metric.label} {_ask(metric)}</span>{_value(metric)}</div>' for metric in others
     )
-    drawn = "".join(_metric(x, *column) for x, column in zip(COLUMNS, columns))
-    asked = _asks(tuple((label.split(":")[0], len(label)) for _, label, _, _ in columns))
+    return f'<div class="vi-metrics">{large}{_small_curve(course)}{small}</div>'
+
+
+def _ask(metric: Metric) -> str:
+    key = key_of(metric.title or metric.label)
+    return "" if key is None else ask(key)
+
+
+def _value(metric: Metric) -> str:
+    mark = ""
+    if metric.level:
+        shape = svg.diamonds(np.array([[6.0, 6.0]]), 5.5) if metric.level == "amber" else "M1 1h10v10h-10z"
+        path = f'<path class="vi-{metric.level}" d="{shape}"/>'
+        mark = f'<svg class="vi" viewBox="0 0 12 12" aria-hidden="true">{path}</svg>'
+    return f"<span>{mark}<b>{metric.value}</b>{metric.unit}</span>"
+
+
+def _small_curve(course: Sequence[float]) -> str:
+    """Draw log E of the last motions, with a dot at the present; the width fills as motions are made."""
+    if not len(course):
+        return ""
+    (width, height), E = SPARK, np.asarray(course[-SPARK_MOTIONS:], float)
+    log_E = np.log10(np.clip(np.nan_to_num(E, nan=svg.UNSEEN_E), svg.UNSEEN_E, None))
+    low, high = min(log_E.min(), 0.0), max(log_E.max(), log_E.min() + 0.5)
+    x = np.linspace(4, width - 5, max(len(E), 12))[: len(E)]
+    points = np.stack([x, height - 5 - (height - 10) * (log_E - low) / (high - low)], -1)
+    return (
+        f'<svg class="vi vi-spark" viewBox="0 0 {width} {height}" role="img" aria-label="E over the motions">'
+        f'<path class="vi-axis" d="M2 {height - 1}H{width - 2}"/><path class="vi-line-E" d="{svg.path(points)}"/>'
+        f'<path class="vi-dot-E" d="{svg.dots(points[-1:])}"/></svg>'
+    )
+
+
+def draw_metrics(metrics: Sequence[Metric]) -> str:
+    """Draw all numbers in a row, for print."""
+    drawn = "".join(_metric(x, metric) for x, metric in zip(COLUMNS, metrics))
     box = f"0 0 {METRICS_SIZE[0]} {METRICS_SIZE[1]}"
-    return f'<div class="vi-metrics"><svg class="vi" viewBox="{box}">{drawn}</svg>{asked}</div>'
-
-
-@lru_cache(32)
-def _asks(labels: tuple[tuple[str, int], ...]) -> str:
-    """Build a "?" behind each label. labels: their symbols and lengths in letters."""
-    keys = [key_of(symbol) for symbol, _ in labels]
-    places = [100 * (x + LETTER * letters + 4) / METRICS_SIZE[0] for x, (_, letters) in zip(COLUMNS, labels)]
-    return "".join(ask(key, f"left:{place:.1f}%") for key, place in zip(keys, places) if key is not None)
+    return f'<svg class="vi vi-metrics" viewBox="{box}">{drawn}</svg>'
 
 
 def gauge(condition: float) -> tuple[str, str]:
@@ -338,13 +454,13 @@ def _short(value: float, whole_from: float = 1000) -> str:
     return svg.number(value, 1 if value < whole_from else 0)
 
 
-def _metric(x: float, level: str, label: str, value: str, unit: str) -> str:
+def _metric(x: float, metric: Metric) -> str:
     y, mark, shift = 11, "", 0
-    if level == "amber":
+    if metric.level == "amber":
         mark, shift = f'<path class="vi-amber" d="{svg.diamonds(np.array([[x + 6, y + 13.5]]), 5.5)}"/>', 15
-    elif level == "red":
+    elif metric.level == "red":
         mark, shift = f'<rect class="vi-red" x="{x}" y="{y + 8}" width="11" height="11" rx="1.5"/>', 15
     return (
-        f'<text class="vi-2nd" x="{x}" y="{y}">{label}</text>{mark}<text x="{x + shift}" y="{y + 20}">'
-        f'<tspan class="vi-big">{value}</tspan><tspan class="vi-2nd">{unit}</tspan></text>'
+        f'<text class="vi-2nd" x="{x}" y="{y}">{metric.label}</text>{mark}<text x="{x + shift}" y="{y + 20}">'
+        f'<tspan class="vi-big">{metric.value}</tspan><tspan class="vi-2nd">{metric.unit}</tspan></text>'
     )

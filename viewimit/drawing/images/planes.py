@@ -21,12 +21,12 @@ from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
 
-# width and height of each view's drawing, px, by whether whole frames are shown
+# width and height of each view's drawing, px, by whether whole frames are shown; two of l are as high as one of L
 SIZES = {
-    False: {"l": (76, 140), "r": (76, 140), "L": (130, 209), "R": (130, 209)},
+    False: {"l": (80, 117), "r": (80, 117), "L": (150, 240), "R": (150, 240)},
     True: dict.fromkeys("lrLR", (210, 79)),
 }
-MARGIN = 10  # image px around the points: about half a link's thickness
+MARGIN = 12  # px of the drawing around the points, so that the edge cuts no ring
 MIN_DIFFERENCE = 0.02  # in the share of points by which one corner is worse than another
 
 
@@ -59,8 +59,9 @@ def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, in
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
             spans = {view: _span(reach[view], frame, whole) for view in pair}
+            around = 0 if whole else 2 * MARGIN
             scale = min(
-                min(boxes[view][0] / (high - low)[0], boxes[view][1] / (high - low)[1])
+                ((np.array(boxes[view]) - around) / np.maximum(high - low, 1.0)).min()
                 for view, (low, high) in spans.items()
             )
             sizes = {view: np.array(boxes[view]) / scale for view in pair}
@@ -87,7 +88,7 @@ def _span(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if whole or len(points) == 0:
         return np.zeros(2), np.array(frame, float)
-    return points.min(0) - MARGIN, points.max(0) + MARGIN
+    return points.min(0), points.max(0)
 
 
 def _free_corners(places: dict[str, NDArray[np.float64]]) -> tuple[bool, bool]:
@@ -190,8 +191,15 @@ REPEATED = (
     ("recovered", "… and it is recovered."),
     ("own", "The arrow leads on to the own point."),
 )
+LINE_NAMES = {"": "line of l", " vi-from-right": "line of r", " vi-partner": "other eye"}  # by class of a line
+STEPS_SAMPLE = '<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>'
 WITH = {"r": "l"}  # a part without a stage of its own → the stage it appears in
 MAX_HALF_AXIS = 400.0  # px: a longer one looks the same
+
+
+def line_sample(kind: str) -> str:
+    """Draw a piece of an epipolar line. kind: of LINE_NAMES."""
+    return f'<path class="vi-line{kind}" d="M0 0H20"/>'
 
 
 def last_stage(crossed: bool) -> int:
@@ -214,11 +222,11 @@ def describe_construction(construction: Construction | None, point: int, stage: 
     if construction is None:
         return f"Point {name} is not seen in all four images."
     if construction.angle is None:
-        found = f"Point {name}: carried over by steps."
-    else:
-        left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
-        found = f"Point {name}: lines cross at {left}" + (f", {right}." if left != right else ".")
-    return f"{found} With 1 px of noise 95 % fall in the ellipse."
+        return f"Point {name}: carried over by {svg.sample(STEPS_SAMPLE, 0, 20)} steps."
+    left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
+    angles = left if left == right else f"{left}, {right}"
+    of_l, of_r = (svg.sample(line_sample(kind), 0, 20) for kind in list(LINE_NAMES)[:2])
+    return f"Point {name}: lines of l {of_l} and r {of_r} cross at {angles}"
 
 
 def draw_construction(

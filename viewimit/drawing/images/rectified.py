@@ -11,7 +11,7 @@ from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg
 from ..theme import OBSERVED
-from .panel import draw_metrics, residual_lengths
+from .panel import draw_metrics, metrics_of, write_metrics
 
 SIZE = (424, 256)  # px of the drawing
 IMAGE = (96, 96)  # px of an image
@@ -25,8 +25,8 @@ AS_THEY_ARE = "Not rectified: one affine", "geometry fits all matches."
 OFF = "Rectification is off", "(folder Display)."
 
 
-def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
-    """Draw the panel as HTML; without rectification it says why there is none."""
+def draw_rectified(snapshot: Snapshot, bodies: Bodies, print_size: bool = False) -> str:
+    """Draw the panel as HTML; without rectification it says why there is none. print_size: as in `draw_images`."""
     by = snapshot.rectification
     parts = [svg.text(LEFTS[0], 14, "as seen", "vi-b"), svg.text(LEFTS[1], 14, "rectified", "vi-b")]
     off = OFF if snapshot.settings.rectify == "off" else AS_THEY_ARE
@@ -43,7 +43,8 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies) -> str:
     box = f"0 0 {SIZE[0]} {SIZE[1]}"
     label, drawn = "Images as seen and as rectified", "".join(parts)
     drawing = f'<svg class="vi" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
-    return f'<div class="vi-panel">{drawing}{draw_metrics(snapshot, residual_lengths(snapshot))}</div>'
+    metrics = (draw_metrics if print_size else write_metrics)(metrics_of(snapshot))
+    return f'<div class="vi-panel">{drawing}{metrics}</div>'
 
 
 def row_distance(images: NDArray[np.float64]) -> float:

@@ -6,11 +6,13 @@ The mathematics of a transfer is in its own module. Only `fit` is required of an
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass
+from functools import wraps
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.affine import DEMO_PAIR, VIEW_PAIRS
 from ..equations import HOLE, Equation, column, each, matrix, number, short
 from ..residuals import warn_renamed
 from ..views import FourViews
@@ -22,6 +24,7 @@ from .rank3 import Rank3Transfer
 from .transfer import FittedTransfer, TransferFunction, fit_function
 
 PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
+LINE_PAIRS = tuple("lrLR"[p] + "lrLR"[q] for p, q in np.delete(VIEW_PAIRS, DEMO_PAIR, 0))  # of the rows of 𝐀, Eq. (4)
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]
 FLAT = "the points nearly lie in a plane, E may mislead"
 
@@ -81,7 +84,12 @@ def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
     if not callable(given):
         raise TypeError(f"a transfer is a function of FourViews or a TransferMethod, got {given!r}")
     title = name_of(given)
-    return TransferMethod(title=title, fit=lambda views: fit_function(given, title, views))
+
+    @wraps(given)
+    def fit(views: FourViews) -> FittedTransfer:
+        return fit_function(given, title, views)
+
+    return TransferMethod(title=title, fit=fit)
 
 
 class Transfers(UserDict[str, TransferMethod]):
@@ -109,6 +117,7 @@ def _epipolar_equations(
             rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
             (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
             wide=True,
+            lines=LINE_PAIRS,
         ),
     )
 

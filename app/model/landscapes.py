@@ -1,0 +1,210 @@
+"""When a page asks for landscapes, and what has come of it."""
+
+from functools import partial
+
+import msgspec
+
+from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
+from viewimit.drawing.landscape import LandscapePicture
+from viewimit.estimation.equations import with_minus
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation.world import World
+
+from ..drawing import duel as drawing
+from ..drawing.landscapes import draw_together, waiting
+from ..jobs.experiments import ExperimentWorker, Request, Run
+from ..jobs.landscapes import ComparedTransfer, Ground, LandscapeWorker, make_compared, make_ground
+from .queue import Arrival, CommandQueue
+
+
+class OwnLandscape:
+    """Of the transfer that the visitor's learner uses: coarse at once, then fine, unless it has changed by then.
+
+    made: None before the first moment is known.
+    """
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("landscape", self.take)
+        self._asked: tuple | None = None
+        self._seen: tuple | None = None  # what the key of the last moment was made of
+        self._begun: Snapshot | None = None  # the first moment in the world
+        self._about: Snapshot | None = None  # the moment that was asked for last
+        self.made: MadeLandscape | None = None
+
+    def ask(self, world: World, present: Snapshot) -> None:
+        """If it would differ. In a new world an empty one stands for it meanwhile."""
+        if self.made is None or self.made.world is not world:
+            self.begin(world, present)
+        seen = world, present.settings, present.rectification is not None, present.exchanged
+        if seen == self._seen:  # the very same settings mostly, which are soon compared
+            return
+        self._seen = seen
+        asked = world, *landscape_key(present)
+        if asked != self._asked:
+            self._asked, self._about = asked, present
+            self._worker.ask(self._page_id, partial(make_landscape, world, present, COARSE_DEG), self._take_later)
+
+    def begin(self, world: World, present: Snapshot) -> None:
+        """With an empty one."""
+        self._begun = present
+        self.made = MadeLandscape(world, LandscapePicture(None, world.scene, present), None)
+
+    def take(self, made: MadeLandscape | Exception) -> None:
+        """Unless the scene has changed meanwhile."""
+        if self.made is None or self._begun is None:
+            return
+        if isinstance(made, Exception):
+            world = self.made.world
+            why = with_minus(f"no landscape: {made}")[:60]
+            made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
+        if made.world is self.made.world:
+            self.made = made
+            if made.to_refine is not None and made.to_refine is self._about:
+                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.to_refine), self._take_later)
+
+
+class DuelLandscapes:
+    """Of both learners. html: what lies under their paths."""
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("duel", self.take)
+        self._asked: tuple | None = None
+        self._world: World | None = None  # of the duel that goes on
+        self.html = drawing.draw_empty()
+
+    def ask(self, world: World, present: Snapshot, opponent: Session | None) -> None:
+        """For landscapes of what both now see of the demonstrator, if they would differ."""
+        if opponent is None:
+            if self._world is not None:
+                self._asked, self._world, self.html = None, None, drawing.draw_empty()
+            return
+        if self._world is not world:
+            self._world, self.html = world, drawing.draw_ground(world.scene, [], present.theta_demo)
+        both = present, opponent.snapshot
+        asked = world, *map(landscape_key, both)
+        if asked != self._asked:
+            self._asked = asked
+            self._worker.ask(self._page_id, partial(make_ground, world, both), self._take_later, kind="duel")
+
+    def take(self, made: Ground | Exception) -> None:
+        if isinstance(made, Exception):
+            raise ValueError(f"no landscapes for the duel: {made}")
+        if made.world is self._world:
+            self.html = made.html
+
+
+class Basins:
+    """From where the learner arrives, while it is shown. run: None while it is not."""
+
+    def __init__(self, page_id: int, worker: ExperimentWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: Settings | None = None
+        self._count = 0  # of what was asked
+        self.run: Run | None = None
+
+    @property
+    def html(self) -> str:
+        """As far as it is found."""
+        return "" if self.run is None else self.run.figure
+
+    @property
+    def going_on(self) -> bool:
+        return self.run is not None and self.run.goes_on
+
+    def toggle(self, session: Session) -> None:
+        """Find it, or hide it, which also ends it. Raises ValueError without two moving joints."""
+        if self.run is not None:
+            self._end()
+        elif len(session.scene.moving_joints) != 2:
+            raise ValueError("starts are spread over two moving joints; choose two under Joints")
+        else:
+            self._asked, self._count = _without_start(session.settings), self._count + 1
+            request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
+            self.run = Run(request.name)
+            self._worker.ask(self._page_id, request, self._take_later)
+
+    def follow(self, session: Session) -> None:
+        """End it if it would differ now."""
+        if self.run is not None and _without_start(session.settings) != self._asked:
+            self._end()
+
+    def take(self, run: Run) -> None:
+        """What the worker tells. Raises ValueError for a run that has failed."""
+        if self.run is None or run.name != self.run.name:  # of what is not shown any more
+            return
+        self.run = run
+        if run.state == "failed":
+            self.run = None
+            raise ValueError(f"the starts could not be tried: {run.problem}")
+
+    def _end(self) -> None:
+        if self.going_on:
+            self._worker.cancel(self._page_id)
+        self.run = None
+
+    def _take_later(self, run: Run) -> None:
+        self._queue.put(Arrival(("basin", run.name), self.take, run))
+
+
+def _without_start(settings: Settings) -> Settings:
+    return msgspec.structs.replace(settings, start_deg=None)
+
+
+# The landscapes of all transfers in place of the one that is used: computed only while they are shown.
+
+
+class Comparison:
+    """Each transfer is asked for apart, so that the landscapes of other pages come in between.
+
+    on: whether they are to be shown; html: all of them; None while the one that is used is shown.
+    """
+
+    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+        self._asked: tuple | None = None  # None while nothing is shown
+        self._compared: dict[str, ComparedTransfer] = {}
+        self._fresh: set[str] = set()  # what has come since the last drawing
+        self.on = False
+        self.html: str | None = None
+
+    def toggle(self) -> None:
+        self.on, self._asked = not self.on, None
+        if not self.on:
+            self.html = None
+
+    def ask(self, world: World, snapshot: Snapshot) -> None:
+        """Ask anew if what is shown would differ."""
+        if not self.on:
+            return
+        asked = world, *landscape_key(snapshot, ignored=("transfer",))
+        if asked == self._asked:
+            return
+        if self._asked is None or self._asked[0] is not world:
+            self._compared.clear()
+            self.html = waiting("computing …")
+        self._asked = asked
+        for transfer in TRANSFERS:
+            make = partial(make_compared, asked, world, snapshot, transfer)
+            done = self._queue.taker(("compared", transfer), partial(self.take, transfer))
+            self._worker.ask(self._page_id, make, done, kind=f"compared: {transfer}")
+
+    def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
+        if isinstance(made, Exception):
+            raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
+        if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
+            return
+        self._compared[transfer] = made
+        self._fresh.add(transfer)
+        self._draw_if_complete()
+
+    def _draw_if_complete(self) -> None:
+        """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""
+        if len(self._compared) < len(TRANSFERS):
+            return
+        as_asked = all(one.asked == self._asked for one in self._compared.values())
+        if as_asked or len(self._fresh) == len(TRANSFERS):
+            self._fresh.clear()
+            self.html = draw_together([self._compared[transfer].html for transfer in TRANSFERS])

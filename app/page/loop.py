@@ -1,0 +1,178 @@
+"""Commands and the motions that are due, carried out turn by turn: at once, or beside the scheduler.
+
+What looks with camera images takes long, and would hold up everybody's pages.
+"""
+
+import threading
+from collections.abc import Callable
+from functools import partial
+
+from ..jobs.camera_images import CameraLost
+from ..jobs.session_eyes import RemoteEyes
+from ..model.page_model import PageModel
+from ..model.queue import Arrival, Command, CommandQueue
+from ..model.services import LoadShedding, TimeBudget
+
+BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
+MESSAGE_STAYS = 6.0  # s
+
+
+def _beside() -> float:
+    return BESIDE
+
+
+def _no_time() -> float:
+    return 0.0
+
+
+class CommandLoop:
+    """tick(now) ends a turn, begins the next, or does meanwhile what need not wait.
+
+    announce_pictures(): the first camera images are about to be waited for; budget: of what the visitor does, whose
+    rest waits for the next ticks.
+    """
+
+    def __init__(
+        self,
+        model: PageModel,
+        queue: CommandQueue,
+        shedding: LoadShedding,
+        announce_pictures: Callable[[], None],
+        budget: TimeBudget | None = None,
+    ):
+        self._model, self._queue, self._shedding = model, queue, shedding
+        self._announce_pictures = announce_pictures
+        self._background, self._budget = Background(), budget or TimeBudget()
+        self._asked_at = 0.0
+
+    @property
+    def busy(self) -> bool:
+        """Whether a turn goes on beside the scheduler."""
+        return self._background.busy
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the session may be read: no turn changes what is drawn of it."""
+        return not self._background.alone
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
+        return self._background.wait(seconds)
+
+    def tick(self, now: float) -> None:
+        self._end_turn(now)
+        if self._background.busy:
+            self._apply_meanwhile(now)
+        else:
+            self._take_turn(now)
+
+    def _take_turn(self, now: float) -> None:
+        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
+        images or long, at once if not."""
+        model, commands = self._model, self._queue.take()
+        opens = any(command.opens_pictures(model) for command in commands)
+        if not opens and model.session.settings.sensor == "projected":
+            self._apply_within_budget(commands, now)
+            self._move_on(now, self._shedding.step_budget)
+            return
+        first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
+        if not self._apply_within_budget(commands[:first], now, commands[first:]):
+            return
+        rest = commands[first:]  # in their order: what comes after a motion may depend on it
+        self._asked_at = now
+        if opens:
+            self._announce_pictures()
+        if rest or model.motions.replaying:
+            self._background.begin(lambda: self._carry_out(rest, now, _no_time), alone=True)
+            return
+        model.motions.tick()
+        if model.player.due(now):
+            self._background.begin(lambda: model.player.advance(now, _beside), alone=False)
+
+    def _carry_out(self, commands: list[Command], now: float, budget: Callable[[], float]) -> None:
+        for command in commands:
+            self._apply(command, now)
+        self._move_on(now, budget)
+
+    def _move_on(self, now: float, budget: Callable[[], float]) -> None:
+        self._model.motions.tick()
+        self._model.player.advance(now, budget)
+        session = self._model.session
+        if isinstance(session.eyes, RemoteEyes):
+            session.eyes.retake(session.snapshot)
+
+    def _apply_meanwhile(self, now: float) -> None:
+        """What need not wait for the turn that goes on."""
+        if not self._background.alone:
+            self._apply_within_budget(self._queue.take_what_need_not_wait(), now)
+
+    def _apply_within_budget(self, commands: list[Command], now: float, rest: list[Command] | None = None) -> bool:
+        """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
+        for k, command in enumerate(commands):
+            if not self._budget.left:
+                self._queue.put_back(commands[k:] + (rest or []))
+                return False
+            self._budget.spend(partial(self._apply, command, now))
+        return True
+
+    def _end_turn(self, now: float) -> None:
+        try:
+            if self._background.end():
+                self._model.player.seen_from(now, self._asked_at)
+        except CameraLost as lost:
+            self._model.undoable.leave_pictures()
+            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+
+    def _apply(self, command: Command, now: float) -> None:
+        """Carry out one command; one that cannot be is said, and the others go on."""
+        try:
+            command.apply(self._model, now)
+        except ValueError as refusal:
+            self._model.refuse(str(refusal), now + MESSAGE_STAYS)
+            return
+        if not command.commutes and not isinstance(command, Arrival):  # what the page's own controls do
+            self._model.accept()
+
+
+# What takes long for one page goes on in a thread of its own while the page is ticked, one turn after the other.
+
+
+class Background:
+    """busy: from a turn's beginning until `end` has told that it has ended; alone: meanwhile the session must not be
+    drawn either, without it, reading is safe."""
+
+    def __init__(self):
+        self._thread: threading.Thread | None = None
+        self._fault: BaseException | None = None
+        self.alone = False
+
+    @property
+    def busy(self) -> bool:
+        return self._thread is not None
+
+    def begin(self, turn: Callable[[], None], alone: bool) -> None:
+        self.alone = alone
+        self._thread = threading.Thread(target=self._carry_out, args=(turn,), name="viewimit-turn", daemon=True)
+        self._thread.start()
+
+    def end(self) -> bool:
+        """Whether a turn has ended since it was asked last. Raises what the turn raised."""
+        if self._thread is None or self._thread.is_alive():
+            return False
+        self._thread, self.alone = None, False
+        fault, self._fault = self._fault, None
+        if fault is not None:
+            raise fault
+        return True
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
+        if self._thread is not None:
+            self._thread.join(seconds)
+        return self._thread is None or not self._thread.is_alive()
+
+    def _carry_out(self, turn: Callable[[], None]) -> None:
+        try:
+            turn()
+        except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
+            self._fault = fault

@@ -1,1 +1,0 @@
-"""How many connections there may be, whose they are, and how long each may take."""

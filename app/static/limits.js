@@ -1,0 +1,112 @@
+// What a browser may lack, and what the page does without it: WebGL, or speed for it, and a connection to the server.
+"use strict";
+const CONNECTS_MS = 10_000;  // until the page says what to check
+const LEAST_FPS = 5, MEASURED_MS = 8_000;  // frames a second in 3-D, over this time
+
+// Without WebGL three.js would stop, and viser's whole page with it. It gets a context that draws nothing.
+const ANSWERS = {
+  getContextAttributes: () => ({alpha: true, depth: true, stencil: false, antialias: false, premultipliedAlpha: true}),
+  getParameter: name => ({
+    [WebGL2RenderingContext.VERSION]: "WebGL 2.0",
+    [WebGL2RenderingContext.SHADING_LANGUAGE_VERSION]: "WebGL GLSL ES 3.00",
+    [WebGL2RenderingContext.SCISSOR_BOX]: [0, 0, 1, 1],
+    [WebGL2RenderingContext.VIEWPORT]: [0, 0, 1, 1],
+  })[name] ?? 4096,
+  getShaderPrecisionFormat: () => ({precision: 23, rangeMin: 127, rangeMax: 127}),
+  getSupportedExtensions: () => [],
+  getExtension: () => null,
+  getProgramParameter: (program, name) => name === WebGL2RenderingContext.LINK_STATUS ? true : 0,
+  getShaderParameter: () => true,
+  getProgramInfoLog: () => "",
+  getShaderInfoLog: () => "",
+  getAttribLocation: () => -1,
+  getUniformLocation: () => null,
+  checkFramebufferStatus: () => WebGL2RenderingContext.FRAMEBUFFER_COMPLETE,
+  isContextLost: () => false,
+  getError: () => 0,
+};
+const standIn = canvas => new Proxy({canvas, drawingBufferWidth: canvas.width, drawingBufferHeight: canvas.height}, {
+  get: (own, name) => {
+    if (name in own) return own[name];
+    if (typeof WebGL2RenderingContext[name] === "number") return WebGL2RenderingContext[name];
+    return ANSWERS[name] ?? (() => String(name).startsWith("create") ? {} : undefined);
+  },
+});
+const drawsWebGL = document.createElement("canvas").getContext("webgl2") !== null;
+if (!drawsWebGL) {
+  const getContext = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
+    if (kind !== "webgl2") return getContext.call(this, kind, ...options);
+    this.standIn ??= standIn(this);
+    return this.standIn;
+  };
+}
+
+// A line that the page itself says. It has a style of its own: without a connection the page has no stylesheet.
+const notices = new Map();
+const notice = (name, words) => {
+  notices.get(name)?.remove();
+  notices.delete(name);
+  if (!words) return;
+  const box = document.createElement("div"), close = document.createElement("button");
+  box.className = "vi-notice";
+  box.setAttribute("role", "alert");
+  box.style.cssText = "position:fixed;z-index:2000;left:50%;top:10px;translate:-50% 0;max-width:min(560px,92vw);"
+    + "box-sizing:border-box;padding:10px 44px 10px 16px;border-radius:10px;background:#fff;color:#1b2430;"
+    + "border:1px solid #8a5a00;box-shadow:0 4px 18px #0004;font:400 14px/20px Inter,system-ui,sans-serif";
+  for (const line of words.split("\n")) box.append(Object.assign(document.createElement("div"), {textContent: line}));
+  close.textContent = "×";
+  close.setAttribute("aria-label", "Close");
+  close.style.cssText = "position:absolute;right:6px;top:6px;width:30px;height:30px;border:0;background:none;color:inherit;"
+    + "font-size:20px;cursor:pointer";
+  close.addEventListener("click", () => box.remove());
+  box.append(close);
+  notices.set(name, box);
+  document.body.append(box);
+};
+
+const UNREACHABLE = "The page has no connection to its server yet. Please check:\n"
+  + "• Does “viewimit serve” still run?\n"
+  + "• A proxy in between must pass websockets on (the headers Upgrade and Connection).\n"
+  + "• Is this the address that the server printed? Another name needs its option --origin.\n"
+  + "• A filter or an extension of the browser may block websockets.";
+let isConnected = false;
+const connected = () => {
+  isConnected = true;
+  notice("connection", "");
+};
+addEventListener("load", () => setTimeout(() => isConnected || notice("connection", UNREACHABLE), CONNECTS_MS));
+
+// A still picture takes the place of the 3-D view where there is no WebGL, or too little speed for it: `flatten` asks the
+// server for it, once. While it is shown, nothing is drawn in 3-D.
+let isFlat = !drawsWebGL;
+if (drawsWebGL)
+  for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
+    const draw = WebGL2RenderingContext.prototype[name];
+    WebGL2RenderingContext.prototype[name] = function (...what) {
+      if (!isFlat) draw.apply(this, what);
+    };
+  }
+const watchSpeed = flatten => {
+  if (!drawsWebGL) {
+    flatten();
+    notice("flat", "This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works.");
+    return;
+  }
+  let frames = 0, began = performance.now(), seen = !document.hidden;
+  const count = () => {
+    frames += 1;
+    seen &&= !document.hidden;
+    const passed = performance.now() - began;
+    if (passed < MEASURED_MS) return requestAnimationFrame(count);
+    if (!seen) {
+      [frames, began, seen] = [0, performance.now(), !document.hidden];
+      return requestAnimationFrame(count);
+    }
+    if (isFlat || 1000 * frames / passed >= LEAST_FPS) return;
+    flatten();
+    notice("flat", "This machine draws the 3-D view slowly. A still picture takes its place; "
+      + "the folder Display brings it back.");
+  };
+  requestAnimationFrame(count);
+};

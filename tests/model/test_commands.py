@@ -1,0 +1,450 @@
+"""What a browser may send, carried out or refused; nothing is lost by a refusal."""
+
+import numpy as np
+import pytest
+from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
+from quiet_page import QuietPage
+from viewimit.app.commands.display import TOUCHES, ChoosePoint, FitView, Switch
+from viewimit.app.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
+from viewimit.app.commands.tools import LoadMotion
+from viewimit.app.jobs.experiments import Run
+from viewimit.app.model.choices import OF_ARMS, OF_IMAGES, joint_choices, servo_names, transfer_names
+from viewimit.app.model.memory import memory_of
+from viewimit.app.model.presets import AS_STARTED, PRESETS, presets_from
+from viewimit.app.model.queue import PENDING_LIMIT, Arrival, CommandQueue, Refused
+
+from viewimit.analysis.trajectory import make_motion
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.experiments import EXPERIMENTS
+from viewimit.loop.settings import Settings
+from viewimit.servo import SERVOS
+from viewimit.simulation.world import hand_position
+
+AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
+
+
+@pytest.fixture
+def page():
+    """A model and a visitor of it: session, player, model, visitor."""
+    model, _ = quiet_model(Settings.paper(seed=99))
+    model.session.begin(Settings.paper(start_deg=(25, -25)))
+    return model.session, model.player, model, Hands(model)
+
+
+HOSTILE = [np.nan, np.inf, "1e9x", None, [1, 2], {"a": 1}, "<script>"]
+
+
+@pytest.mark.parametrize("name", ["joint0", "joint1", *AMOUNTS, "joints", "seed", "history", "chosen"])
+@pytest.mark.parametrize("value", HOSTILE, ids=str)
+def test_values_that_are_no_numbers_are_refused_and_change_nothing(page, name, value):
+    session, _, model, visitor = page
+    before, chosen = session.snapshot, model.view.chosen
+    with pytest.raises(ValueError):
+        visitor.set(name, value)
+    assert session.snapshot is before and model.view.chosen == chosen
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("joint0", 1e9),
+        ("joint1", 1.0),
+        ("noise_px", -1),
+        ("missing", 101),
+        ("outliers", -1),
+        ("frames", 0),
+        ("frames", 51),
+        ("gain_error", 51),
+        ("encoder_step_deg", 6),
+        ("joints", "all eight"),
+        ("seed", -3),
+        ("points", "7 points"),
+        ("camera", "rendered"),
+        ("camera", 1),
+        ("chosen", 10),
+        ("chosen", -1),
+        ("transfer", "best"),
+        ("servo", ["broyden"]),
+        ("speed", "warp"),
+        ("preset", "none such"),
+    ],
+)
+def test_values_out_of_range_are_refused_and_change_nothing(page, name, value):
+    session, _, _, visitor = page
+    before = session.snapshot
+    with pytest.raises(ValueError):
+        visitor.set(name, value)
+    assert session.snapshot is before
+
+
+def test_every_transfer_and_servo_has_a_name_on_the_page():
+    assert list(transfer_names()) == list(TRANSFERS) and list(servo_names()) == list(SERVOS)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
+    if preset.settings.sensor == "rendered":
+        pytest.importorskip("pybullet"), pytest.importorskip("cv2")
+    session, player, model, visitor = page
+    visitor.set("preset", preset.name)
+    assert model.generation == 1 and session.snapshot.motion == 0 and player.speed == preset.motions_per_second
+    moved = [session.step() for _ in range(6)]
+    assert any(moved) or session.snapshot.status == "too-few-points"
+
+
+def test_what_the_command_line_asked_for_is_a_preset_of_its_own(page):
+    session, _, _, visitor = page
+    visitor.set("preset", PRESETS[1].name)
+    visitor.set("preset", AS_STARTED)
+    assert session.settings.seed == 99
+    assert list(presets_from(PRESETS[2].settings)) == [PRESETS[2].name, *(p.name for p in PRESETS if p != PRESETS[2])]
+
+
+def test_joints_move_the_demonstrator_alone(page):
+    session, _, _, visitor = page
+    theta = session.snapshot.theta
+    visitor.set("joint0", 60)
+    assert np.allclose(np.degrees(session.snapshot.theta_demo), [60, -90])
+    assert np.array_equal(session.snapshot.theta, theta) and session.snapshot.motion == 0
+
+
+@pytest.mark.parametrize("name, amount", AMOUNTS.items())
+def test_a_slider_shows_what_it_has_asked_for(page, name, amount):
+    session, _, _, visitor = page
+    for value in np.arange(amount.low, amount.high + amount.step / 2, amount.step):
+        visitor.set(name, float(value))
+        assert amount.shown(session.settings) == pytest.approx(value, abs=1e-9)
+    assert amount.shown(Settings.paper()) == max(amount.low, 0)  # none of it
+
+
+@pytest.mark.parametrize("scene, layout", [("panda", 16), ("iiwa", 10)])
+def test_joints_are_freed_with_a_layout_for_them_and_held_again(page, scene, layout):
+    session, _, model, visitor = page
+    session.begin(Settings.paper(scene=scene, start_deg=(25, -25), points=10))
+    two, seven = joint_choices(session.settings)
+    visitor.set("joint0", 60.0)
+    before = session.settings
+    visitor.set("joints", seven)
+    rest = np.array(session.scene.posture_deg)
+    assert (
+        model.generation == 1
+        and session.scene.moving_joints == (1, 2, 3, 4, 5, 6, 7)
+        and session.settings.points == layout
+    )
+    held = [k for k in range(7) if k not in (1, 3)]
+    for angles, theirs in ((session.settings.demonstrator_deg, (60, -90)), (session.settings.start_deg, (25, -25))):
+        assert (angles[1], angles[3]) == pytest.approx(theirs) and np.array(angles)[held] == pytest.approx(rest[held])
+    visitor.set("joint6", 10.0)
+    snapshot = session.snapshot
+    visitor.set("joints", seven)  # as it is already
+    assert session.snapshot is snapshot
+    visitor.set("joints", two)
+    assert session.settings == before
+
+
+def test_freed_joints_of_a_preset_are_held_with_the_usual_layout(page):
+    session, _, _, visitor = page
+    visitor.set("preset", "Seven joints")
+    visitor.set("joints", next(iter(joint_choices(session.settings))))
+    assert session.settings.joints is None and session.settings.points == Settings.paper().points
+    assert session.settings.demonstrator_deg == (40, -80)
+
+
+def test_other_joints_from_the_command_line_are_a_choice_too(page):
+    session, _, _, visitor = page
+    session.begin(Settings.paper(joints=(2, 4, 6), points=20))
+    assert list(joint_choices(session.settings)) == ["two: θ₂, θ₄", "all seven", "three: θ₂, θ₄, θ₆"]
+    visitor.set("joints", "all seven")
+    assert session.settings.points == 20  # enough already
+
+
+def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
+    session, player, _, visitor = page
+    player.toggle()
+    player.speed = 0
+    for now in range(200):
+        player.advance(float(now))
+    rested = session.snapshot
+    player.advance(300.0)
+    assert session.snapshot is rested and rested.status.is_at_rest
+    visitor.set("joint0", 70)
+    for now in range(400, 600):
+        player.advance(float(now))
+    assert session.snapshot.motion > rested.motion
+    assert np.abs(np.degrees(session.snapshot.theta - session.snapshot.theta_demo)).max() < 5
+
+
+def test_the_hand_is_followed_to_where_the_joints_can_bring_it(page):
+    session, _, _, visitor = page
+    world = session.world
+    posture = np.radians([62.0, -71.0])
+    target = hand_position(world, posture, world.T_world_demo)
+    visitor.set("hand", target)
+    assert np.allclose(np.degrees(session.snapshot.theta_demo), [62, -71], atol=0.1)
+
+
+def test_scrubbing_beyond_the_history_keeps_the_present(page):
+    session, _, _, visitor = page
+    session.step()
+    visitor.set("history", 99)
+    assert session.cursor == 1
+    visitor.set("history", 0)
+    assert session.cursor == 0 and len(session.history) == 2
+
+
+def test_motions_are_seen_on_their_way(page):
+    session, player, _, visitor = page
+    start = session.snapshot.theta
+    visitor.act("step", 10.0)
+    halfway, moving = player.theta(10.0 + 0.225)
+    assert moving and np.allclose(halfway, (start + session.snapshot.theta) / 2)
+    there, moving = player.theta(11.0)
+    assert not moving and np.array_equal(there, session.snapshot.theta)
+
+
+def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
+    queue = CommandQueue()
+    for value in range(1000):
+        queue.put(PoseJoint(0, value))
+        queue.put(Step())
+    queue.put(PoseJoint(1, -3))
+    taken = queue.take()
+    values = {command.k: command.angle for command in taken if isinstance(command, PoseJoint)}
+    assert values == {0: 999, 1: -3} and isinstance(taken[0], PoseJoint) and len(taken) <= PENDING_LIMIT + 1
+    assert 1 <= sum(isinstance(command, Step) for command in taken) <= PENDING_LIMIT
+    assert queue.take() == []
+
+
+def test_values_of_one_control_are_one_and_stand_where_the_newest_was_put():
+    queue = CommandQueue()
+    a, b = PRESETS[0].name, PRESETS[1].name
+    for command in (ChoosePreset(a), PoseJoint(0, 1.0), PoseJoint(1, 2.0), PoseJoint(0, 3.0), ChoosePreset(b)):
+        queue.put(command)
+    assert queue.take() == [PoseJoint(1, 2.0), PoseJoint(0, 3.0), ChoosePreset(b)]
+
+
+def test_what_is_taken_out_of_order_leaves_the_rest_in_order():
+    queue, step, dark = CommandQueue(), Step(), Switch("dark", True)
+    for command in (PoseJoint(0, 1.0), dark, step):
+        queue.put(command)
+    assert queue.take_what_need_not_wait() == [dark]
+    assert queue.take() == [PoseJoint(0, 1.0), step]
+
+
+def test_nothing_overtakes_what_it_may_depend_on():
+    """A preset sets the speed, so that a speed chosen after it comes after it; before it, it need not wait."""
+    point, preset, speed, play = ChoosePoint(1), ChoosePreset(PRESETS[0].name), ChooseSpeed(1.0), Play()
+    queue = CommandQueue()
+    for command in (point, preset, speed, play):
+        queue.put(command)
+    assert queue.take_what_need_not_wait() == [point, play]  # pausing is never too early
+    assert queue.take() == [preset, speed]
+
+
+def test_bad_values_of_one_control_push_nothing_out():
+    queue, reset = CommandQueue(), Reset()
+    queue.put(reset)
+    for k in range(2 * PENDING_LIMIT):
+        queue.put_value(CONTROLS["seed"], f"no number {k}", sender="seed")
+    assert [type(command) for command in queue.take()] == [Reset, Refused]
+
+
+def test_what_a_person_did_is_done_in_that_order(page):
+    """A step that a slider or a reset precedes is another than one that they follow."""
+    session, _, model, visitor = page
+    queue = CommandQueue()
+
+    def posture_after(*commands):
+        visitor.set("joint0", 45.0)
+        visitor.act("reset")
+        for command in commands:
+            queue.put(command)
+        for command in queue.take():
+            command.apply(model, 0.0)
+        return session.snapshot.theta_demo[0], session.snapshot.motion, len(session.history)
+
+    moved, preset = PoseJoint.parse(0, 70.0), ChoosePreset(PRESETS[1].name)
+    assert posture_after(moved, BUTTONS["step"], Reset())[1:] == (0, 1)
+    assert posture_after(Reset(), moved, BUTTONS["step"])[1] == 1
+    assert np.degrees(posture_after(moved, preset)[0]) == pytest.approx(45)
+    assert np.degrees(posture_after(preset, moved)[0]) == pytest.approx(70)
+
+
+def test_a_refused_value_becomes_a_command_that_says_so(page):
+    _, _, model, _ = page
+    queue = CommandQueue()
+    queue.put_value(CONTROLS["joint0"], "1e9x")
+    (refused,) = queue.take()
+    with pytest.raises(ValueError, match="'1e9x' is not a number"):
+        refused.apply(model, 0.0)
+
+
+def test_of_what_a_worker_makes_of_a_kind_the_newest_arrives():
+    queue, arrived = CommandQueue(), []
+    for kind, made in (("landscape", 1), ("duel", 2), ("landscape", 3)):
+        queue.put(Arrival(kind, arrived.append, made))
+    for command in queue.take():
+        command.apply(None, 0.0)
+    assert arrived == [2, 3]
+
+
+def test_reset_keeps_the_world_and_its_drawings(page):
+    session, _, model, visitor = page
+    world = session.world
+    session.step()
+    visitor.act("reset", 0.0)
+    assert session.snapshot.motion == 0 and session.world is world and model.generation == 0
+
+
+@pytest.mark.parametrize("speed", [0.5, 4.0])
+def test_motions_keep_their_distance_in_time(page, speed):
+    session, player, _, _ = page
+    player.toggle()
+    player.speed = speed
+    motions = []
+    for tick in range(100):
+        before = session.snapshot.motion
+        player.advance(0.05 * tick + 7.0)
+        if session.snapshot.motion > before:
+            motions.append(0.05 * tick)
+    assert len(motions) >= 3 and np.diff(motions) == pytest.approx(1 / speed, abs=0.051)
+
+
+@pytest.fixture
+def experimenting():
+    """A visitor with experiments and motions: session, worker, experiments, motions, visitor, what was sent."""
+    worker, sent = QuietExperiments(), []
+    model, queue = quiet_model(Settings.paper(), worker, lambda *file: sent.append(file))
+    return model.session, worker, model.experiments, model.motions, Hands(model, queue), sent
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        *[(name, value) for name in ("experiment", "motion", "moment") for value in HOSTILE],
+        ("experiment", "fig7"),
+        ("motion", "sinusoid "),
+        ("motion", "recorded"),
+        ("moment", -1),
+        ("moment", 6),
+        ("moment", 1e300),
+        ("motion file", b"[]"),
+        ("motion file", b"\x00" * 1000),
+        ("motion file", b" " * (3 << 20)),
+    ],
+    ids=lambda value: repr(value)[:40],
+)
+def test_what_cannot_be_asked_of_the_experiments_is_refused_and_changes_nothing(experimenting, name, value):
+    session, worker, experiments, motions, visitor, sent = experimenting
+    before = session.snapshot
+    with pytest.raises(ValueError):
+        visitor.set(name, value)
+    assert session.snapshot is before and (experiments.chosen, motions.name) == ("fig7", "sinusoid")
+    assert motions.recorded is None and not worker.asked and not sent
+
+
+@pytest.mark.parametrize("title, name", [(one.title, name) for name, one in EXPERIMENTS.items()])
+def test_an_experiment_is_asked_for_with_what_the_session_has_now(experimenting, title, name):
+    session, worker, _, _, visitor, _ = experimenting
+    session.change(transfer="linear", noise_px=0.5, seed=3)
+    session.pose(np.radians([60.0, -60.0]))
+    visitor.set("experiment", title)
+    visitor.set("motion", "circle of the hand")
+    visitor.act("run", 0.0)
+    (request,) = worker.asked
+    assert (request.name, request.settings) == (name, session.settings) and request.settings.demonstrator_deg == (
+        60,
+        -60,
+    )
+    assert request.options == ({"motion": "circle"} if name == "fig10" else {})
+
+
+def test_run_becomes_cancel_while_an_experiment_goes_on(experimenting):
+    _, worker, experiments, _, visitor, sent = experimenting
+    visitor.act("run", 0.0)
+    for state in ("waiting", "running", "writing"):
+        worker.tell(Run("fig7", state))
+        visitor.arrive()
+        assert experiments.going_on
+        visitor.act("run", 0.0)
+    assert len(worker.asked) == 1 and worker.cancelled == 3
+    with pytest.raises(ValueError, match="nothing to download"):
+        visitor.act("download", 0.0)
+    worker.tell(Run("fig7", "done", archive=b"zip"))
+    visitor.arrive()
+    visitor.act("download", 0.0)
+    assert sent == [("viewimit-fig7.zip", b"zip")] and not experiments.going_on
+    visitor.act("run", 0.0)
+    assert len(worker.asked) == 2
+
+
+def test_a_result_stays_while_other_experiments_are_looked_at(experimenting):
+    _, worker, experiments, _, visitor, _ = experimenting
+    visitor.act("run", 0.0)
+    done = Run("fig7", "done", figure="<svg/>", archive=b"zip")
+    worker.tell(done)
+    visitor.arrive()
+    visitor.set("experiment", EXPERIMENTS["fig9"].title)
+    assert experiments.shown is None
+    with pytest.raises(ValueError, match="nothing to download"):
+        visitor.act("download", 0.0)
+    visitor.act("run", 0.0)
+    worker.tell(Run("fig9", "running", share=0.4))
+    visitor.arrive()
+    visitor.set("experiment", EXPERIMENTS["fig7"].title)
+    assert experiments.shown is done and experiments.latest.name == "fig9" and experiments.going_on
+
+
+def test_a_failed_run_is_kept_and_said(experimenting):
+    _, worker, experiments, _, visitor, _ = experimenting
+    visitor.act("run", 0.0)
+    with pytest.raises(ValueError, match="Fig. 7 failed: too few points"):
+        experiments.take(Run("fig7", "failed", problem="too few points"))
+    assert experiments.shown.problem == "too few points" and not experiments.going_on
+
+
+def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(experimenting):
+    session, worker, _, motions, visitor, _ = experimenting
+    visitor.set("experiment", EXPERIMENTS["fig10"].title)
+    motions.recorded = make_motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
+    visitor.set("motion", "recorded")
+    visitor.act("run", 0.0)
+    assert worker.asked.pop().options == {"motion": motions.recorded}
+    session.change(scene="iiwa", demonstrator_deg=None)
+    motions.tick()
+    with pytest.raises(ValueError, match="outside its limits"):
+        visitor.act("run", 0.0)
+    assert not worker.asked
+
+
+def test_posing_by_a_motion_wakes_the_loop(page):
+    session, player, _, visitor = page
+    player.toggle()
+    player.speed = 0
+    for now in range(200):
+        player.advance(float(now))
+    rested = session.snapshot.motion
+    visitor.model.undoable.pose(np.radians([70.0, -60.0]))
+    player.advance(300.0)
+    assert session.snapshot.motion > rested and session.settings.demonstrator_deg == (70, -60)
+
+
+def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
+    model, _ = quiet_model(Settings.paper())
+    for dark in ("1", "0", "1"):
+        TOUCHES["dark"](dark).apply(model, 0.0)
+        assert model.view.on("dark") == (dark == "1")
+    Hands(model).set("dark", False)
+    TOUCHES["dark"]("1").apply(model, 0.0)
+    assert not model.view.on("dark") and memory_of(model).head.dark is False
+
+
+def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():
+    page = QuietPage(Settings.paper())
+    page.page.put(LoadMotion(b"{}"))
+    for command, stays in ((FitView(), True), (Step(), False)):
+        page.tick(0.5)
+        assert "not a recorded motion" in page.page.model.message.text
+        page.page.put(command)
+        page.tick(0.5)
+        assert (page.page.model.message is not None) == stays

@@ -1,0 +1,184 @@
+"""A duel is two runs side by side: neither knows of the other, both of every change."""
+
+import msgspec
+import numpy as np
+import pytest
+from page_fakes import Hands, quiet_model
+from viewimit.app.model.duel import ARRIVED_DEG, Duel
+from viewimit.app.model.player import Player
+
+from viewimit.analysis.convergence import RECENT, ErrorTrace, recent_errors_deg
+from viewimit.drawing.curves import describe_errors
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+
+
+@pytest.fixture
+def race():
+    """A visitor at the start of a duel: session, player, duel, visitor."""
+    model, _ = quiet_model(Settings(noise_px=0.1))
+    visitor = Hands(model)
+    visitor.act("duel", 0.0)
+    return model.session, model.player, model.duel, visitor
+
+
+def alone(settings, motions):
+    session = Session(settings)
+    for _ in range(motions):
+        session.step()
+    return [moment.theta.tolist() for moment in session.history]
+
+
+def test_each_moves_as_it_would_alone(race):
+    session, player, duel, visitor = race
+    for _ in range(9):
+        visitor.act("step", 0.0)
+    for racer in (session, duel.opponent):
+        assert [moment.theta.tolist() for moment in racer.history] == alone(racer.settings, 9)
+    own, other = msgspec.structs.asdict(session.settings), msgspec.structs.asdict(duel.opponent.settings)
+    assert {name for name in own if own[name] != other[name]} == {"transfer", "servo"}
+
+
+def test_a_duel_begins_at_the_start_and_ends_where_the_learner_is(race):
+    session, player, duel, visitor = race
+    visitor.act("step", 0.0)
+    visitor.act("duel", 0.0)
+    assert duel.opponent is None and session.snapshot.motion == 1 and len(player.runners) == 1
+    visitor.act("duel", 0.0)
+    assert session.snapshot.motion == duel.opponent.snapshot.motion == 0 and player.playing
+
+
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_one_that_rests_waits_for_the_other(race, speed):
+    session, player, duel, _ = race
+    player.speed = speed
+    for tick in range(400):
+        player.advance(0.05 * tick)
+    assert session.snapshot.status == "converged"
+    assert duel.opponent.snapshot.motion > session.snapshot.motion
+    assert player.cursor == duel.opponent.cursor and player.last == len(duel.opponent.history) - 1
+
+
+def test_undo_and_scrub_keep_them_together(race):
+    session, player, duel, visitor = race
+    for _ in range(5):
+        visitor.act("step", 0.0)
+    visitor.act("undo", 0.0)
+    assert session.cursor == duel.opponent.cursor == 4
+    visitor.set("history", 1)
+    assert session.cursor == duel.opponent.cursor == 1 and player.last == 5
+    duel.opponent.step()
+    duel.opponent.step()
+    visitor.set("history", 3)
+    assert (session.cursor, duel.opponent.cursor) == (3, 3)
+    for beyond in (-1, 6):
+        visitor.set("history", beyond)
+        assert (session.cursor, duel.opponent.cursor) == (3, 3)
+
+
+@pytest.mark.parametrize(
+    "name, value", [("joint0", 61.0), ("noise_px", 0.3), ("frames", 5), ("gain_error", 10), ("encoder_step_deg", 1.0)]
+)
+def test_what_changes_for_the_learner_changes_for_its_opponent(race, name, value):
+    session, _, duel, visitor = race
+    visitor.act("step", 0.0)
+    visitor.set(name, value)
+    expected = msgspec.structs.replace(session.settings, transfer=duel.transfer, servo=duel.servo)
+    assert duel.opponent.settings == expected and duel.opponent.snapshot.motion == 1
+    assert np.array_equal(duel.opponent.snapshot.theta_demo, session.snapshot.theta_demo)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("transfer", "Rank 3, all views"),
+        ("opponent's transfer", "Rank 3, all views"),
+        ("opponent's servo", "Broyden on images"),
+        ("points", "16 points"),
+        ("joints", "all seven"),
+        ("preset", "KUKA iiwa"),
+    ],
+)
+def test_another_method_body_or_layout_begins_the_race_again(race, name, value):
+    session, _, duel, visitor = race
+    visitor.act("step", 0.0)
+    visitor.set(name, value)
+    assert session.snapshot.motion == duel.opponent.snapshot.motion == 0
+    assert np.array_equal(session.snapshot.theta, duel.opponent.snapshot.theta)
+    assert np.array_equal(session.snapshot.theta_demo, duel.opponent.snapshot.theta_demo)
+
+
+@pytest.mark.parametrize("name", ["opponent's transfer", "opponent's servo"])
+@pytest.mark.parametrize("value", [None, "best", "epipolar", ["Broyden on images"], 3], ids=str)
+def test_an_opponent_that_cannot_be_is_refused_and_changes_nothing(race, name, value):
+    session, _, duel, visitor = race
+    visitor.act("step", 0.0)
+    before = duel.opponent.snapshot
+    with pytest.raises(ValueError):
+        visitor.set(name, value)
+    assert duel.opponent.snapshot is before and session.snapshot.motion == 1
+
+
+def test_arrival_is_the_first_motion_within_a_degree_of_where_the_demonstrator_is_now(race):
+    session, _, duel, visitor = race
+    for _ in range(8):
+        visitor.act("step", 0.0)
+    errors = [np.degrees(np.abs(moment.theta - moment.theta_demo)).max() for moment in session.history]
+    own, other = duel.standings
+    assert list(own.errors_deg) == pytest.approx(errors) and other.arrived is None
+    assert own.arrived == next(k for k, error in enumerate(errors) if error < ARRIVED_DEG)
+    visitor.set("joint0", 80.0)
+    assert duel.standings[0].arrived is None
+    for _ in range(12):
+        visitor.act("step", 0.0)
+    assert duel.standings[0].arrived > own.arrived
+
+
+def test_errors_are_those_of_the_history_however_that_changes():
+    session, trace, rng = Session(Settings.paper()), ErrorTrace(), np.random.default_rng(0)
+    for _ in range(60):
+        change = rng.integers(5)
+        if change < 3:
+            session.step()
+        elif change == 3:
+            session.scrub(int(rng.integers(len(session.history))))
+        else:
+            session.pose(rng.uniform(session.scene.lower, session.scene.upper))
+        direct = [np.degrees(np.abs(moment.theta - moment.theta_demo)).max() for moment in session.history]
+        assert list(trace.of(session.history)) == pytest.approx(direct)
+        last = direct[: session.cursor + 1]
+        assert describe_errors(recent_errors_deg(session.history, session.cursor)) == describe_errors(last)
+    session.reset()
+    assert len(trace.of(session.history)) == 1
+
+
+def test_following_is_the_rms_of_the_last_motions():
+    assert describe_errors([5.0]) == "" and describe_errors([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 motion"
+    assert describe_errors([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} motions"
+
+
+def test_a_runner_is_seen_on_its_way(race):
+    session, player, duel, visitor = race
+    start = [racer.snapshot.theta for racer in (session, duel.opponent)]
+    visitor.act("step", 10.0)
+    for runner, before in zip(player.runners, start):
+        theta, moving = runner.theta(10.225)
+        assert moving and np.allclose(theta, (before + runner.session.snapshot.theta) / 2)
+
+
+def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(race):
+    session, player, duel, visitor = race
+    visitor.set("missing", 100)
+    for tick in range(20):
+        player.advance(float(tick))
+    assert session.snapshot.transfer is duel.opponent.snapshot.transfer is None and player.cursor == 0
+    visitor.set("missing", 0)
+    player.advance(30.0)
+    assert session.snapshot.motion == duel.opponent.snapshot.motion == 1
+
+
+def test_nobody_races_against_the_same_method():
+    session = Session(Settings.paper(servo="gradient"))
+    duel = Duel(session, Player(session))
+    duel.toggle()
+    assert (duel.opponent.settings.transfer, duel.opponent.settings.servo) == (Settings().transfer, Settings().servo)

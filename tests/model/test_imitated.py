@@ -1,0 +1,109 @@
+"""Fig. 10's imitation in the scene and in the images: what was imitated is seen, and nothing of the session moves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from page_fakes import quiet_model
+from quiet_page import QuietPage
+from viewimit.app.commands.display import LetGo
+from viewimit.app.commands.session import Step
+from viewimit.app.commands.tools import ShowImitation
+from viewimit.app.drawing.joint_bars import draw_learner
+from viewimit.app.jobs.experiments import Run
+
+from viewimit.analysis.trajectory import Imitation
+from viewimit.drawing.equations import draw_conflict, draw_equations
+from viewimit.experiments import EXPERIMENTS
+from viewimit.geometry.affine import VIEW_PAIRS, fit_affine_fundamental
+from viewimit.loop.settings import Settings
+
+FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
+
+
+@pytest.fixture
+def model():
+    """One whose experiment has made an imitation, which is seen since BEGUN."""
+    model, _ = quiet_model(Settings.paper(start_deg=(25, -45)))
+    model.session.run()
+    theta = model.session.snapshot.theta + np.linspace(0, 0.3, FRAMES)[:, None]
+    made = model.session.settings, model.session.snapshot.transfer, STEP_S
+    model.experiments.chosen = "fig10"
+    model.experiments.take(Run("fig10", "done", imitation=Imitation("Fig. 10", *made, theta + 0.02, theta)))
+    ShowImitation().apply(model, BEGUN)
+    return model
+
+
+def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
+    imitation, present = model.experiments.shown.imitation, model.session.snapshot
+    for frame in range(FRAMES):
+        now = BEGUN + (frame + 0.5) * STEP_S
+        learner, demonstrator = model.poses(now)
+        assert np.array_equal(learner, imitation.theta[frame])
+        assert np.array_equal(demonstrator, imitation.theta_demo[frame])
+        state = model.state(now)
+        assert state.looked is state.shown and state.shown.theta is learner and state.present is present
+        assert f"{frame * STEP_S:.1f} of 2.0 s" in state.imitated
+    over = BEGUN + FRAMES * STEP_S
+    assert model.state(over).imitated is None and model.state(over).shown is present
+    assert np.array_equal(model.poses(over)[0], present.theta)
+
+
+def test_what_stands_beside_the_images_is_of_the_imitation_too(model):
+    page = QuietPage()
+    there = page.page.model
+    there.session.resume(model.session.history, model.session.cursor)
+    there.view, there.experiments.chosen = replace(there.view, wide=True), "fig10"
+    there.experiments.take(model.experiments.shown)
+    page.tick(5.0)
+    page.page.put(ShowImitation())
+    page.tick(0.5 * STEP_S)
+    page.tick(2.2 * STEP_S)
+    seen, chosen = there.state(page.now).shown, there.view.chosen
+    assert seen is not there.session.snapshot
+    assert draw_conflict(seen) in page.shown and draw_equations(seen, chosen) in page.shown
+    assert draw_learner(there.session.scene, seen.theta, seen.theta_demo) in page.shown
+    page.page.put(ShowImitation())
+    page.tick(5.0)
+    assert draw_conflict(there.session.snapshot) in page.shown
+
+
+def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
+    frozen, seen = model.session.snapshot.transfer, model.state(BEGUN + 1.1 * STEP_S).shown
+    demo, own = seen.views.demo, seen.views.own
+    assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
+    assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
+    assert not np.allclose(seen.recovered, model.session.observe(seen.theta, seen).recovered)
+
+
+def test_epipolar_lines_are_those_of_the_images_that_are_seen(model):
+    """Oracle: Eqs. (1)-(3), pair by pair. The transfer that was frozen has others."""
+    seen = model.state(BEGUN + 1.1 * STEP_S).shown
+    images = seen.views.demo_left, seen.views.demo_right, seen.views.own_left, seen.views.own_right
+    for (p, q), f in zip(VIEW_PAIRS, seen.fundamental.f):
+        assert abs(f @ fit_affine_fundamental(images[p], images[q])[0]) == pytest.approx(1, abs=1e-9)
+
+
+@pytest.mark.parametrize("ends", [Step(), LetGo(), ShowImitation()], ids=lambda command: type(command).__name__)
+def test_it_ends_by_a_motion_by_escape_and_by_its_button(model, ends):
+    ends.apply(model, BEGUN + STEP_S)
+    assert model.state(BEGUN + STEP_S).imitated is None
+
+
+def test_it_is_not_seen_in_another_world(model):
+    model.moments.imitated.stop()
+    model.undoable.change(points=16)
+    with pytest.raises(ValueError, match="other points"):
+        ShowImitation().apply(model, BEGUN)
+    model.experiments.chosen = "fig7"
+    with pytest.raises(ValueError, match="no imitation"):
+        ShowImitation().apply(model, BEGUN)
+
+
+def test_fig_10_hands_out_what_was_imitated_by_the_transfer_of_the_convergence():
+    experiment = EXPERIMENTS["fig10"]
+    found = experiment.run(Settings.paper(start_deg=(25, -45)))
+    imitation, run = experiment.imitation(found), found.runs["converged"]
+    assert imitation.theta is run.theta and imitation.theta_demo is run.theta_demo
+    demo = np.zeros((3, 2))
+    assert np.isfinite(imitation.transfer.recover(demo, demo)).all() and imitation.settings == found.settings

@@ -1,0 +1,76 @@
+"""A landscape is coarse at once, then fine; one that is not wanted any more is not made finer."""
+
+import re
+
+import numpy as np
+import pytest
+from viewimit.app.model.landscapes import OwnLandscape
+from viewimit.app.model.queue import CommandQueue
+
+from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute_landscape, make_landscape
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+
+
+class Asked:
+    """A worker that does nothing by itself."""
+
+    def __init__(self):
+        self.makes = []
+
+    def ask(self, page_id, make, done, kind="landscape"):
+        self.makes.append(make)
+
+
+@pytest.fixture
+def session():
+    return Session(Settings.paper(start_deg=(25, -45)))
+
+
+@pytest.fixture
+def worker():
+    return Asked()
+
+
+@pytest.fixture
+def own(worker):
+    return OwnLandscape(1, worker, CommandQueue())
+
+
+def test_it_is_coarse_first_and_as_fine_as_ever_in_the_end(own, worker, session):
+    own.ask(session.world, session.snapshot)
+    for expected in (1, 2, 2):
+        assert len(worker.makes) == expected
+        own.take(worker.makes[-1]())
+    whole = make_landscape(session.world, session.snapshot)
+    drawn, expected = (re.sub(r"vi-\w+-\d+", "", made.picture.html) for made in (own.made, whole))  # without their ids
+    assert drawn == expected and own.made.E_true == whole.E_true
+    own.ask(session.world, session.snapshot)
+    assert len(worker.makes) == 2
+
+
+def test_while_the_demonstrator_is_dragged_only_coarse_ones_are_made(own, worker, session):
+    for angle in (50, 55, 60):
+        session.pose(np.radians((angle, -90)))
+        own.ask(session.world, session.snapshot)
+    first, second, last = worker.makes
+    own.take(first())
+    own.take(second())
+    assert len(worker.makes) == 3
+    own.take(last())
+    assert len(worker.makes) == 4
+    assert own.made.E_true == pytest.approx(float(make_landscape(session.world, session.snapshot).E_true))
+
+
+def test_a_coarse_one_has_a_sixteenth_of_the_postures_and_the_same_E_there(session):
+    coarse, fine = (compute_landscape(session.world, session.snapshot, step) for step in (COARSE_DEG, FINE_DEG))
+    assert coarse.E.size < fine.E.size / 12
+    corners = np.ix_([0, -1], [0, -1])
+    np.testing.assert_allclose(coarse.E[corners], fine.E[corners], rtol=1e-9)
+
+
+def test_without_two_joints_nothing_is_made_twice(own, worker):
+    session = Session(Settings.paper(joints=(2, 3, 4), transfer="projective"))
+    own.ask(session.world, session.snapshot)
+    own.take(worker.makes[-1]())
+    assert len(worker.makes) == 1

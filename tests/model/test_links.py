@@ -1,0 +1,232 @@
+"""A page becomes what a link holds, to the last bit, and Undo brings back what it was."""
+
+import base64
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import zstandard
+from drawn import QR_CODE
+from quiet_page import QuietPage
+from viewimit.app.commands.display import LetGo
+from viewimit.app.commands.session import FollowLink, Step, Undo
+from viewimit.app.jobs.scripts import ScriptPlayer
+from viewimit.app.model.memory import memory_of
+from viewimit.app.model.presets import AS_STARTED, PRESETS
+from viewimit.app.panels.guide.share import share_html
+from viewimit.app.sessions.autosave import SavedPage, SavedSession
+from viewimit.app.sessions.link import read, written
+from waiting import wait_until
+
+from viewimit.drawing.export.citation import cite
+from viewimit.drawing.export.replay import replay
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+
+ROOT = Path(__file__).parents[2]
+BY_POINTS = [preset for preset in PRESETS if preset.settings.sensor == "projected"]
+
+
+def settled(page: QuietPage) -> None:
+    """Until no link is followed, and no turn goes on beside the scheduler."""
+    page.tick(0.1)
+    page.tick_until(lambda: not page.page.model.following.goes_on)
+    for _ in range(3):
+        page.tick(0.1)
+        page.settle()
+    page.tick(0.1)
+
+
+def linked_text(**fields) -> str:
+    return written(QuietPage(Settings.paper(**fields)).page.model.linked())
+
+
+class Turns:
+    """A session whose script is never whole: counts the passes that it is let make."""
+
+    def __init__(self, whole_after=None):
+        self.passed, self.whole_after = 0, whole_after
+
+    def __call__(self):
+        return self
+
+    def passes(self, script):
+        while self.passed != self.whole_after:
+            self.passed += 1
+            yield
+
+
+def test_scripts_that_never_end_hold_up_neither_their_pages_nor_a_short_one():
+    """Two of them, and a third of ten passes: it is whole while they go on, in turns, each a slice of time."""
+    spent = [0.0]  # s of processor time; each pass takes what the turn has
+
+    def clock():
+        spent[0] += 0.03
+        return spent[0]
+
+    player, endless, short, done = ScriptPlayer(clock), [Turns(), Turns()], Turns(10), []
+    for page_id, turns in enumerate(endless):
+        player.play(page_id, None, turns, done.append)
+    wait_until(lambda: all(turns.passed for turns in endless))
+    player.play(7, None, short, lambda made: done.extend([made, *(turns.passed for turns in endless)]))
+    before = [turns.passed for turns in endless]
+    wait_until(lambda: done)
+    assert done[0] is short and not player.cancel(7)
+    assert max(now - then for then, now in zip(before, done[1:])) <= short.passed + 3
+    assert player.cancel(0) and not player.cancel(0) and player.cancel(1)
+    player.stop()
+
+
+def test_a_script_has_only_so_much_time():
+    ticks = iter(range(1000))
+    player, done = ScriptPlayer(lambda: float(next(ticks))), []
+    player.play(0, None, Turns(), done.append)
+    wait_until(lambda: done)
+    assert "more than 30 s" in str(done[0]) and isinstance(done[0], ValueError)
+    player.stop()
+
+
+@pytest.mark.parametrize("lets_go", [LetGo, Undo], ids=["Escape", "Undo"])
+def test_a_link_that_is_followed_can_be_let_go(lets_go):
+    scripts = Held()
+    page = QuietPage(Settings.paper(), scripts=scripts)
+    model = page.page.model
+    before = model.session.snapshot
+    page.page.put(FollowLink(linked_text(transfer="linear")))
+    page.tick(0.3)
+    assert model.following.goes_on and "Esc lets it go" in page.shown
+    page.page.put(lets_go())
+    page.tick(0.3)
+    assert not model.following.goes_on and "Esc lets it go" not in page.shown
+    scripts.done(Session(Settings.paper(transfer="linear")))  # it was whole just then
+    page.tick(0.3)
+    assert model.session.snapshot is before
+
+
+class Held:
+    """A player of scripts that are whole when the test says so."""
+
+    def play(self, page_id, script, session, done):
+        self.done = done
+
+    def cancel(self, page_id):
+        pass
+
+
+@pytest.mark.parametrize("preset", BY_POINTS[:4], ids=lambda preset: preset.name)
+def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
+    sender, receiver = QuietPage(preset.settings), QuietPage(Settings.paper())
+    for page, motions in ((sender, 4), (receiver, 2)):
+        for _ in range(motions):
+            page.page.put(Step())
+            page.tick(0.3)
+    sender.page.model.session.pose(sender.page.model.session.snapshot.theta_demo * 0.97)
+    left = receiver.page.model.session.snapshot
+    sent = sender.page.model
+    receiver.page.put(FollowLink(written(sent.linked())))
+    settled(receiver)
+    got = receiver.page.model
+    assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
+    assert got.session.settings == sent.session.settings and got.session.cursor == 4
+    assert got.session.snapshot.E == sent.session.snapshot.E
+    for _ in range(5):
+        receiver.page.put(Undo())
+        receiver.tick(0.3)
+    assert got.session.snapshot.theta.tobytes() == left.theta.tobytes() and got.session.cursor == 2
+
+
+def test_a_link_into_a_lesson_of_an_earlier_version_says_where_lessons_are_now():
+    page = QuietPage(Settings.paper())
+    linked = msgspec.msgpack.decode(msgspec.msgpack.encode(page.page.model.linked()))
+    packed = zstandard.compress(msgspec.msgpack.encode({**linked, "lesson": ["tour", 3]}))
+    with pytest.raises(ValueError, match="in the lab now, at /lab/tour"):
+        read("1" + base64.urlsafe_b64encode(packed).decode().rstrip("="), Settings.paper())
+
+
+def test_a_bad_link_says_why_and_changes_nothing():
+    page = QuietPage(Settings.paper())
+    before = page.page.model.session.snapshot
+    page.page.put(FollowLink("1nonsense"))
+    settled(page)
+    assert page.page.model.session.snapshot is before
+    assert "the link is damaged" in page.page.model.message.text
+
+
+def test_the_card_shows_link_and_code_of_the_moment_shown():
+    page = QuietPage(Settings.paper())
+    page.page.put(Step())
+    page.tick(0.3)
+    model = page.page.model
+    shown = share_html(model.state(0.0), "http://here:8080")
+    text = written(model.linked())
+    assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
+    assert "session.step()" in shown and "--max-motions=1" in shown
+    session = Session(Settings.paper())
+
+    session.play(read(text, Settings.paper()).script)
+    assert np.array_equal(session.snapshot.theta, model.session.snapshot.theta)
+
+
+def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_path):
+    """The card says nothing of a file, its QR code is there, and pictures are captioned by the scene's title."""
+    path = tmp_path / "mine.toml"
+    path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
+    sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper())
+    for _ in range(3):
+        sender.page.put(Step())
+        sender.tick(0.3)
+    sent, got = sender.page.model, receiver.page.model
+    card, text = share_html(sent.state(0.0), "http://here:8080"), written(sent.linked())
+    assert f"/?s={text}" in card and 'aria-label="QR code' in card and "It opens only" not in card
+    path.unlink()
+    assert sent.preset.name == AS_STARTED
+    receiver.page.put(FollowLink(text))
+    settled(receiver)
+    assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
+    assert got.session.snapshot.E == sent.session.snapshot.E and got.session.cursor == 3
+    assert got.session.world.scene == sent.session.world.scene
+    assert written(got.linked()).startswith("1") and read(written(got.linked()), Settings.paper()) == got.linked()
+    card = share_html(got.state(0.0), "http://here:8080")
+    assert "save the scene, and name its file" in card and "baseline = 0.8" in card and "<b>apart" not in card
+    cited = cite(got.session)
+    assert "Eyes <b>apart</b> &c, 10 points" in cited.conditions and cited.command is None and cited.python
+    page = replay(got.session).html
+    assert "<b>apart" not in page and "Eyes &lt;b&gt;apart&lt;/b&gt; &amp;c" in page
+    memory = memory_of(got)
+    head = msgspec.msgpack.decode(msgspec.msgpack.encode(memory.head), type=SavedPage)
+    again = QuietPage(Settings.paper(), resumed=SavedSession(head, memory.history)).page.model
+    assert again.session.snapshot.theta.tobytes() == got.session.snapshot.theta.tobytes()
+    assert again.session.world.scene == got.session.world.scene and again.session.script == got.session.script
+
+
+def test_what_is_too_much_for_a_link_is_said_in_python():
+    page = QuietPage(Settings.paper()).page.model
+    angles = np.random.default_rng(0).uniform((0, -140), (90, -40), (900, 2))
+    for theta in np.radians(angles):
+        page.session.pose(theta)
+    card = share_html(page.state(0.0), "http://here:8080")
+    assert (
+        "too much was done for a link" in card and "The same in Python" in card and "as Python it can be said" in card
+    )
+
+
+def test_the_card_says_where_alone_a_link_with_a_robot_of_ones_own_opens():
+    page = QuietPage(Settings.paper(scene=str(ROOT / "docs/gallery-arm.urdf")))
+    card = share_html(page.page.model.state(0.0), "http://here:8080")
+    assert "It opens only on a server that was started with gallery-arm.urdf" in card and "/?s=" in card
+
+
+def test_what_a_link_began_with_is_its_own_and_not_what_this_server_was_started_with():
+    sent = QuietPage(Settings.paper(seed=11, noise_px=0.125)).page.model.linked()
+    page = QuietPage(Settings.paper(scene="iiwa", seed=3))
+    assert sent.preset == page.page.model.preset.name == AS_STARTED
+    scripts = [Session(Settings.paper(scene=scene)).script for scene in ("panda-facing", "panda-flat")]
+    others = [msgspec.structs.replace(sent, script=script, preset="Elsewhere") for script in scripts]
+    for linked in (sent, *others):
+        page.page.put(FollowLink(written(linked)))
+        settled(page)
+        model = page.page.model
+        assert model.preset.name == "From a link" and not model.modified
+    model.session.change(seed=4)
+    assert model.modified

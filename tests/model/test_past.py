@@ -1,0 +1,192 @@
+"""What a visitor has left behind comes back whole: the reset, the preset, the start and the other branch."""
+
+import numpy as np
+import pytest
+from page_fakes import Camera, Hands, Visit, quiet_model
+from quiet_page import QuietPage
+from sameness import assert_same
+from viewimit.app.commands.session import Undo
+from viewimit.app.model.choices import modified
+from viewimit.app.model.past import MOST
+from viewimit.app.model.presets import AS_STARTED, PRESETS
+
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
+
+SETTINGS = Settings.paper(start_deg=(25, -45), noise_px=0.3)
+
+
+@pytest.fixture
+def visit():
+    """A model after five motions, and its visitor."""
+    model, queue = quiet_model(SETTINGS)
+    visitor = Hands(model, queue)
+    for _ in range(5):
+        visitor.act("step")
+    return model, visitor
+
+
+def moments(model):
+    return list(model.session.history), model.session.cursor
+
+
+LOSSES = {
+    "reset": lambda visitor: visitor.act("reset"),
+    "preset": lambda visitor: visitor.set("preset", "Few points"),
+    "another robot": lambda visitor: visitor.set("preset", "KUKA iiwa"),
+    "start": lambda visitor: visitor.model.undoable.start_at((60, -60)),
+    "joints": lambda visitor: visitor.set("joints", "all seven"),
+    "points": lambda visitor: visitor.set("points", "16 points"),
+}
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_undo_brings_back_what_a_loss_has_taken(visit, loss):
+    model, visitor = visit
+    before, preset, speed = moments(model), model.preset, model.player.speed
+    LOSSES[loss](visitor)
+    assert model.session.cursor == 0 and len(model.session.history) == 1
+    visitor.act("step")
+    visitor.act("undo")  # the motion first
+    assert model.session.cursor == 0 and model.session.settings != before[0][-1].settings or loss == "reset"
+    visitor.act("undo")
+    assert moments(model) == before and (model.preset, model.player.speed) == (preset, speed)
+    assert "5 motions" in model.message.text
+    visitor.act("undo")
+    assert model.session.cursor == 4
+
+
+def test_what_was_brought_back_goes_on_to_the_last_bit(visit):
+    model, visitor = visit
+    visitor.act("reset")
+    visitor.act("undo")
+    alone = Session(SETTINGS)
+    for _ in range(5):
+        alone.step()
+    for session in (model.session, alone):
+        session.step()
+    assert_same(model.session.snapshot, alone.snapshot)
+
+
+@pytest.mark.parametrize("loss", ["step", "play", "joint0", "noise_px"])
+def test_motions_that_others_took_the_place_of_can_be_gone_back_to(visit, loss):
+    model, visitor = visit
+    other = list(model.session.history)
+    visitor.set("history", 2)
+    if loss in ("step", "play"):
+        visitor.act(loss)
+        model.player.advance(0.0)
+        assert model.session.history[3] is not other[3]
+        visitor.act("undo")
+    else:
+        visitor.set(loss, 70 if loss == "joint0" else 1)
+    assert model.session.cursor == 2
+    visitor.act("undo")
+    assert moments(model) == (other, 2)
+    visitor.set("history", 5)
+    assert model.session.snapshot is other[5]
+
+
+def test_nothing_is_kept_where_nothing_is_lost(visit):
+    model, visitor = visit
+    visitor.set("joint0", 60)  # at the last moment
+    visitor.set("noise_px", 1)
+    assert model.past.here is None
+    visitor.act("reset")
+    there = model.past.here
+    for angle in (30, 40, 50):  # a start that is looked for by a slider
+        model.undoable.start_at((angle, -60))
+    assert model.past.here is there
+
+
+def test_what_is_refused_leaves_nothing_behind(visit):
+    model, visitor = visit
+    visitor.set("history", 2)
+    with pytest.raises(ValueError):
+        visitor.set("joint0", 1e3)
+    with pytest.raises(ValueError):
+        model.undoable.start_at((1e3, 0))
+    assert model.past.here is None and len(model.session.history) == 6
+
+
+def test_losses_are_taken_back_one_after_the_other_and_only_so_many(visit):
+    model, visitor = visit
+    for k in range(MOST + 3):
+        visitor.set("preset", PRESETS[2 + k % 3].name)
+    for k in reversed(range(MOST + 2)):
+        left = model.past.here
+        visitor.act("undo")
+        assert left is None or model.preset is PRESETS[2 + k % 3]
+    assert model.past.here is None and model.preset is PRESETS[2 + 2 % 3]
+
+
+def test_a_reset_in_a_duel_brings_back_both(visit):
+    model, visitor = visit
+    visitor.act("duel")
+    model.player.playing = False
+    for _ in range(3):
+        visitor.act("step")
+    both = [(list(session.history), session.cursor) for session in (model.session, model.duel.opponent)]
+    visitor.act("reset")
+    visitor.act("undo")
+    assert [(list(session.history), session.cursor) for session in (model.session, model.duel.opponent)] == both
+    visitor.act("reset")
+    visitor.act("duel")  # ends it: what was left had two learners
+    assert model.past.here is None
+
+
+def test_camera_images_that_were_left_come_back_with_new_pictures():
+    pytest.importorskip("pybullet")
+    visit = Visit(Camera())
+    visit.put("camera", True)
+    visit.arrive()
+    before = visit.session.snapshot.E
+    visit.put("preset", "Few points")
+    visit.arrive()
+    assert visit.photographs == []
+    visit.act("undo")
+    visit.arrive()
+    assert visit.photographs == sorted("lrLR") and visit.session.snapshot.E == before
+
+
+def test_a_changed_preset_says_so_and_choosing_it_again_restores_it():
+    page = QuietPage(SETTINGS)
+    page.tick(1.0)
+    shown = lambda: page.widget("Preset").value
+    assert shown() == AS_STARTED
+    page.choose("Transfer", "Projective combination")
+    page.tick(1.0)
+    assert shown() == modified(AS_STARTED) and AS_STARTED in page.widget("Preset").options
+    page.choose("Preset", modified(AS_STARTED))
+    page.tick(1.0)
+    assert shown() == modified(AS_STARTED) and "no preset" not in page.shown
+    page.choose("Preset", AS_STARTED)
+    page.tick(1.0)
+    assert shown() == AS_STARTED and modified(AS_STARTED) not in page.widget("Preset").options
+    assert page.page.model.session.settings.transfer == "epipolar"
+
+
+@pytest.mark.parametrize(
+    "preset", [one for one in PRESETS if one.settings.sensor == "projected"], ids=lambda one: one.name
+)
+def test_settings_are_complete_as_a_session_has_them(preset):
+    assert complete(preset.settings) == Session(preset.settings).settings
+    assert complete(complete(preset.settings)) == complete(preset.settings)
+    assert np.isfinite(complete(preset.settings).start_deg).all()
+
+
+def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():
+    """As when a server has much to do: to the page nothing has changed, but a browser shows what was put into it."""
+    page = QuietPage(SETTINGS)
+    page.tick(1.0)
+    preset, noise = page.widget("Preset"), page.widget("Noise px")
+    before = preset.value, noise.value
+    page.change("Preset", PRESETS[1].name)
+    page.page.put(Undo())
+    page.tick(1.0)
+    assert (preset.value, noise.value) == before
+    page.change("Noise px", 0.5)
+    page.change("Preset", AS_STARTED)
+    page.tick(1.0)
+    assert (preset.value, noise.value) == before

@@ -1,0 +1,287 @@
+"""Body points by hand on a page: what each edit does to the session, what is proposed, saved, undone and kept."""
+
+import numpy as np
+import pytest
+from page_fakes import Camera, Hands, Visit, quiet_model
+from viewimit.app.commands.display import TOUCHES
+from viewimit.app.commands.tools import PlacePoint
+from viewimit.app.model.memory import go_on, memory_of
+from viewimit.app.model.points import MOST_POINTS
+from viewimit.app.sessions import codec
+from viewimit.app.sessions.autosave import SavedSession
+
+from viewimit.analysis.observability import point_information
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.simulation.scene import load_scene
+
+PLACE = PlacePoint(3, (0.05, 0.08123456, 0.04))
+ROW = (3, 0.05, 0.0812, 0.04)
+
+
+class Worker:
+    """Makes what it is asked for when told to."""
+
+    def __init__(self):
+        self.asked = []
+
+    def ask(self, page_id, make, done, kind="landscape"):
+        if kind == "point":
+            self.asked.append((make, done))
+
+    def work(self):
+        for make, done in self.asked:
+            done(make())
+        self.asked = []
+
+
+@pytest.fixture
+def files():
+    return []
+
+
+@pytest.fixture
+def worker():
+    return Worker()
+
+
+@pytest.fixture
+def visit(files, worker):
+    """A model in which points are being edited, and its visitor."""
+    send = lambda *file: files.append(file)
+    model, queue = quiet_model(Settings.paper(start_deg=(25, -45)), send=send, landscapes=worker)
+    visitor = Hands(model, queue)
+    visitor.act("edit points")
+    return model, visitor
+
+
+def rows(model):
+    body = model.session.world.body
+    return [(int(link), *local) for link, local in zip(body.link, body.local.tolist())]
+
+
+def test_a_point_that_is_placed_is_on_both_arms_and_chosen_and_the_session_begins_anew(visit):
+    model, visitor = visit
+    before = rows(model)
+    visitor.act("step")
+    PLACE.apply(model, 0.0)
+    assert rows(model) == [*before, ROW] and model.view.chosen == 10
+    session = model.session
+    assert session.settings.points == 11 and len(session.history) == 1 and session.cursor == 0
+    views = session.snapshot.views
+    assert len(views.demo) == len(views.own) == 11
+    assert np.isfinite(session.snapshot.E) and model.modified and model.points.on
+
+
+def test_the_chosen_point_is_removed_down_to_those_that_a_transfer_needs(visit):
+    model, visitor = visit
+    before = rows(model)
+    visitor.set("chosen", "3")
+    visitor.act("remove point")
+    assert rows(model) == before[:3] + before[4:] and model.view.chosen is None
+    with pytest.raises(ValueError, match="no point is chosen"):
+        visitor.act("remove point")
+    for _ in range(4):
+        visitor.set("chosen", "0")
+        visitor.act("remove point")
+    visitor.set("chosen", "0")
+    with pytest.raises(ValueError, match="fewer than 5 points"):
+        visitor.act("remove point")
+    assert rows(model) == before[-5:] and model.view.chosen == 0
+
+
+def test_nothing_is_edited_unless_editing_is_on(visit):
+    model, visitor = visit
+    visitor.act("edit points")
+    before = model.session.snapshot
+    for edit in (
+        lambda: PLACE.apply(model, 0.0),
+        lambda: visitor.act("remove point"),
+        lambda: visitor.act("best next"),
+    ):
+        with pytest.raises(ValueError, match="not being edited"):
+            edit()
+    assert model.session.snapshot is before and model.state(0.0).points.information is None
+
+
+@pytest.mark.parametrize("point", [PlacePoint(8, (0.0, 0.0, 0.0)), PlacePoint(1, (np.nan, 0.0, 0.0))])
+def test_a_point_that_cannot_be_changes_nothing(visit, point):
+    model, _ = visit
+    before = model.session.snapshot
+    with pytest.raises(ValueError):
+        point.apply(model, 0.0)
+    assert model.session.snapshot is before and model.past.here is None
+
+
+def test_there_is_an_end_to_points(visit):
+    model, _ = visit
+    for _ in range(MOST_POINTS - 10):
+        PLACE.apply(model, 0.0)
+    with pytest.raises(ValueError, match=f"{MOST_POINTS} points already"):
+        PLACE.apply(model, 0.0)
+
+
+def test_undo_takes_back_edit_by_edit_and_then_the_motions_before(visit):
+    model, visitor = visit
+    visitor.act("step")
+    visitor.act("step")
+    seen = [rows(model)]
+    for edit in (lambda: PLACE.apply(model, 0.0), lambda: visitor.act("remove point"), lambda: PLACE.apply(model, 0.0)):
+        edit()
+        seen.append(rows(model))
+    for before in reversed(seen[:-1]):
+        visitor.act("undo")
+        assert rows(model) == before
+    assert model.session.cursor == 2 and model.session.settings.body_points is None
+    visitor.act("undo")
+    assert model.session.cursor == 1
+
+
+def test_what_the_points_tell_is_said_at_once(visit):
+    model, visitor = visit
+    for edit in (lambda: None, lambda: PLACE.apply(model, 0.0), lambda: visitor.set("joint0", 20.0)):
+        edit()
+        shown, now = model.state(0.0).points, model.session.snapshot
+        true = point_information(model.session.world, now)
+        np.testing.assert_array_equal(shown.information.std_per_px, true.std_per_px)
+        assert (shown.information.count, shown.information.flatness) == (true.count, true.flatness)
+        assert model.state(0.1).points is shown
+
+
+def test_the_best_next_is_proposed_then_taken(visit, worker):
+    model, visitor = visit
+    before, was = rows(model), model.state(0.0).points.information
+    visitor.act("best next")
+    assert model.state(0.0).points.searching and rows(model) == before
+    worker.work()
+    visitor.arrive()
+    shown = model.state(0.0).points
+    assert not shown.searching and rows(model) == before
+    visitor.act("best next")
+    assert rows(model)[:-1] == before and model.view.chosen == 10
+    after = model.state(0.0).points
+    np.testing.assert_allclose(after.information.std_per_px, shown.proposal.after.std_per_px, rtol=1e-6)
+    assert after.information.std_per_px.max() < was.std_per_px.max() and after.proposal is None
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda model, visitor: visitor.set("joint0", 20.0),
+        lambda model, visitor: PLACE.apply(model, 0.0),
+        lambda model, visitor: visitor.act("edit points"),
+        lambda model, visitor: TOUCHES["dismiss"]("0").apply(model, 0.0),
+    ],
+    ids=["posed", "placed", "left", "let go"],
+)
+@pytest.mark.parametrize("late", [True, False], ids=["on its way", "there"])
+def test_a_proposal_for_what_is_no_more_is_dropped(visit, worker, change, late):
+    model, visitor = visit
+    visitor.act("best next")
+    if not late:
+        worker.work()
+        visitor.arrive()
+        assert model.state(0.0).points.proposal is not None
+    change(model, visitor)
+    worker.work()
+    visitor.arrive()
+    assert model.state(0.0).points.proposal is None
+
+
+def test_escape_lets_go_of_the_proposal_then_of_editing(visit, worker):
+    model, visitor = visit
+    visitor.act("best next")
+    worker.work()
+    visitor.arrive()
+    TOUCHES["dismiss"]("0").apply(model, 0.0)
+    assert model.points.on
+    TOUCHES["dismiss"]("0").apply(model, 0.0)
+    assert not model.points.on
+
+
+def test_the_saved_scene_runs_with_those_very_points(visit, files, tmp_path, ask_json):
+    model, visitor = visit
+    visitor.set("chosen", "2")
+    visitor.act("remove point")
+    PLACE.apply(model, 0.0)
+    PLACE.apply(model, 0.0)
+    visitor.act("save scene")
+    ((name, data),) = files
+    path = tmp_path / name
+    path.write_bytes(data)
+    scene = load_scene(path)
+    assert name == "viewimit-panda-11-points.toml" and [*scene.points["11"]] == rows(model)
+    status, told = ask_json("imitate", "--scene", path, "--demonstrator", "45,-90", "--start", "25,-45")
+    here = Session(Settings.paper(**{**BEST_FIELDS, "body_points": scene.points["11"]}))
+    last = here.run().last
+    assert status == 0 and told["settings"]["points"] == 11
+    assert told["motions"] == last.motion and told["final_deg"] == pytest.approx(np.degrees(last.theta), abs=1e-6)
+
+
+BEST_FIELDS = {
+    **{name: getattr(Settings(), name) for name in Settings().__struct_fields__},
+    "demonstrator_deg": (45, -90),
+    "start_deg": (25, -45),
+}
+
+
+def test_a_layout_of_the_scene_takes_the_place_of_points_by_hand(visit):
+    model, visitor = visit
+    PLACE.apply(model, 0.0)
+    visitor.set("points", "11 by hand")
+    assert len(rows(model)) == 11
+    visitor.set("points", "16 points")
+    assert len(rows(model)) == 16 and model.session.settings.body_points is None
+    with pytest.raises(ValueError, match="no layout"):
+        visitor.set("points", "11 by hand")
+
+
+def test_other_joints_keep_the_points(visit):
+    model, visitor = visit
+    PLACE.apply(model, 0.0)
+    placed = rows(model)
+    for joints in ("all seven", "two: θ₂, θ₄"):
+        visitor.set("joints", joints)
+        assert rows(model) == placed
+
+
+def test_a_rehearsal_with_other_points_is_forgotten(visit):
+    model, visitor = visit
+    visitor.set("servo", "Trust region on images")
+    visitor.act("rehearse")
+    model.player.pause()
+    for _ in range(12):
+        visitor.act("step")
+    assert len(model.session.snapshot.calibration) == 12
+    visitor.act("reset")
+    assert model.session.snapshot.calibration is not None
+    visitor.set("chosen", "0")
+    visitor.act("remove point")
+    assert model.session.snapshot.calibration is None
+    PLACE.apply(model, 0.0)
+    other = model.session.embodiment.body(model.session.settings)
+    assert other.points == 10 and other != model.session.embodiment.body(Settings.paper())
+
+
+def test_where_pictures_show_markers_no_point_is_edited():
+    pytest.importorskip("pybullet")
+    visit = Visit(Camera(), settings=Settings())
+    visit.put("camera", True)
+    visit.rest()
+    visit.act("edit points")
+    visit.arrive()
+    assert not visit.page.model.points.on
+
+
+def test_a_kept_session_goes_on_with_its_points(visit):
+    model, visitor = visit
+    PLACE.apply(model, 0.0)
+    visitor.act("step")
+    kept = memory_of(model)
+    read = SavedSession(kept.head, tuple(codec.decode(codec.encode(kept.history))))
+    other, _ = quiet_model(Settings.paper(start_deg=(25, -45)))
+    go_on(other, read)
+    assert rows(other) == rows(model) and other.view.chosen == 10
+    assert Hands(other).act("step") is None and other.session.cursor == 2
+    model.session.step()
+    np.testing.assert_array_equal(other.session.snapshot.views.own, model.session.snapshot.views.own)

@@ -1,0 +1,69 @@
+"""Every preset, run until it rests or gives up, does what its lesson says."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from viewimit.app.model.presets import PRESETS, presets_from
+from viewimit.app.server.limits import ServerOptions
+
+from viewimit.analysis.self_assessment import Assessment, assess
+from viewimit.drawing.images.panel import RED
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.loop.snapshot import Snapshot
+
+MOTIONS = 600  # within which all but the paper's own laws rest
+PATIENCE = 20
+
+
+@dataclass(frozen=True)
+class End:
+    """off_deg: (T,) largest joint error after each motion"""
+
+    last: Snapshot
+    off_deg: np.ndarray
+    known: Assessment | None
+
+    @property
+    def off(self) -> float:
+        return float(self.off_deg[-1])
+
+
+LESSONS: dict[str, Callable[[End], bool]] = {
+    "Beyond the paper": lambda end: end.off < 0.1 and end.last.motion <= 12,
+    "Paper, Section 5.3": lambda end: end.off < 3 and end.known.at_local_minimum,
+    "The paper's own law": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
+    "The paper's law, retuned": lambda end: (
+        100 < np.argmax(end.off_deg < 3) < MOTIONS and end.last.motion == MOTIONS and end.last.status != "converged"
+    ),
+    "Linear combination of views": lambda end: end.off < 3 and end.known.at_local_minimum,
+    "Seven joints": lambda end: end.off < 0.3 and end.known.std_per_px[5:].min() > 1.5 * end.known.std_per_px[:5].max(),
+    "Verged cameras": lambda end: end.known.at_local_minimum and end.off > 5,
+    "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
+    "Demonstrator faces the learner": lambda end: end.known.at_local_minimum and end.off > 10 and end.last.E > 20,
+    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
+    "Nearly coplanar points": lambda end: end.last.flatness > RED,
+    "Half a pixel of noise": lambda end: end.off > 1,
+    "Points get lost": lambda end: end.last.usable.sum() < len(end.last.usable),
+    "KUKA iiwa": lambda end: end.off < 3,
+}
+
+
+@pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.sensor == "projected"], ids=lambda p: p.name)
+def test_a_lesson_comes_true(preset):
+    session = Session(preset.settings)
+    last = session.run(MOTIONS, PATIENCE).last
+    off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
+    assert LESSONS[preset.name](End(last, np.array(off), assess(session))), (last.status, last.motion, off[-1])
+
+
+def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
+    assert ServerOptions().settings == Settings.paper()
+    assert next(iter(presets_from(ServerOptions().settings).values())).name == "Paper, Section 5.3"
+    assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings.best()]
+
+
+def test_every_lesson_fits_into_two_lines():
+    assert all(0 < len(preset.lesson) <= 80 for preset in PRESETS)

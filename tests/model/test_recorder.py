@@ -1,0 +1,281 @@
+"""Recording and replaying the demonstrator: even steps from uneven ticks, real time, files, and other scenes."""
+
+import json
+
+import msgspec
+import numpy as np
+import pytest
+from viewimit.app.model.motions import FILE, MOST_BYTES, Motions
+from viewimit.app.model.recorder import Playback, Recorder
+
+from viewimit.analysis.trajectory import MAX_FRAMES, MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+from viewimit.simulation.scene import load_scene
+
+SCENE = load_scene("panda")
+START = np.radians([45.0, -90.0])
+
+
+def recorded(times, degrees):
+    """A recording of postures (k, 2) sampled at these times."""
+    theta = np.radians(degrees)
+    recorder = Recorder(SCENE, theta[0], times[0])
+    for now, posture in zip(times[1:], theta[1:]):
+        recorder.sample(posture, now)
+    return recorder
+
+
+def line(times):
+    """A motion at 10°/s and −20°/s, (k, 2) degrees."""
+    return np.stack([20 + 10 * np.asarray(times), -30 - 20 * np.asarray(times)], -1)
+
+
+class TestRecorder:
+    @pytest.mark.parametrize("seed", range(5))
+    def test_ticks_that_jitter_make_even_steps(self, seed):
+        rng = np.random.default_rng(seed)
+        times = 100 + np.cumsum(rng.uniform(0.02, 0.15, 60))
+        made = recorded(times, line(times - times[0])).finish()
+        frames = np.array(made.theta_deg)
+        assert made.step_s == STEP_S
+        np.testing.assert_allclose(frames[:-1], line(STEP_S * np.arange(len(frames) - 1)), atol=1e-5)
+        np.testing.assert_allclose(frames[-1], line(times[-1] - times[0]), atol=1e-5)  # where it ended
+        assert 0 <= STEP_S * (len(frames) - 1) - (times[-1] - times[0]) < STEP_S
+
+    def test_it_begins_with_the_first_movement(self):
+        still, moving = 0.05 * np.arange(100), 5 + 0.05 * np.arange(21)
+        degrees = np.concatenate([np.tile(line(0), (100, 1)), line(moving - 4.95)])
+        made = recorded([*still, *moving], degrees).finish()
+        np.testing.assert_allclose(made.theta_deg, line(STEP_S * np.arange(22)), atol=1e-5)
+
+    def test_pauses_within_and_after_a_motion_are_kept(self):
+        degrees = [(45, -90), (46, -90), *[(46, -90)] * 20, (47, -90), *[(47, -90)] * 10]
+        made = recorded(STEP_S * np.arange(len(degrees)), degrees).finish()
+        np.testing.assert_allclose(made.theta_deg, degrees, atol=1e-5)
+
+    def test_a_demonstrator_that_never_moved_makes_no_motion(self):
+        with pytest.raises(ValueError, match="did not move"):
+            recorded([0.0, 0.1, 0.2], [(45, -90)] * 3).finish()
+
+    def test_it_is_full_with_as_many_frames_as_a_motion_may_have(self):
+        count = MAX_FRAMES + 50
+        swing = np.stack([45 + 10 * np.sin(np.arange(count)), np.full(count, -90.0)], -1)
+        recorder = recorded(STEP_S * np.arange(count) * 1.003, swing)
+        assert recorder.full and len(recorder.finish().theta_deg) == MAX_FRAMES
+
+
+class TestPlayback:
+    MADE = make_motion("line", SCENE, np.radians(line(0.5 * np.arange(5))), step_s=0.5)
+
+    def at(self, playback):
+        return np.degrees(playback.theta)
+
+    def test_it_plays_in_real_time_between_its_frames_and_stops_at_the_last(self):
+        playback = Playback(self.MADE)
+        playback.play(100.0)
+        for now in (100.0, 100.3, 101.0, 101.9):
+            playback.advance(now)
+            np.testing.assert_allclose(self.at(playback), line(now - 100.0), atol=1e-4)
+        assert playback.playing
+        playback.advance(107.0)
+        assert not playback.playing and playback.frame == 4
+        np.testing.assert_allclose(self.at(playback), line(2.0), atol=1e-4)
+
+    def test_it_plays_on_from_where_it_was_paused_and_anew_after_the_end(self):
+        playback = Playback(self.MADE)
+        playback.play(0.0)
+        playback.advance(0.7)
+        playback.pause()
+        playback.play(50.0)
+        playback.advance(50.2)
+        np.testing.assert_allclose(self.at(playback), line(0.9), atol=1e-4)
+        playback.advance(60.0)
+        playback.play(70.0)
+        playback.advance(70.1)
+        np.testing.assert_allclose(self.at(playback), line(0.1), atol=1e-4)
+
+
+class Desk:
+    """Motions of a session with a clock of one's own; what is made aside waits until `make`."""
+
+    def __init__(self):
+        self.session, self.now = Session(Settings.paper()), 10.0
+        self.aside, self.sent = [], []
+        aside, send = lambda *asked: self.aside.append(asked), lambda *file: self.sent.append(file)
+        self.motions = Motions(self.session, self.session.pose, aside, send, lambda: self.now)
+
+    def make(self):
+        waiting, self.aside[:] = list(self.aside), []
+        for make, take in waiting:
+            take(make())
+
+    def tick(self, count=1, seconds=STEP_S):
+        for _ in range(count):
+            self.now += seconds
+            self.motions.tick()
+
+    def pose(self, *degrees):
+        self.session.pose(np.radians(degrees))
+
+    @property
+    def demonstrator(self):
+        return self.session.settings.demonstrator_deg
+
+    def record(self, degrees):
+        self.motions.record()
+        for posture in degrees:
+            self.tick()
+            self.pose(*posture)
+        self.tick()
+        self.motions.record()
+
+
+@pytest.fixture
+def desk():
+    return Desk()
+
+
+WAVE = [(45.0 + k, -90.0 - 2 * k) for k in range(1, 21)]
+
+
+class TestMotions:
+    def test_a_recording_is_replayed_in_real_time_and_the_learner_moves_on(self, desk):
+        desk.record(WAVE)
+        assert desk.motions.name == "recorded" and desk.motions.recorded.seconds == pytest.approx(1.0)
+        desk.pose(10, -10)
+        desk.motions.replay()
+        assert desk.demonstrator == pytest.approx((45, -90))
+        desk.tick(5)
+        assert desk.demonstrator == pytest.approx(WAVE[4], abs=1e-4) and desk.motions.moment == (0.25, 1.0)
+        desk.session.step()
+        desk.tick(20)
+        assert desk.demonstrator == pytest.approx(WAVE[-1], abs=1e-4)
+        assert not desk.motions.replaying and desk.session.snapshot.motion == 1
+
+    def test_saved_and_loaded_it_is_the_same_motion(self, desk):
+        desk.record(WAVE)
+        made = desk.motions.recorded
+        desk.motions.save()
+        ((name, data),) = desk.sent
+        assert name == FILE and json.loads(data)["theta_deg"][-1] == list(WAVE[-1])
+        other = Desk()
+        other.motions.load(data)
+        assert other.motions.recorded == made == decode_motion(data, SCENE) and other.motions.name == "recorded"
+        assert other.motions.asked_for() == made
+
+    def test_scrubbing_shows_a_moment_and_ends_the_replay(self, desk):
+        desk.record(WAVE)
+        desk.motions.replay()
+        desk.motions.scrub(0.35)
+        assert desk.demonstrator == pytest.approx(WAVE[6], abs=1e-4) and not desk.motions.replaying
+        desk.motions.replay()  # from there
+        desk.tick(2)
+        assert desk.demonstrator == pytest.approx(WAVE[8], abs=1e-4)
+
+    @pytest.mark.parametrize("name", MOTIONS)
+    def test_made_up_motions_are_made_aside_about_the_present_posture(self, desk, name):
+        desk.pose(60, -60)
+        desk.motions.choose(name)
+        desk.motions.replay()
+        assert desk.demonstrator == (60, -60) and len(desk.aside) == 1
+        desk.make()
+        assert desk.motions.replaying and desk.motions.moment == (0, 5.95)
+        expected = np.array(MOTIONS[name](desk.session.world, np.radians([60.0, -60.0])).theta_deg)
+        desk.tick(30)
+        assert desk.demonstrator == pytest.approx(expected[30], abs=1e-3)
+        desk.motions.scrub(4.5)  # of the same motion, not of one about this posture
+        assert desk.demonstrator == pytest.approx(expected[90], abs=1e-4) and not desk.aside
+        assert desk.motions.asked_for() == name
+
+    def test_a_motion_that_comes_too_late_is_left_alone(self, desk):
+        desk.motions.replay()
+        desk.pose(20, -20)
+        desk.make()
+        assert not desk.motions.replaying and desk.demonstrator == (20, -20)
+
+    def test_whoever_moves_the_demonstrator_ends_the_replay(self, desk):
+        desk.record(WAVE)
+        desk.motions.replay()
+        desk.tick(3)
+        desk.pose(10, -10)
+        desk.tick(3)
+        assert desk.demonstrator == (10, -10) and not desk.motions.replaying
+
+    def test_a_full_recording_ends_by_itself(self, desk):
+        desk.motions.record()
+        desk.tick()
+        desk.pose(50, -50)
+        desk.tick(2, seconds=STEP_S * MAX_FRAMES)
+        assert not desk.motions.recording and len(desk.motions.recorded.theta_deg) == MAX_FRAMES
+
+    def test_another_scene_ends_recording_and_replaying(self, desk):
+        desk.motions.record()
+        desk.tick()
+        desk.pose(50, -50)
+        desk.tick()
+        desk.session.change(scene="iiwa", demonstrator_deg=None)
+        desk.tick()
+        assert not desk.motions.recording and desk.motions.recorded.theta_deg[-1] == (50, -50)
+        desk.motions.replay()
+        assert desk.motions.replaying
+        desk.session.change(scene="panda", demonstrator_deg=None)
+        before = desk.demonstrator
+        desk.tick(3)
+        assert not desk.motions.replaying and desk.demonstrator == before
+
+    def test_what_does_not_fit_the_scene_is_refused_in_the_librarys_words(self, desk):
+        desk.record([(45.0, -150.0 - k) for k in range(20)])
+        desk.session.change(scene="iiwa", demonstrator_deg=None)
+        desk.tick()
+        before = desk.demonstrator
+        for wish in (desk.motions.replay, desk.motions.asked_for, lambda: desk.motions.scrub(0.15), desk.motions.save):
+            with pytest.raises(ValueError, match="joint 4 at -150° is outside its limits -120°"):
+                wish()
+        assert desk.demonstrator == before
+
+    def test_a_refused_file_changes_nothing(self, desk):
+        desk.record(WAVE)
+        kept = desk.motions.recorded
+        others = msgspec.structs.replace(kept, joints=(1, 2))
+        for data, words in (
+            (b"not json", "not a recorded motion"),
+            (b"\xff\xfe", "not a recorded motion"),
+            (b'{"format": "viewimit motion 1"}', "missing required field"),
+            (encode_motion(others), "it moves joints 1, 2"),
+            (encode_motion(msgspec.structs.replace(kept, step_s=0.0)), "step_s must be"),
+            (MOST_BYTES + 1, "at most 2 MB"),
+        ):
+            with pytest.raises(ValueError, match=words):
+                desk.motions.load(data)
+        assert desk.motions.recorded is kept and desk.motions.name == "recorded"
+
+    def test_while_it_records_nothing_is_replayed_or_loaded(self, desk):
+        desk.record(WAVE)
+        desk.motions.record()
+        for wish in (desk.motions.replay, lambda: desk.motions.scrub(0), lambda: desk.motions.load(b"{}")):
+            with pytest.raises(ValueError, match="being recorded"):
+                wish()
+        assert desk.motions.recording
+
+    def test_a_recording_without_movement_keeps_the_one_before(self, desk):
+        desk.record(WAVE)
+        kept = desk.motions.recorded
+        desk.motions.record()
+        desk.tick(40)
+        with pytest.raises(ValueError, match="did not move"):
+            desk.motions.record()
+        assert desk.motions.recorded is kept and not desk.motions.recording
+
+    def test_states_are_said(self, desk):
+        assert desk.motions.describe()[0] == "ready"
+        desk.motions.record()
+        assert desk.motions.describe() == ("recording", "move the demonstrator by its sliders or its hand.")
+        for posture in WAVE:
+            desk.pose(*posture)
+            desk.tick()
+        assert desk.motions.describe() == ("recording", "1.0 s of the demonstrator's motion.")
+        desk.motions.record()
+        desk.motions.replay()
+        desk.tick(10)
+        assert desk.motions.describe() == ("replaying", "recorded, 0.5 of 1.0 s.")

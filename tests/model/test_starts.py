@@ -1,0 +1,134 @@
+"""Twenty learners beside the page: asked for, followed, cancelled when what they depend on changes."""
+
+import pytest
+from drawn import START
+from page_fakes import Hands, QuietExperiments, quiet_model
+from quiet_page import QuietPage
+from viewimit.app.commands.display import FromStarts, ToggleComparison
+from viewimit.app.jobs import basin_child
+from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
+from waiting import wait_until
+
+from viewimit.loop.settings import Settings
+
+
+@pytest.fixture
+def visit():
+    """A model, its visitor, and what stands for the worker."""
+    worker = QuietExperiments()
+    model, queue = quiet_model(Settings.paper(start_deg=(25, -45)), basins=worker)
+    return model, Hands(model, queue), worker
+
+
+def toggle(model):
+    FromStarts().apply(model, 0.0)
+
+
+def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
+    model, visitor, worker = visit
+    toggle(model)
+    (request,) = worker.asked
+    assert request.settings.start_deg is None and request.settings.sensor == "projected"
+    assert request.settings.servo == model.session.settings.servo and model.basins.going_on
+    worker.tell(Run(request.name, "running", figure="<p>some</p>"))
+    visitor.arrive()
+    assert model.state(0.0).basin.figure == "<p>some</p>"
+
+
+def test_it_ends_the_comparison_that_would_hide_it(visit):
+    model, _, worker = visit
+    ToggleComparison().apply(model, 0.0)
+    toggle(model)
+    assert not model.comparison.on and model.basins.going_on
+    ToggleComparison().apply(model, 0.0)
+    toggle(model)
+    assert not model.comparison.on and model.basins.going_on and len(worker.asked) == 1
+
+
+CHANGES = {
+    "demonstrator": lambda visitor: visitor.set("joint0", 60),
+    "transfer": lambda visitor: visitor.set("transfer", "Projective combination"),
+    "servo": lambda visitor: visitor.set("servo", "Gradient (paper)"),
+    "noise": lambda visitor: visitor.set("noise_px", 1),
+    "preset": lambda visitor: visitor.set("preset", "Few points"),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_it_is_cancelled_when_what_it_depends_on_changes_and_what_comes_late_is_not_shown(visit, change):
+    model, visitor, worker = visit
+    toggle(model)
+    late = Run(worker.asked[0].name, "running", figure="late")
+    CHANGES[change](visitor)
+    model.ask_for_landscapes()
+    assert worker.cancelled == 1 and model.basins.run is None
+    worker.tell(late)
+    visitor.arrive()
+    assert model.basins.run is None
+    toggle(model)
+    worker.tell(late)
+    visitor.arrive()
+    assert model.basins.run.figure == ""
+
+
+def test_motions_and_starts_change_nothing_of_it(visit):
+    model, visitor, worker = visit
+    toggle(model)
+    visitor.act("step")
+    model.undoable.start_at((60, -60))
+    model.ask_for_landscapes()
+    assert worker.cancelled == 0 and model.basins.going_on
+
+
+def test_the_button_cancels_and_then_hides_it(visit):
+    model, visitor, worker = visit
+    toggle(model)
+    toggle(model)
+    assert worker.cancelled == 1 and model.basins.run is None
+    toggle(model)
+    worker.tell(Run(worker.asked[1].name, "done", figure="all"))
+    visitor.arrive()
+    toggle(model)
+    assert worker.cancelled == 1 and model.basins.run is None
+
+
+def test_what_cannot_be_is_said(visit):
+    model, visitor, worker = visit
+    toggle(model)
+    worker.tell(Run(worker.asked[0].name, "failed", problem="no scene"))
+    with pytest.raises(ValueError, match="no scene"):
+        visitor.arrive()
+    visitor.set("joints", "all seven")
+    with pytest.raises(ValueError, match="two under Joints"):
+        toggle(model)
+
+
+def test_the_page_shows_where_they_end():
+    page = QuietPage(Settings.paper(start_deg=(25, -45)))
+    page.click("From these starts")
+    page.tick_until(lambda: "learners have come to rest" in page.shown or "claim to have arrived" in page.shown, 60)
+    page.tick_until(lambda: "claim to have arrived" in page.shown, 60)
+    assert page.shown.count(START) == 20 + 3  # and those of the sentence
+    page.tick_until(lambda: any(widget.label == "Hide the starts" for widget in page.gui.widgets), 60)
+    page.click("Hide the starts")
+    page.tick(1.0)
+    assert START not in page.shown
+
+
+def test_a_process_that_is_cancelled_tells_no_more():
+    worker, told = ExperimentWorker(basin_child.work), []
+    worker.ask(1, Request("basin 1", Settings()), told.append)
+    wait_until(lambda: any(run.figure for run in told), 60)
+    worker.cancel(1)
+    last = len(told)
+    assert told[-1].state == "cancelled"
+    worker.stop()
+    assert len(told) == last
+
+
+def test_what_fails_in_the_process_is_told():
+    worker, told = ExperimentWorker(basin_child.work), []
+    worker.ask(1, Request("basin 1", Settings.paper(scene="none such")), told.append)
+    wait_until(lambda: told[-1].state == "failed", 60)
+    assert "none such" in told[-1].problem
+    worker.stop()

@@ -1,0 +1,172 @@
+"""What links of the drawings ask for: points, postures, moments; a look that moves nothing."""
+
+import numpy as np
+import pytest
+from drawn import SEE_THROUGH
+from page_fakes import Hands, quiet_model
+from quiet_page import QuietPage
+from sameness import assert_same
+from viewimit.app.commands.display import TOUCHES, BuildUp
+from viewimit.app.commands.session import StartJoint
+from viewimit.app.model.choices import NO_POINT
+from viewimit.app.model.state import LARGE
+
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+
+NOISY = Settings.paper(start_deg=(25, -45), noise_px=0.5)
+
+
+@pytest.fixture
+def visit():
+    """A model and its visitor."""
+    model, queue = quiet_model(NOISY)
+    return model, Hands(model, queue)
+
+
+def touch(model, control, value):
+    TOUCHES[control](value).apply(model, 0.0)
+
+
+def test_a_point_is_chosen_and_chosen_again_is_none(visit):
+    model, visitor = visit
+    visitor.set("chosen", NO_POINT)
+    for value, chosen in (("3", 3), ("4", 4), ("4", None)):
+        touch(model, "point", value)
+        assert model.view.chosen == chosen
+    with pytest.raises(ValueError, match="no point 10"):
+        touch(model, "point", "10")
+
+
+def test_a_page_begins_with_the_point_that_is_farthest_off():
+    model, _ = quiet_model(Settings.paper())
+    squares = (model.session.snapshot.e**2).sum(1)
+    assert squares[model.view.chosen] == squares.max()
+
+
+def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
+    model, visitor = visit
+    visitor.set("transfer", "Epipolar (paper)")
+    visitor.set("chosen", NO_POINT)
+    BuildUp().apply(model, 10.0)
+    assert model.view.chosen is not None
+    stages = [model.state(10.0 + 0.25 + 0.5 * k).stage for k in range(6)]
+    assert stages == [0, 1, 2, 3, 4, 5] and model.state(14.0).stage == 5 and model.state(17.0).stage is None
+    BuildUp().apply(model, 20.0)
+    BuildUp().apply(model, 20.1)
+    assert model.state(20.2).stage is None
+
+
+@pytest.mark.parametrize("value, large", [(str(k), what) for k, what in enumerate(LARGE)])
+def test_a_panel_or_an_image_is_large_until_it_is_touched_again_or_let_go(visit, value, large):
+    model, _ = visit
+    for after in (large, None, large):
+        touch(model, "large", value)
+        assert model.view.large == after
+    touch(model, "dismiss", "0")
+    assert model.view.large is None
+    with pytest.raises(ValueError, match="no panel or image"):
+        touch(model, "large", "6")
+
+
+def test_the_learner_starts_where_the_landscape_is_touched(visit):
+    model, visitor = visit
+    visitor.act("step")
+    touch(model, "posture", "70,-140")
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [70, -140]) and model.session.snapshot.motion == 0
+    assert model.session.settings.start_deg == (70, -140) and model.generation == 0  # the same world
+
+
+def test_a_slider_of_the_start_moves_one_joint_of_it(visit):
+    model, _ = visit
+    StartJoint.parse(1, -100.5).apply(model, 0.0)
+    assert model.session.settings.start_deg == (25, -100.5)
+    before = model.session.snapshot
+    StartJoint.parse(6, 10).apply(model, 0.0)  # of a scene with seven
+    assert model.session.snapshot is before
+
+
+@pytest.mark.parametrize("value", ["", "1", "1,2,3", "91,-90", "45,1e9", "45,--", "1,,2"])
+@pytest.mark.parametrize("look_only", [False, True])
+def test_a_posture_that_cannot_be_is_refused_and_changes_nothing(visit, value, look_only):
+    model, visitor = visit
+    visitor.set_view(look_only=look_only)
+    before = model.session.snapshot
+    with pytest.raises(ValueError):
+        touch(model, "posture", value)
+    assert model.session.snapshot is before and model.moments.see_through.moment is None
+
+
+def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
+    model, visitor = visit
+    alone = Session(NOISY)
+    visitor.set_view(look_only=True)
+    for k in range(4):
+        touch(model, "posture", f"{20 + 10 * k},-60")
+        state = model.state(0.0)
+        there = Session(Settings.paper(start_deg=(20 + 10 * k, -60), noise_px=0.5)).snapshot
+        if k == 0:  # the first look of a session that starts there has the same noise
+            assert state.see_through.E == there.E
+        assert state.looked is state.shown is state.see_through and np.array_equal(state.shown.theta, there.theta)
+        assert state.present is model.session.snapshot and state.on_its_way is None
+        assert_same(model.session.snapshot, alone.snapshot)
+        model.session.step()
+        alone.step()
+
+
+def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_let_go(visit):
+    model, visitor = visit
+    visitor.set_view(look_only=True)
+    touch(model, "posture", "20,-60")
+    see_through = model.moments.see_through
+    E = see_through.moment.E
+    visitor.set("joint0", 60.0)
+    assert see_through.moment.E != E and np.allclose(np.degrees(see_through.moment.theta), [20, -60])
+    assert len(model.poses(0.0)) == 3
+    touch(model, "dismiss", "0")
+    assert model.moments.see_through.moment is None and len(model.poses(0.0)) == 2
+    touch(model, "posture", "20,-60")
+    visitor.act("step")
+    assert model.moments.see_through.moment is None
+
+
+def test_the_learner_starts_where_the_see_through_arm_is(visit):
+    model, visitor = visit
+    with pytest.raises(ValueError, match="no see-through arm"):
+        touch(model, "start", "0")
+    visitor.set_view(look_only=True)
+    touch(model, "posture", "20,-60")
+    touch(model, "start", "0")
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.moments.see_through.moment is None
+
+
+def test_a_moment_of_the_curves_is_gone_to(visit):
+    model, visitor = visit
+    for _ in range(3):
+        visitor.act("step")
+    touch(model, "moment", "1")
+    assert model.session.cursor == 1 and len(model.session.history) == 4
+
+
+def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
+    page = QuietPage(Settings.paper(start_deg=(25, -45)))
+    page.choose("Look only", True)
+    page.act("posture", "20,-60")
+    page.tick(0.5)
+    assert "nothing has moved" in page.shown and 'data-do="start/0"' in page.shown
+    assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
+    page.act("start", "0")
+    page.tick(1.0)
+    assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20
+
+
+def test_who_asks_for_less_motion_sees_the_arm_where_it_arrives(visit):
+    model, visitor = visit
+    for value, seen_moving in (("1", False), ("0", True)):
+        touch(model, "still", value)
+        for motion in ("step", "undo"):
+            visitor.act(motion, now=5.0)
+            theta, moving = model.player.theta(5.1)
+            assert moving == seen_moving
+            assert seen_moving or theta is model.session.snapshot.theta
+        model.player.settle()

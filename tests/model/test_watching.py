@@ -1,0 +1,295 @@
+"""A learner that watches itself first imitates in fewer motions; the page says what it remembers, until it forgets."""
+
+import itertools
+
+import numpy as np
+import pytest
+from page_fakes import Camera, Hands, Visit, quiet_model
+from quiet_page import QuietPage
+from sameness import assert_same
+from viewimit.app.jobs import session_eyes
+from viewimit.app.model.displayed import rehearsal_of
+from viewimit.app.model.presets import PRESETS
+from viewimit.app.sessions.autosave import Autosave
+from viewimit.app.sessions.sqlite_store import SqliteStore
+
+from viewimit.loop.self_calibration import DEFAULT_POSTURES
+from viewimit.loop.session import Session
+from viewimit.loop.settings import Settings
+
+SETTINGS = Settings(start_deg=(25.0, -45.0), seed=7)
+WATCH, STOP, FORGET = "Watch yourself first", "Stop", "Forget"
+
+
+@pytest.fixture
+def visit():
+    """A model at the start, and its visitor."""
+    model, queue = quiet_model(SETTINGS)
+    return model, Hands(model, queue)
+
+
+seconds = itertools.count()
+
+
+def play(model, motions=100):
+    """So many motions, or fewer if the servo rests."""
+    for now, _ in zip(seconds, range(motions)):
+        model.player.advance(float(now))
+
+
+def said(model):
+    return rehearsal_of(model.session).words
+
+
+def test_it_goes_through_the_postures_that_the_library_does_and_on_to_imitate(visit):
+    model, visitor = visit
+    visitor.act("rehearse")
+    assert model.player.playing
+    play(model)
+    alone = Session(SETTINGS)
+    body = alone.calibrate(DEFAULT_POSTURES, seed=7)
+    assert_same(model.session.snapshot.calibration, body)
+    alone.run()
+    assert_same(model.session.snapshot, alone.snapshot)
+    assert model.session.snapshot.status == "converged" and model.session.history.imitation_motions <= 6
+    assert model.session.cursor == DEFAULT_POSTURES + model.session.history.imitation_motions
+
+
+def test_what_plays_goes_on_and_what_rests_is_woken(visit):
+    model, visitor = visit
+    visitor.act("play")
+    play(model)
+    assert model.session.snapshot.status == "converged"
+    before = model.session.cursor
+    visitor.act("rehearse")
+    assert model.player.playing
+    play(model, DEFAULT_POSTURES)
+    assert (
+        model.session.cursor == before + DEFAULT_POSTURES
+        and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
+    )
+
+
+def test_every_posture_is_seen_on_its_way_at_the_speed_of_the_page(visit):
+    model, visitor = visit
+    model.player.speed = 2.0
+    visitor.act("rehearse")
+    model.player.advance(10.0)
+    assert model.session.cursor == 1 and model.player.theta(10.2)[1]
+    model.player.advance(10.2)
+    assert model.session.cursor == 1
+    model.player.advance(10.5)
+    assert model.session.cursor == 2
+
+
+@pytest.mark.parametrize("servo", ["gradient", "gradient-retuned", "broyden"])
+def test_where_the_servo_makes_no_use_of_it_it_is_refused_and_nothing_changes(visit, servo):
+    model, visitor = visit
+    model.undoable.change(servo=servo)
+    before = model.session.snapshot
+    with pytest.raises(ValueError, match="makes no use of a rehearsal; choose Trust region on images"):
+        visitor.act("rehearse")
+    assert model.session.snapshot is before and not model.player.playing
+    assert said(model) == "Only for Trust region on images."
+
+
+def test_what_is_said_follows_what_is_remembered(visit):
+    model, visitor = visit
+    assert said(model) == ""
+    visitor.act("rehearse")
+    play(model, 3)
+    assert said(model) == f"Watches itself: 3 of {DEFAULT_POSTURES} postures."
+    play(model, DEFAULT_POSTURES - 3)
+    assert said(model) == "Remembers 12 postures; Play imitates with them."
+    play(model, 1)
+    assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 motion."
+    play(model)
+    count = model.session.history.imitation_motions
+    assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
+    model.undoable.change(servo="broyden")
+    assert said(model) == "Remembers 12 postures; only for Trust region on images."
+
+
+def test_another_head_is_noticed(visit):
+    model, visitor = visit
+    visitor.act("rehearse")
+    play(model, DEFAULT_POSTURES)
+    model.undoable.change(scene="panda-toed")
+    assert said(model) == "Remembers 12 postures; Play imitates with them."  # of the same body
+    play(model, 5)
+    assert said(model) == "Remembers 12 postures, which do not hold here: it probes."
+
+
+def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
+    model, visitor = visit
+    for motions in (2, DEFAULT_POSTURES, DEFAULT_POSTURES + 2):
+        visitor.act("rehearse")
+        play(model, motions)
+        visitor.act("rehearse")
+        assert model.session.snapshot.calibration is None and said(model) == ""
+        visitor.act("reset")
+    play(model, 0)
+    visitor.act("play")
+    play(model, 2)
+    assert [moment.probe for moment in model.session.history[1:3]] == [True, True]
+
+
+@pytest.mark.parametrize(
+    "name, value", [("reset", None), ("preset", "Paper, Section 5.3"), ("preset", "Verged cameras")]
+)
+def test_a_reset_and_presets_of_the_same_body_keep_it(visit, name, value):
+    model, visitor = visit
+    visitor.act("rehearse")
+    play(model, DEFAULT_POSTURES)
+    body = model.session.snapshot.calibration
+    visitor.act("reset") if name == "reset" else visitor.set(name, value)
+    assert model.session.snapshot.calibration is body and model.session.cursor == 0
+    visitor.set("preset", "Beyond the paper")
+    visitor.act("play")
+    play(model)
+    assert model.session.snapshot.calibration_holds and model.session.cursor <= 6
+
+
+@pytest.mark.parametrize("name, value", [("preset", "KUKA iiwa"), ("points", "16 points"), ("joints", "all seven")])
+def test_another_body_knows_nothing_and_undo_brings_back_who_did(visit, name, value):
+    model, visitor = visit
+    visitor.act("rehearse")
+    play(model, DEFAULT_POSTURES + 1)
+    before = list(model.session.history)
+    visitor.set(name, value)
+    assert model.session.snapshot.calibration is None
+    visitor.act("undo")
+    assert list(model.session.history) == before and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
+
+
+def test_undo_goes_back_posture_by_posture_and_brings_back_motions_that_it_took_the_place_of(visit):
+    model, visitor = visit
+    for _ in range(3):
+        visitor.act("step")
+    other = list(model.session.history)
+    visitor.set("history", 1)
+    visitor.act("rehearse")
+    play(model, 2)
+    assert said(model) == f"Watches itself: 2 of {DEFAULT_POSTURES} postures."
+    visitor.act("undo")
+    assert said(model) == f"Watches itself: 1 of {DEFAULT_POSTURES} postures."
+    visitor.act("undo")
+    visitor.act("undo")
+    assert list(model.session.history) == other and model.session.cursor == 1
+
+
+def test_a_rehearsal_that_a_reset_cuts_short_can_begin_again(visit):
+    model, visitor = visit
+    visitor.act("rehearse")
+    play(model, 2)
+    visitor.act("reset")
+    assert said(model) == "" and not model.session.snapshot.is_rehearsing
+    visitor.act("rehearse")
+    play(model)
+    assert len(model.session.snapshot.calibration) == DEFAULT_POSTURES and model.session.snapshot.status == "converged"
+
+
+def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit(tmp_path):
+    autosave = Autosave(SqliteStore(tmp_path))
+    autosave.claim("key", SETTINGS)
+    page = QuietPage(SETTINGS, lambda memory: autosave.keep("key", memory))
+    page.choose("Speed", "10 a second")
+    page.click(WATCH)
+    for _ in range(5):
+        page.tick(0.2)
+    page.click("Pause")
+    model = page.page.model
+    Hands(model).set("history", 4)
+    autosave.keep("key", page.page.memory())
+    back = QuietPage(SETTINGS, resumed=autosave.claim("key", SETTINGS))
+    back.tick(1.0)
+    autosave.stop()
+    assert "Watches itself: 4 of 12 postures." in back.shown and back.widget(STOP)
+    for one in (model, back.page.model):
+        Hands(one).act("play")
+        play(one)
+    assert_same(back.page.model.session.snapshot, model.session.snapshot)
+    back.tick(1.0)
+    assert "Remembers 12 postures, which hold. Imitated in" in back.shown
+
+
+def test_the_button_is_what_can_be_done_now():
+    page = QuietPage(Settings.paper(servo="broyden"))
+    page.tick(1.0)
+    button = page.widget(WATCH)
+    assert button.disabled and "Only for Trust region on images." in page.shown
+    page.choose("Servo", "Trust region on images")
+    page.tick(1.0)
+    assert not button.disabled
+    page.choose("Speed", "10 a second")
+    page.click(WATCH)
+    page.tick(0.2)
+    assert button.label == STOP
+    for _ in range(DEFAULT_POSTURES):
+        page.tick(0.2)
+    assert button.label == FORGET
+    page.choose("Servo", "Broyden on images")
+    page.tick(1.0)
+    assert button.label == FORGET and not button.disabled  # what is held can be forgotten
+    page.click(FORGET)
+    page.tick(1.0)
+    assert button.label == WATCH and button.disabled
+
+
+def test_in_a_duel_both_watch_themselves_and_know_the_same(visit):
+    model, visitor = visit
+    visitor.set("opponent's transfer", "Linear combination")
+    visitor.set("opponent's servo", "Trust region on images")
+    visitor.act("duel")
+    visitor.act("rehearse")
+    play(model, DEFAULT_POSTURES)
+    both = model.session, model.duel.opponent
+    assert_same(*(session.snapshot.calibration for session in both))
+    play(model)
+    for session in both:
+        assert session.snapshot.calibration_holds and session.snapshot.status.is_at_rest
+    visitor.act("reset")
+    assert all(len(session.snapshot.calibration) == DEFAULT_POSTURES and session.cursor == 0 for session in both)
+    visitor.act("rehearse")
+    assert all(session.snapshot.calibration is None for session in both)
+
+
+def test_an_opponent_that_comes_later_knows_the_same_and_one_that_makes_no_use_of_it_races_on(visit):
+    model, visitor = visit
+    visitor.act("rehearse")
+    play(model, DEFAULT_POSTURES)
+    visitor.act("duel")
+    assert model.duel.opponent.snapshot.calibration is model.session.snapshot.calibration
+    visitor.set("opponent's servo", "Broyden on images")
+    alone = Session(model.duel.opponent.settings)
+    visitor.act("rehearse")  # forgets
+    visitor.act("rehearse")
+    play(model, 4)
+    for _ in range(4):
+        alone.step()
+    assert len(model.session.snapshot.pending_postures) == DEFAULT_POSTURES - 4
+    np.testing.assert_array_equal(model.duel.opponent.snapshot.theta, alone.snapshot.theta)
+
+
+def test_it_watches_itself_with_cameras_too(monkeypatch):
+    monkeypatch.setattr(session_eyes, "require_eyes", lambda camera, scene: None)
+    visit = Visit(Camera())
+    visit.put("camera", True)
+    visit.arrive()
+    visit.put("speed", "all it can")
+    visit.act("rehearse")
+    visit.arrive()
+    for _ in range(200):
+        if visit.session.snapshot.status == "converged":
+            break
+        visit.rest()
+    assert len(visit.session.snapshot.calibration) == DEFAULT_POSTURES and visit.session.snapshot.calibration_holds
+    assert visit.page.close()
+
+
+def test_every_preset_either_offers_it_or_says_why_not():
+    for preset in PRESETS:
+        if preset.settings.sensor == "projected":
+            model, _ = quiet_model(preset.settings)
+            rehearsal = rehearsal_of(model.session)
+            assert rehearsal.offered != rehearsal.words.startswith("Only for")

@@ -38,10 +38,10 @@ def assign(cost: NDArray[np.float64]) -> NDArray[np.int_]:
         raise ValueError("costs must be finite")
     row_dual, column_dual = cost.min(1), np.zeros(m)
     row_of, column_of = np.full(m, -1), np.full(n, -1)
-    for row, column in enumerate(cost.argmin(1)):  # most rows find their cheapest column free
+    for row, column in enumerate(cost.argmin(1).tolist()):  # most rows find their cheapest column free
         if row_of[column] < 0:
             row_of[column], column_of[row] = row, column
-    for start in np.flatnonzero(column_of < 0):
+    for start in np.flatnonzero(column_of < 0).tolist():
         distance, before = np.full(m, np.inf), np.full(m, -1)
         reached, row, length = np.zeros(m, bool), start, 0.0
         while True:
@@ -52,14 +52,14 @@ def assign(cost: NDArray[np.float64]) -> NDArray[np.int_]:
             length, reached[column] = distance[column], True
             if row_of[column] < 0:
                 break
-            row = row_of[column]
+            row = int(row_of[column])
         inside = np.flatnonzero(reached & (row_of >= 0))
         row_dual[row_of[inside]] += length - distance[inside]
         row_dual[start] += length
         column_dual[inside] -= length - distance[inside]
         while True:  # exchange pairs along the path, back to its start
-            row = before[column]
-            row_of[column], column_of[row], column = row, column, column_of[row]
+            row = int(before[column])
+            row_of[column], column_of[row], column = row, column, int(column_of[row])
             if row == start:
                 break
     return column_of

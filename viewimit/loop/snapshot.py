@@ -142,10 +142,10 @@ class Snapshot:
         bool
             Whether to look again, with the points in another order.
         """
-        names = StateAttributes.of(servo_state).names
+        names, here = StateAttributes.of(servo_state).names, self._state.names
         if names is None or self.settings.matched:
             return False
-        return not self.views.matched or not np.array_equal(names, self._state.names)
+        return not self.views.matched or here is None or not np.array_equal(names, here)
 
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """Fit a transfer to views, rectified as here.

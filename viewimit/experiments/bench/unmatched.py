@@ -233,7 +233,7 @@ def _row(
 def judge(session: Session, last: Snapshot) -> tuple[int, int]:
     """Count the points with a partner, and the wrong names: other points' names, and partners that were not found."""
     images, visible = session.eyes.demo_images(last.theta_demo)
-    own_seen = last.views.visible[:, 2:].all(-1)
+    own_seen = np.asarray(last.views.visible[:, 2:].all(-1))
     order = demo_order(last.settings, len(images))
     partner = np.where(visible.all(-1) & own_seen, np.argsort(order), -1)
     nameable = int((partner >= 0).sum())

@@ -6,8 +6,6 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import asyncio
 import json
 import os
-import shutil
-import subprocess
 import sys
 import threading
 
@@ -19,7 +17,6 @@ import browser as chromium
 import hypothesis
 import pytest
 from serving import Server
-from waiting import wait_until
 
 from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads
@@ -101,21 +98,6 @@ def server():
     served = Server()
     yield served.url
     assert served.stop() == 0
-
-
-@pytest.fixture(scope="module")
-def redis_url(tmp_path_factory):
-    """A Redis of one's own, without a port. Skips without redis-server or the package."""
-    program = shutil.which("redis-server") or pytest.skip("no redis-server")
-    pytest.importorskip("redis")
-    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
-    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
-    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
-    wait_until(lambda: socket.exists() or process.poll() is not None)
-    assert process.poll() is None, "redis-server did not start"
-    yield f"unix://{socket}"
-    process.terminate()
-    process.wait(10)
 
 
 def pytest_collection_modifyitems(items):

@@ -16,7 +16,8 @@ from ..model.page_model import PageModel
 from ..model.presets import Preset
 from ..model.queue import Command, OfView, Value
 from ..model.state import LARGE
-from .session import FollowLink, Play, Scrub, StartAt
+from .links import FollowLink, ResendAll, Restore, TellUnsaved
+from .session import Play, Scrub, StartAt
 from .tools import BestNext, RemovePoint, SaveScene
 
 
@@ -293,6 +294,9 @@ TOUCHES: Mapping[str, Callable[[str], Command]] = {
     "dismiss": lambda value: LetGo(),
     "moment": Scrub.parse,
     "link": FollowLink,
+    "session": Restore,
+    "resend": lambda value: ResendAll(),
+    "unsaved": TellUnsaved,
     "show": ShowWord.parse,
     "restore": lambda value: GiveBack(),
 }

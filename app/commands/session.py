@@ -15,11 +15,8 @@ from viewimit.simulation.world import pose_for_hand
 
 from ..model.choices import SPEEDS, choice, modified, number, words
 from ..model.displayed import rehearsal_of
-from ..model.memory import go_on
 from ..model.page_model import PageModel
 from ..model.queue import Command, Value
-from ..sessions.link import Linked, read
-from ..sessions.saved import SavedSession
 
 BACK_STAYS = 6.0  # s that it is said
 
@@ -54,6 +51,7 @@ class Undo(Command):
     link that is still followed is let go."""
 
     moves: ClassVar[bool] = True
+    cancels: ClassVar[bool] = True
 
     def opens_pictures(self, model: PageModel) -> bool:
         left = model.past.here
@@ -216,43 +214,3 @@ class PoseHand(Value):
 
     def apply(self, model: PageModel, now: float) -> None:
         model.undoable.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
-
-
-@dataclass(frozen=True, eq=False)
-class Resume(Command):
-    """A kept session with camera images goes on: its first look takes them."""
-
-    memory: SavedSession
-    moves: ClassVar[bool] = True
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        return True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        go_on(model, self.memory)
-
-
-# Commands that make a page what a link holds.
-
-
-@dataclass(frozen=True)
-class FollowLink(Value):
-    """What somebody has sent, motion by motion: beside the page, as that may take seconds."""
-
-    text: str
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        try:
-            return self.read(model).script.settings.sensor == "rendered"
-        except ValueError:
-            return False
-
-    def apply(self, model: PageModel, now: float) -> None:
-        linked = self.read(model)
-        if linked.script.settings.sensor == "rendered":  # by the page's own camera images
-            model.repeat(linked)
-        else:
-            model.following.begin(linked)
-
-    def read(self, model: PageModel) -> Linked:
-        return read(self.text, model.begun)

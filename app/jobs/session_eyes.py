@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.loop.snapshot import Snapshot
-from viewimit.simulation.disturbances import ActuatorSettings
 from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
@@ -39,12 +38,6 @@ class RemoteEyes:
 
     def own_images(self, theta) -> tuple[NDArray, NDArray]:
         return self._look("own_images", "LR", theta)
-
-    def settle(self, theta: NDArray) -> NDArray:
-        return self._ask("settle", theta)[0]
-
-    def drive(self, settings: ActuatorSettings, theta: NDArray, sent: NDArray, commanded: NDArray) -> NDArray:
-        return self._ask("drive", settings, theta, sent, commanded)[0]
 
     def pictures(self, moment: Snapshot) -> dict[str, bytes]:
         """JPEGs by view, of those that are still kept."""

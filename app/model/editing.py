@@ -5,7 +5,6 @@ from collections.abc import Callable
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.loop.script import Script
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
@@ -122,24 +121,6 @@ class UndoableSession:
         self.player.settle()
         if self.session.world is not world:
             self._in_new_world()
-
-    def repeat(self, script: Script) -> None:
-        """All that a script does, from its settings on; Undo brings back what was here. Raises ValueError, with all as
-        it is."""
-        self.player.pause()
-        before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
-        try:
-            with self.past.kept(whole=True):
-                self.session.play(script)
-        except ValueError:
-            self.session.resume(*before)
-            raise
-
-    def become(self, other: Session) -> None:
-        """All that another session has done, in place of what is here, which Undo brings back."""
-        self.player.pause()
-        with self.past.kept(whole=True):
-            self.session.resume(tuple(other.history), other.cursor, other.log)
 
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""

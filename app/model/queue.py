@@ -13,11 +13,12 @@ class Command:
     """An action, of which none is lost.
 
     moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait.
+    comes before or after any other, so that it need not wait. cancels: it ends the computation that others wait for.
     """
 
     moves: ClassVar[bool] = False
     commutes: ClassVar[bool] = False
+    cancels: ClassVar[bool] = False
 
     @property
     def control(self) -> Hashable | None:
@@ -153,15 +154,19 @@ class CommandQueue:
             taken, self._waiting = self._waiting, []
         return taken
 
-    def take_what_need_not_wait(self) -> list[Command]:
-        """While nothing may move: what comes before all that moves, and what commutes with it; the rest waits."""
+    def take_what_need_not_wait(self, cancelling: bool = False) -> list[Command]:
+        """While nothing may move: what comes before all that moves, and what commutes with it; the rest waits.
+
+        cancelling: also what ends the computation that the rest waits for.
+        """
         taken: list[Command] = []
         waiting: list[Command] = []
         blocked = False
         with self._lock:
             for command in self._waiting:
-                blocked = blocked or (command.moves and not command.commutes)
-                (waiting if blocked and not command.commutes else taken).append(command)
+                passes = command.commutes or (cancelling and command.cancels)
+                blocked = blocked or (command.moves and not passes)
+                (waiting if blocked and not passes else taken).append(command)
             self._waiting = waiting
         return taken
 

@@ -86,5 +86,6 @@ class Services:
     share: Callable[[str, str], None]
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))
     scripts: ScriptPlayer = field(default_factory=ScriptPlayer)
+    picture_scripts: ScriptPlayer = field(default_factory=lambda: ScriptPlayer(time.monotonic))  # which wait for them
     files: LandscapeWorker = field(default_factory=LandscapeWorker)  # which pictures and replays are made in
     clock: Callable[[], float] = time.monotonic

@@ -20,7 +20,7 @@ from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
 
 from ..jobs.experiments import Run
-from ..sessions.link import Linked
+from ..sessions.link import SavedPage
 from .displayed import Rehearsal, rehearsal_of
 from .duel import Duel
 from .experiments import Experiments
@@ -108,7 +108,8 @@ class PageState:
     transfers: all transfers' landscapes, None while one is shown; basin: runs from many starts; ground: the duel's.
     points: of the body, while they are edited. linked(): what a link to this page holds, ValueError where that cannot
     be said; message: for the visitor; unsaved: why the session is not kept, None as far as is known. tour_offered: to
-    somebody who has not been here before; follows_link: whether one's script is still played. word: of the glossary
+    somebody who has not been here before; follows_link: whether one's script is still played, or, restores, what
+    the page's own tab has kept. word: of the glossary
     that is shown, in place of what can be given back. Session, duel, experiments and motions are those of the page: to
     be read only.
     """
@@ -142,11 +143,12 @@ class PageState:
     experiments: Experiments
     motions: Motions
     points: EditedPoints
-    linked: Callable[[], Linked]
+    linked: Callable[[], SavedPage]
     message: str | None
     unsaved: str | None
     tour_offered: bool
     follows_link: bool
+    restores: bool
     word: str | None
 
     @property

@@ -12,16 +12,19 @@ import msgspec
 from ..commands.display import TOUCHES
 from ..model.queue import Command, CommandQueue
 from ..model.state import PageState
+from ..sessions.link import MAX_TEXT
 from ..viser_private import push_input
 from .panel import Layout, Panel
 
 LABEL = "vi-actions"  # of the widget
+KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
 MAX_CHARS = 16_000  # of what it is sent
 MAX_ACTIONS = 64  # of a message
+PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest
+Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; what is longer comes in pieces
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -52,6 +55,7 @@ class Actions:
     def __init__(self, queue: CommandQueue, parsers: Mapping[str, Callable[[str], Command]]):
         self._queue, self._parsers = queue, parsers
         self._load = ""
+        self._pieces = ""  # of the next value
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
@@ -62,7 +66,11 @@ class Actions:
         for number, control, value in message.acts:
             if number > self.last:
                 self.last = number
-                self._queue.put_value(self._parser(control), value, ("action", control))
+                if control == PIECE:
+                    self._pieces = (self._pieces + value)[: MAX_TEXT + 1]  # one too many is refused where it is read
+                    continue
+                self._queue.put_value(self._parser(control), self._pieces + value, ("action", control))
+                self._pieces = ""
 
     def _parser(self, control: str) -> Callable[[str], Command]:
         def unknown(value: str) -> Command:
@@ -71,7 +79,7 @@ class Actions:
         return self._parsers.get(control, unknown)
 
 
-# The text widget, seen by nobody, through which the page's script sends what is clicked in drawings.
+# Hidden text widgets: for what is clicked in drawings, and for what the tab keeps.
 
 
 class ActionsPanel(Panel):
@@ -84,6 +92,17 @@ class ActionsPanel(Panel):
             if event.client_id is not None:  # None: the page itself wrote it
                 self.actions.take(event.target.value)
                 push_input(box, str(self.actions.last))
+
+        self._kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
+
+    @property
+    def last(self) -> int:
+        """The number of the last action that was taken."""
+        return self.actions.last
+
+    def send_part(self, part: str) -> None:
+        """Send the tab a part of what it is to keep."""
+        push_input(self._kept, part)
 
     def depends_on(self, state: PageState) -> tuple:
         return ()

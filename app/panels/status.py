@@ -16,6 +16,7 @@ from .widgets import put_html
 
 LOOKS_BACK = 5  # motions
 FOLLOWS = "Computing what the link holds: Esc lets it go."
+RESTORES = "Computing this tab’s session again: Esc begins anew."
 CHOICES = {  # by what is said: where a link leads, and its words
     "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
     "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
@@ -36,7 +37,7 @@ class StatusPanel(Panel):
     def depends_on(self, state: PageState) -> tuple:
         on_its_way = None if state.on_its_way is None else state.on_its_way.tobytes()
         moments = state.present, on_its_way, state.see_through, state.imitated, state.points
-        return state.message, state.unsaved, state.follows_link, *moments, state.playing, _busy(state)
+        return state.message, state.unsaved, state.follows_link, state.restores, *moments, state.playing, _busy(state)
 
     def period(self, state: PageState) -> float:
         """Nobody reads faster what changes with every motion, and on the way."""
@@ -65,7 +66,7 @@ def _said(state: PageState) -> StatusMessage:
     if busy is not None:
         return StatusMessage(*busy)
     if state.follows_link:
-        return StatusMessage("message", FOLLOWS)
+        return StatusMessage("message", RESTORES if state.restores else FOLLOWS)
     points = state.points
     if points.information is not None and not state.playing:
         joints = session.scene.moving_joints
@@ -75,7 +76,7 @@ def _said(state: PageState) -> StatusMessage:
     if state.see_through is not None:
         return StatusMessage("see-through", describe_see_through(session.scene, state.see_through))
     if state.unsaved is not None:
-        return StatusMessage("message", f"not saved: {state.unsaved}; a reload would lose this session.")
+        return StatusMessage("message", f"{state.unsaved}: a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (on_the_way := state.on_the_way) is not None:
         return describe(on_the_way, before, joints=session.scene.moving_joints)

@@ -20,7 +20,6 @@ from websockets.typing import Origin
 from .. import viser_private
 from .address import is_own_page
 from .connection import MOST_MESSAGE, GuardedConnection, plain_response
-from .cookie import cookie_for, token_of
 from .limits import (
     LINES_A_SECOND,
     LINES_AT_ONCE,
@@ -177,8 +176,6 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
             with_own_head(answer)
-            if token_of(request.headers) is None:
-                answer.headers["Set-Cookie"] = cookie_for(request.headers)
         _describe(answer.headers, request.headers.get("Host", ""))
         return answer
 
@@ -210,7 +207,7 @@ class AccessControl:
         self.pending.discard(connection)
         self.seats.add(connection)
         self._own.take(connection.network)
-        connection.take_seat(token_of(request.headers))
+        connection.take_seat()
         return None
 
     def leave(self, connection: GuardedConnection) -> None:

@@ -91,13 +91,11 @@ class Host(Protocol):
 
 
 class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. token: of its browser, None without one;
-    network: where it comes from."""
+    """A connection whose `recv` returns messages that were checked only. network: where it comes from."""
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
         self._host = host
-        self.token: str | None = None
         self.network = network_of(None)
         self._unsent = Unsent()
         self._http = h11.Connection(h11.SERVER, MOST_HEAD)
@@ -145,8 +143,7 @@ class GuardedConnection(ServerConnection):
                 timer.cancel()
         super().connection_lost(exc)
 
-    def take_seat(self, token: str | None) -> None:
-        self.token = token
+    def take_seat(self) -> None:
         self._starts = self.loop.call_later(self._host.limits.page_within, self._end_if_idle)
 
     def data_received(self, data: bytes) -> None:

@@ -197,13 +197,11 @@ PAGE_CONNECTIONS = 12  # that a browser or two open at once
 
 @dataclass(frozen=True)
 class ServerOptions:
-    """settings: what each session begins with; store: where sessions are kept, as `open_store` has it; max_clients:
-    tabs at a time; origins: of pages elsewhere that may connect; workers: processes that share the visitors;
-    max_per_address: tabs of one address at a time, None: as many as there are; lessons: of a lecturer's own, by name,
-    before those that are shipped; host: on which it listens."""
+    """settings: what each session begins with; max_clients: tabs at a time; origins: of pages elsewhere that may
+    connect; workers: processes that share the visitors; max_per_address: tabs of one address at a time, None: as many
+    as there are; lessons: of a lecturer's own, by name, before those that are shipped; host: on which it listens."""
 
     settings: Settings = Settings.paper()
-    store: str | None = None
     max_clients: int = 40
     origins: tuple[str, ...] = ()
     workers: int = 1

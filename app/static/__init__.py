@@ -8,7 +8,7 @@ from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 
 PAGE_CSS, LAYOUT_CSS = (Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
 
-PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "page.js"))
+PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "session.js", "page.js"))
 
 
 def stylesheet() -> str:

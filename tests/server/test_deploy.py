@@ -4,7 +4,6 @@ import base64
 import contextlib
 import getpass
 import os
-import re
 import shutil
 import socket
 import ssl
@@ -19,8 +18,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from protocol import Client
-from serving import Server, kept_of
+from protocol import Client, Tab
+from serving import Server
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -126,26 +125,18 @@ class Proxy:
         self.process.terminate()
         self.process.wait(10)
 
-    def browser(self) -> str:
-        """The cookie of a browser that opens the page."""
-        request = urllib.request.Request(self.url)
-        request.add_header("Authorization", AUTHORIZATION)
-        with urllib.request.urlopen(request, context=TRUSTING) as page:
-            assert "Secure" in page.headers["Set-Cookie"]
-            return page.headers["Set-Cookie"].split(";")[0]
-
-    def open(self, cookie: str | None = None, login: str | None = LOGIN) -> Client:
-        return Client(self.url, origin=self.url, cookie=cookie, login=login, ssl=TRUSTING)
+    def open(self, tab: Tab | None = None, login: str | None = LOGIN) -> Client:
+        return Client(self.url, origin=self.url, tab=tab, login=login, ssl=TRUSTING)
 
 
 @pytest.fixture
-def deployed(tmp_path, redis_url):
+def deployed(tmp_path):
     require("nginx", "openssl")
     replicas: list[Server] = []
     port = free_port()
     origin = f"https://127.0.0.1:{port}"
     for _ in range(2):
-        replicas.append(Server("--store", redis_url, "--origin", origin))
+        replicas.append(Server("--origin", origin))
     proxy = Proxy(tmp_path, port, replicas)
     yield proxy, replicas
     proxy.stop()
@@ -154,18 +145,14 @@ def deployed(tmp_path, redis_url):
 
 
 @pytest.mark.parametrize("students", [4, pytest.param(30, marks=pytest.mark.slow)])
-def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis_url, students):
-    proxy, (first, second) = deployed
+def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, students):
+    proxy, replicas = deployed
     wait_until(lambda: _answers(proxy))
     with pytest.raises(InvalidStatus) as refused:
         proxy.open(login=None)
     assert refused.value.response.status_code == 401
-    cookies, clients = [], []
-    while len(clients) < students or not (first.seated and second.seated):
-        cookies.append(proxy.browser())
-        clients.append(proxy.open(cookies[-1]).ready(60))
-        assert len(clients) < 3 * students, "all went to one replica"
-    assert first.seated + second.seated == len(clients)
+    clients = [proxy.open().ready(60) for _ in range(students)]
+    assert sum(replica.seated for replica in replicas) == len(clients)
     angles = [20.0 + 2 * k % 60 for k in range(len(clients))]
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
@@ -177,15 +164,14 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis
         client.press("Play or pause")
     wait_until(lambda: not any("Moving" in client.status for client in clients))
     shown = lambda: [client.value("History") for client in clients]
-    kept = lambda: [kept_of(redis_url, cookie) for cookie in cookies]
-    wait_until(lambda: [page and page.cursor for page in kept()] == shown())
-    motions = shown()
+    motions, tabs = shown(), [client.keep() for client in clients]
+    first, second = sorted(replicas, key=lambda replica: -replica.seated)
     moved = first.seated
     first.process.kill()
     wait_until(lambda: sum(client.closed(0) is not None for client in clients) == moved)
     for k, client in enumerate(clients):
         if client.closed(0) is not None:
-            again = proxy.open(cookies[k]).ready(60)
+            again = proxy.open(tabs[k]).ready(60)
             wait_until(lambda again=again, k=k: again.value("History") == motions[k])
             assert again.value("θ₂") == angles[k]
         else:
@@ -256,11 +242,7 @@ def test_haproxy_finds_a_replica_well_by_its_own_check_and_brings_a_class_to_it(
     balancer = Balancer(tmp_path, port, replica)
     wait_until(lambda: balancer.checked.get("check_status") == "L7OK")
     assert balancer.checked["check_code"] == "200" and balancer.checked["status"] == "UP"
-    request = urllib.request.Request(url, headers={"Authorization": AUTHORIZATION})
-    with urllib.request.urlopen(request, context=TRUSTING) as page:
-        cookie = "; ".join(given.split(";")[0] for given in page.headers.get_all("Set-Cookie"))
-    assert re.search(r"replica=\w{16}", cookie) and "viewimit" in cookie
-    with Client(url, origin=url, cookie=cookie, login=LOGIN, ssl=TRUSTING) as student:
+    with Client(url, origin=url, login=LOGIN, ssl=TRUSTING) as student:
         student.ready()
     with pytest.raises(urllib.error.HTTPError, match="405"):
         urllib.request.urlopen(urllib.request.Request(url, b"", {"Authorization": AUTHORIZATION}), context=TRUSTING)

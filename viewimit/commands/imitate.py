@@ -40,7 +40,7 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor")
+    seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor", "dynamics")
     add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
     add_unmatched_option(parser)
     number = between(int, 0, MAX_HISTORY)

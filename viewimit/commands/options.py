@@ -19,6 +19,7 @@ from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, distur
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.renamed import current_settings
 from ..servo import Naming
+from ..simulation.arms import require_arm
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
 from ..simulation.robot import robot_names
@@ -226,6 +227,8 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         scene = load_scene(chosen, args.robot, freed, settings.undistort)
     with naming("--sensor"):
         require_eyes(settings.sensor, scene)
+    with naming("--dynamics"):
+        require_arm(settings.dynamics, scene)
     if is_reference(chosen):
         tell_choices(scene_for_urdf(chosen, freed), scene)
     points = layout(args, scene)

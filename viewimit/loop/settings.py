@@ -20,6 +20,7 @@ from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
 from ..servo.observation import DEFAULT_MAX_RESTARTS
+from ..simulation.arms import DYNAMICS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
 
@@ -186,11 +187,17 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     sensor: Annotated[
         str,
         Setting(
-            description="image points projected, or detected in rendered pictures of arms that have weight and wear "
-            "markers",
+            description="image points projected, or detected in rendered pictures of arms that wear markers",
             choices=SENSORS,
         ),
     ] = "projected"
+    dynamics: Annotated[
+        str,
+        Setting(
+            description="arms without mass, or with weight and motors of limited torque and speed, by PyBullet",
+            choices=DYNAMICS,
+        ),
+    ] = "none"
     max_step_deg: Annotated[
         float | None,
         Setting(

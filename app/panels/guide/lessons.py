@@ -9,7 +9,7 @@ from ...drawing.overlays import button
 from ...lab.lessons.format import Lesson
 from ...lab.lessons.source import ORDER
 from ...model.state import PageState
-from ...sessions.link import written
+from ...sessions.link import encode_link
 from ..panel import Layout, Panel
 from ..widgets import put_html
 
@@ -58,6 +58,6 @@ def offers(state: PageState, lessons: Mapping[str, Lesson]) -> str:
 def way_back(state: PageState) -> str:
     """The address's part by which a lesson knows the page that it is left for; empty where no link holds the page."""
     try:
-        return f"#page={quote(written(state.linked()))}"
+        return f"#page={quote(encode_link(state.linked()))}"
     except ValueError:
         return ""

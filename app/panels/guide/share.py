@@ -9,7 +9,7 @@ from viewimit.sensing.files import file_name
 from ...commands.display import ToggleShare
 from ...lab.address import lab_address
 from ...model.state import PageState
-from ...sessions.link import files_named, written
+from ...sessions.link import encode_link, files_named
 from ..panel import Layout, Panel
 from ..qr import draw_qr
 from ..widgets import put_html
@@ -46,7 +46,7 @@ def share_html(state: PageState, origin: str | None) -> str:
     """origin: scheme://host:port by which the server is known, None if nobody says."""
     parts, script = [], state.session.script.renamed(file_name)
     try:
-        text = written(state.linked())
+        text = encode_link(state.linked())
         address = f"{origin or ''}/?s={text}"
         parts.append(_copied("A link that opens this very state", address))
         parts.append(_bound(files_named(text)))

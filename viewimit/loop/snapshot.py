@@ -361,11 +361,12 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
     workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
     limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
     """
-    start, seen = now.settings.start_rad, now.views.visible[:, 2:]
+    start, demo_seen, seen = now.settings.start_rad, now.views.visible[:, :2], now.views.visible[:, 2:]
     known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
     return Observation(
         own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
         seen=seen,
+        demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
         E=now.E,
         displacement=now.commanded - start,
         lower=workspace[0] - start,
@@ -373,7 +374,7 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
         motion=now.motion,
         residual=now.e,
         noise_px=noise_px if known is None else max(noise_px, known.noise_px),
-        unnamed=None if now.views.matched else _shown(now.views),
+        matched=now.views.matched,
         calibration=() if known is None else known.seen_from(lower - start),
         n_visible=now.shown,
         n_partial=now.half_shown,
@@ -382,11 +383,6 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
         max_step=now.settings.max_step,
         max_restarts=now.settings.restarts,
     )
-
-
-def _shown(views: FourViews) -> NDArray[np.float64]:
-    """The demonstrator's points, (N, 4) px; NaN where not seen in both images."""
-    return np.where(views.visible[:, :2].all(-1, keepdims=True), views.demo, np.nan)
 
 
 def predicted_residuals(

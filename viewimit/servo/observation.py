@@ -57,8 +57,6 @@ class Observation:
     upper: NDArray[np.float64]  # (m,) rad
     motion: int  # number of motions made
     noise_px: float = 0.0  # px, standard deviation of an image coordinate, as measured at rest
-    unnamed: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r] in an unknown order,
-    # NaN where not seen in both; None: residuals know which own point each of them is
     calibration: tuple[Visit, ...] = ()  # visits of a rehearsal, before there was a demonstrator
     n_visible: int = 0  # points of the demonstrator that both cameras see
     n_partial: int = 0  # further ones that one camera alone sees, and that residuals can use
@@ -68,6 +66,8 @@ class Observation:
     max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
     # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+    demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
+    matched: bool = True  # whether these are the own points, one by one; otherwise they are in an unknown order
 
     def __getattr__(self, name: str) -> Any:
         """Return a field by its name in an earlier version."""
@@ -122,10 +122,10 @@ def in_units(observation: Observation, unit_px: float) -> Observation:
     return replace(
         observation,
         own=observation.own / unit_px,
+        demo=None if observation.demo is None else observation.demo / unit_px,
         E=observation.E / unit_px**2,
         residual=observation.residual / unit_px,
         noise_px=observation.noise_px / unit_px,
-        unnamed=None if observation.unnamed is None else observation.unnamed / unit_px,
         calibration=tuple(Visit.of(one.displacement, one.own / unit_px, one.seen) for one in observation.calibration),
         rectification=None if rectification is None else rectification.in_units(unit_px),
     )

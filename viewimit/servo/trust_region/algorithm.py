@@ -88,6 +88,7 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_final_adjustment,
     with_names_reviewed,
     with_naming,
     with_partial_points,
@@ -158,7 +159,7 @@ def first_phase(state: TrustRegionState, observation: Observation) -> Phase:
     """Return the phase that a step begins with: on the way to a destination, the one that sent the arm there."""
     if state.joints_to_probe:
         return Phase.PROBE
-    if observation.unnamed is not None:
+    if not observation.matched:
         return Phase.MATCH
     return Phase.PLAN if state.destination.displacement is None else state.phase
 
@@ -172,7 +173,7 @@ def probe(state: TrustRegionState, context: StepContext) -> Outcome:
 
 def match(state: TrustRegionState, context: StepContext) -> Outcome:
     """Name the demonstrator's points, or correct their names."""
-    if context.observation.unnamed is not None:
+    if context.not observation.matched:
         state = with_naming(state, context)
     if state.naming is not None and state.naming.accepted:
         return Phase.MATCH, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.observation.displacement)
@@ -215,7 +216,8 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
-        context.status = status_at_rest(certificate, state)
+        state = with_final_adjustment(state, context)
+        context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None
     if may_verify_early(state, context):
         offset = context.options.verification_step * context.plan.flattest_direction

@@ -91,6 +91,10 @@ class TrustRegionOptions:
     # Local model
     max_std_per_px: float = _deg(20.0)  # rad/px: a joint that noise of 1 px turns by more is unobservable
 
+    # Final adjustment
+    max_body_sigmas: float = 3.09  # standard deviations; a body like the own one contradicts by more once in a thousand
+    same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
+
     # Convergence test
     noise_sigmas: float = 3.0  # standard deviations of E above its mean, up to which E is noise
     noise_slack: float = 1.2  # times the noise, which is measured itself

@@ -12,6 +12,7 @@ from ...geometry.kinematics.model import ProjectiveKinematics
 from ..observation import Observation, Visit
 from ..status import ServoStatus
 from .convergence import Certificate
+from .final_adjustment import PostureEstimate
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
 from .naming import Naming
@@ -86,6 +87,7 @@ class TrustRegionState:
     n_renamings: int = 0  # corrections of the names
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
+    estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
     target_moved: tuple[bool, bool] = (
         False,
         False,

@@ -173,7 +173,7 @@ def probe(state: TrustRegionState, context: StepContext) -> Outcome:
 
 def match(state: TrustRegionState, context: StepContext) -> Outcome:
     """Name the demonstrator's points, or correct their names."""
-    if context.not observation.matched:
+    if not context.observation.matched:
         state = with_naming(state, context)
     if state.naming is not None and state.naming.accepted:
         return Phase.MATCH, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.observation.displacement)

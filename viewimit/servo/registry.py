@@ -49,6 +49,7 @@ class ServoMethod:
     limitations: str = ""  # one sentence: where it fails
     slow: bool = False  # whether it makes hundreds of motions
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
+    names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
     mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
     describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
@@ -230,6 +231,7 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         assumes="That joints turn points as rigid bodies; or else that the images follow the joints smoothly.",
         limitations="Where two postures give the same images, or every transfer misleads: it reports no progress.",
         predicts=True,
+        names_points=True,
         mirror_columns=True,
         equations=trust_region_equations,
         describe_status=partial(describe_trust_region, options=options),

@@ -112,14 +112,9 @@ class CommandLoop:
 
     def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
-<<<<<<< HEAD
-        for k, command in enumerate(commands):
-            waits = self._model.following.restores and command.moves and not (command.commutes or command.cancels)
-            if waits or not self._budget.left:
-=======
         for k, entry in enumerate(commands):
-            if not self._budget.left:
->>>>>>> main
+            waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
+            if waits or not self._budget.left:
                 self._queue.put_back(commands[k:] + (rest or []))
                 return False
             self._budget.spend(partial(self._apply, entry, now))

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from page_fakes import Hands
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.commands.display import LetGo
-from viewimit.app.commands.session import Step, Undo
 from viewimit.app.jobs import scripts
 from viewimit.app.model.page_model import PageModel
 from viewimit.app.page.keeper import AT_ONCE, SEND_EVERY
@@ -96,7 +94,7 @@ def test_whatever_was_done_comes_back_to_the_last_bit_and_can_be_undone(deeds):
         same(model, again)
     for _ in range(4):
         for one in (page, other):
-            one.page.put(Undo())
+            one.page.queue.call("undo")
             one.tick(SEND_EVERY)
     same(model, again)
 
@@ -108,7 +106,7 @@ def test_the_tab_keeps_what_it_kept_when_a_page_is_restored_and_goes_on_from_the
         Hands(page.page.model).act("step")
     kept = page.kept
     other = restored(kept)
-    other.page.put(Step())
+    other.page.queue.call("step")
     again = restored(other.kept)
     assert again.page.model.session.cursor == 251
     same(other.page.model, again.page.model)
@@ -139,13 +137,13 @@ def test_a_new_tab_is_sent_nothing_before_something_is_done():
 
 def test_a_page_sends_nothing_to_a_tab_that_has_not_told_what_it_has():
     page = QuietPage(Settings.paper())
-    page.page.put(Step())
+    page.page.queue.call("step")
     assert page.kept == ""
 
 
 def test_a_tab_that_has_missed_a_part_gets_all_again():
     page = begun()
-    page.page.put(Step())
+    page.page.queue.call("step")
     kept = page.kept
     page.act("resend", "0")
     page.tick(1.0)
@@ -230,7 +228,7 @@ def test_what_the_tab_has_kept_is_not_written_over_where_it_could_not_be_continu
         other.restore(kept)
     other.tick(5.0)
     assert other.kept == "", "the tab still has it"
-    other.page.put(Step())
+    other.page.queue.call("step")
     assert other.kept != ""
 
 
@@ -260,15 +258,15 @@ class Held:
         pass
 
 
-@pytest.mark.parametrize("lets_go", [LetGo, Undo], ids=["Escape", "Undo"])
+@pytest.mark.parametrize("lets_go", ["dismiss", "undo"])
 def test_a_session_that_is_restored_can_be_let_go_and_what_is_clicked_meanwhile_waits(worked, lets_go):
     held = Held()
     page = QuietPage(Settings.paper(), scripts=held)
     page.act("session", worked.kept)
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(0.3)
     assert "session again: Esc" in page.shown and page.page.model.session.cursor == 0, "a motion waits"
-    page.page.put(lets_go())
+    page.page.queue.call(lets_go)
     page.tick(0.3)
     page.tick(0.3)
     assert page.page.model.session.cursor == 1 and not page.page.model.following.goes_on
@@ -282,7 +280,7 @@ def test_what_is_clicked_while_a_session_is_restored_is_done_to_it(worked):
     held = Held()
     page = QuietPage(Settings.paper(), scripts=held)
     page.act("session", worked.kept)
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(0.3)
     list(held.passes)
     held.done(None)
@@ -298,7 +296,7 @@ def test_a_link_in_the_address_is_followed_after_the_tab_s_own_session_which_und
     page.act("session", worked.kept)
     page.act("link", text)
     page.tick_until(lambda: page.page.model.session.settings.transfer == "linear")
-    page.page.put(Undo())
+    page.page.queue.call("undo")
     page.tick(1.0)
     assert page.page.model.session.cursor == 4 and page.page.model.session.settings.transfer == "epipolar"
 

@@ -11,7 +11,7 @@ import socket
 from collections.abc import Callable, Iterable
 
 import viser
-from viser import ClientHandle, ViserServer
+from viser import ViserServer
 from websockets.datastructures import Headers
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
@@ -19,7 +19,7 @@ from websockets.typing import Origin
 
 from .. import viser_private
 from .address import is_own_page
-from .connection import MOST_MESSAGE, GuardedConnection, plain_response
+from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection, plain_response
 from .limits import (
     LINES_A_SECOND,
     LINES_AT_ONCE,
@@ -94,6 +94,7 @@ class AccessControl:
                 said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
                 await connection.close(CloseCode.PROTOCOL_ERROR, said)
                 return
+            CONNECTION.set(connection)  # for all tasks of it, which viser begins in this context
             await handler(connection)
 
         loop = asyncio.get_running_loop()
@@ -119,14 +120,6 @@ class AccessControl:
 
     def note(self, connection: GuardedConnection, what: str) -> None:
         self._log.warn(f"{connection.name}: refused {what}")
-
-    def client_of(self, connection: GuardedConnection) -> ClientHandle | None:
-        """Whose connection it is; None before its first camera message."""
-        if self._server is None:
-            return None
-        one = viser_private.connection_of
-        clients = self._server.get_clients().items()
-        return next((client for number, client in clients if one(self._server, number) is connection), None)
 
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()

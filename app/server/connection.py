@@ -4,6 +4,7 @@ import asyncio
 import re
 import socket
 from contextlib import suppress
+from contextvars import ContextVar
 from http import HTTPStatus
 from typing import Any, Protocol
 
@@ -23,8 +24,8 @@ from .messages import PART, Hostile, MessageValidator, Refused
 MOST_HEAD = 1 << 14  # bytes of a request's head
 METHODS = "GET, HEAD"
 ONCE = (  # headers that would be given to two answers, or to none
-    b"accept-encoding", b"cookie", b"host", b"origin", b"sec-fetch-site", b"sec-purpose", b"sec-websocket-key",
-    b"sec-websocket-version", b"transfer-encoding", b"upgrade", b"x-forwarded-proto",
+    b"accept-encoding", b"host", b"origin", b"sec-websocket-key", b"sec-websocket-version", b"transfer-encoding",
+    b"upgrade",
 )  # fmt: skip
 PRINTABLE = re.compile(rb"[\t -~\x80-\xff]*")
 MOST_MESSAGE = PART + 4096  # bytes
@@ -83,15 +84,16 @@ class Host(Protocol):
 
     def note(self, connection: "GuardedConnection", what: str) -> None: ...
 
-    def client_of(self, connection: "GuardedConnection") -> ClientHandle | None: ...
-
     def belongs_to_another(self, uuid: str) -> bool: ...
 
     def leave(self, connection: "GuardedConnection") -> None: ...
 
 
 class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. network: where it comes from."""
+    """A connection whose `recv` returns messages that were checked only. network: where it comes from; client: viser's
+    of it, from the first view on."""
+
+    client: ClientHandle | None = None
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
@@ -274,18 +276,17 @@ class GuardedConnection(ServerConnection):
     def _admit(self, raw: bytes | str) -> None:
         message = messages.read(raw)
         if self._validator is None:
-            client = self._host.client_of(self)
-            if client is None:
+            if self.client is None:
                 if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
-            self._validator = MessageValidator(client, self._host.belongs_to_another)
+            self._validator = MessageValidator(self.client, self._host.belongs_to_another)
             if self._starts is not None:
                 self._starts.cancel()
         self._validator.admit(message)
 
     def _end_if_idle(self) -> None:
-        if self._host.client_of(self) is None:
+        if self.client is None:
             self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
@@ -302,3 +303,6 @@ class GuardedConnection(ServerConnection):
                 self.protocol.fail(code, what.encode()[:100].decode(errors="ignore"))
         except ConnectionClosed:
             pass
+
+
+CONNECTION: ContextVar[GuardedConnection] = ContextVar("connection")  # whose messages are being answered

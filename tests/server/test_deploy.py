@@ -12,7 +12,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from http.client import HTTPSConnection
+from http.client import HTTPConnection, HTTPSConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,6 +24,7 @@ from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
+HOST = "class.example.org"
 LOGIN = "student:chalk"
 AUTHORIZATION = f"Basic {base64.b64encode(LOGIN.encode()).decode()}"
 TRUSTING = ssl.create_default_context()
@@ -105,10 +106,12 @@ class Proxy:
         program = found("nginx")
         self.port = port
         shipped = (DEPLOY / "nginx.conf").read_text()
-        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{free_port()};")
+        self.plain_port = free_port()
+        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{self.plain_port};")
         text = text.replace("listen 443 ssl;", f"listen 127.0.0.1:{self.port} ssl;")
         assert text.count("127.0.0.1") == 2
         (folder / "nginx.conf").write_text(text)
+        (folder / "host.conf").write_text((DEPLOY / "host.conf").read_text().replace("localhost", HOST))
         line = (DEPLOY / "replicas.conf").read_text()
         (folder / "replicas.conf").write_text(
             "\n".join(line.replace("viewimit:8080", r.url.removeprefix("http://")) for r in replicas)
@@ -198,6 +201,29 @@ def test_the_proxy_takes_no_other_methods_and_no_flood_but_a_class_at_once(tmp_p
         assert 429 in replicas.asked("GET", "/", 1000)
 
 
+def redirected(port: int) -> str:
+    """Where a request over plain HTTP is sent that names a host of its own."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.request("GET", "/a?b", headers={"Host": "evil.example"})
+    with connection.getresponse() as answer:
+        assert answer.status == 301
+        return answer.headers["Location"]
+
+
+def test_the_proxy_redirects_to_its_own_host_alone_and_browsers_keep_to_https(tmp_path):
+    require("nginx", "openssl")
+    with Replicas(tmp_path, 1) as replicas:
+        wait_until(lambda: _answers(replicas.proxy))
+        assert redirected(replicas.proxy.plain_port) == f"https://{HOST}/a?b"
+        for login, status in ((AUTHORIZATION, 200), ("", 401)):
+            connection = HTTPSConnection("127.0.0.1", replicas.proxy.port, context=TRUSTING, timeout=20)
+            connection.request("GET", "/", headers={"Authorization": login})
+            with connection.getresponse() as answer:
+                assert answer.status == status
+                assert answer.headers["Strict-Transport-Security"] == "max-age=31536000"
+                assert answer.headers["Server"] == "nginx"  # without a version
+
+
 class Balancer:
     """HAProxy with the configuration that is shipped: other ports, and one replica of this machine."""
 
@@ -208,7 +234,8 @@ class Balancer:
         )
         user, password = LOGIN.split(":")
         (folder / "users.cfg").write_text(f"userlist people\n  user {user} insecure-password {password}\n")
-        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{free_port()}\n")
+        self.plain_port = free_port()
+        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{self.plain_port}\n")
         text = text.replace("bind :443 ", f"bind 127.0.0.1:{port} ")
         text = text.replace("server-template replica 8 viewimit:8080", f"server one {replica.url[7:]}")
         text = text.replace(" init-addr none resolvers docker", "").replace("inter 2s", "inter 200ms")
@@ -216,7 +243,7 @@ class Balancer:
         (folder / "haproxy.cfg").write_text(text)
         self.port, self.url, self._state = port, f"https://127.0.0.1:{port}", folder / "state.sock"
         command = [found("haproxy"), "-db", "-f", "haproxy.cfg", "-f", "users.cfg"]
-        self.process = subprocess.Popen(command, cwd=folder)
+        self.process = subprocess.Popen(command, cwd=folder, env=os.environ | {"VIEWIMIT_HOST": HOST})
 
     def stop(self) -> None:
         self.process.terminate()

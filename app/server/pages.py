@@ -29,7 +29,7 @@ from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, Page
 from ..page.scheduler import Scheduler
-from ..panels.panel import Reach
+from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..static import stylesheet
@@ -160,9 +160,9 @@ class App:
 
     def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:
         origin = None if connection.request is None else connection.request.headers.get("Origin")
-        reach = Reach(origin, origin_for_others(self._host, origin), self._lessons)
+        info = ClientInfo(origin, origin_for_others(self._host, origin), self._lessons)
         cameras = VisitorsCameras(self._camera, connection.network)
-        return Page(client, replace(self.services, camera=cameras), self._settings, reach)
+        return Page(client, replace(self.services, camera=cameras), self._settings, info)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)

@@ -109,7 +109,7 @@ class QuietPage:
         widget = self.widget(label)
         assert value in vars(widget).get("options", (value,)), f"{value} is none of {widget.options}"
         widget.value = value
-        self._tell(widget)
+        self.tell(widget)
 
     def act(self, control, value):
         """What a link of its drawings asks for, as the page's script sends it."""
@@ -134,10 +134,10 @@ class QuietPage:
         return self._tab.text
 
     def click(self, label):
-        self._tell(self.widget(label))
+        self.tell(self.widget(label))
         self.tick()
 
-    def _tell(self, widget):
+    def tell(self, widget):
         for callback in widget.callbacks:
             _finish(callback(SimpleNamespace(client_id=PERSON, target=widget)))
 

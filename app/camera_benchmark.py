@@ -16,11 +16,10 @@ from viewimit.loop.settings import Settings
 
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
-from .jobs.landscapes import LandscapeWorker
+from .jobs.threads import LandscapeWorker
 from .model.services import Services
 from .page.page import Page
-from .page.redraw import draw_all
-from .page.scheduler import Scheduler
+from .page.scheduler import Scheduler, draw_all
 from .quiet_client import quiet_client
 
 SECONDS = 20.0

@@ -1,7 +1,7 @@
 """How many files of app/ a visitor's doing enters: `python tests/measure_flows.py`.
 
-Each flow runs on a page without a browser, and the files are counted whose functions are called meanwhile: "slider", from
-a slider's new value to the arm's new pose; "play", from Play over one motion until all panels are drawn.
+Each flow runs on a page without a browser, and the files are counted whose functions are called meanwhile: "slider",
+from a slider's new value to the arm's new pose; "play", from Play over one motion until all panels are drawn.
 """
 
 import sys
@@ -17,13 +17,20 @@ APP = str(Path(__file__).parent.parent / "app")
 LIMITS = {"slider": 10, "play": 35}  # files
 
 
-def files_entered(flow: Callable[[], None]) -> list[str]:
-    """Files of app/ whose functions are called by a flow, in the order in which they are first."""
+STUB = "quiet_client.py"  # stands for viser
+
+
+def files_entered(flow: Callable[[], None], until: str = "") -> list[str]:
+    """Files of app/ whose functions are called by a flow, in the order in which they are first. until: the function in
+    which the flow ends."""
     entered: dict[str, None] = {}
 
     def on_event(frame, event, _argument):
-        if event == "call" and (name := frame.f_code.co_filename).startswith(APP):
-            entered.setdefault(name[len(APP) + 1 :])
+        code = frame.f_code
+        if event == "call" and code.co_filename.startswith(APP) and not code.co_filename.endswith(STUB):
+            entered.setdefault(code.co_filename[len(APP) + 1 :])
+            if code.co_name == until:
+                sys.setprofile(None)
 
     sys.setprofile(on_event)
     try:
@@ -44,7 +51,7 @@ def slider() -> list[str]:
         page.tell(joint)
         page.page.tick(page.now + 0.05)
 
-    entered = files_entered(turn)
+    entered = files_entered(turn, until="push_orientation")
     assert page.page.model.settings.demonstrator_deg[0] == 60
     return entered
 

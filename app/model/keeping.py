@@ -11,11 +11,10 @@ from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.session import Session
 
 from ..sessions.link import MAX_MOTION, Branch, Run, SavedPage
+from .choices import AS_STARTED, SWITCHES, Preset, switched
+from .editing import Left
 from .following import Played
 from .page_model import PageModel
-from .past import Left
-from .presets import AS_STARTED, Preset
-from .view import SWITCHES, switched
 
 MESSAGE_STAYS = 30.0  # s
 

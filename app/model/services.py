@@ -9,8 +9,7 @@ import numpy as np
 from ..jobs import basin_child
 from ..jobs.camera_images import Cameras
 from ..jobs.experiments import ExperimentWorker
-from ..jobs.landscapes import LandscapeWorker
-from ..jobs.scripts import ScriptPlayer
+from ..jobs.threads import LandscapeWorker, ScriptPlayer
 
 # What gives way when there is too much to do: the plots first, then the panels; poses keep their pace.
 
@@ -18,8 +17,6 @@ AIM = 0.98  # of a tick that may be spent on all pages together, and on sending 
 GAIN = 0.04  # a tick: from nothing given way to everything in some seconds
 SLOWEST = 5.0  # times the usual period
 STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together
-SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
-AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
 
 
 class LoadShedding:
@@ -49,30 +46,6 @@ class LoadShedding:
         share = min(busy_s / self._tick_s, 2.0)
         self.strain = float(np.clip(self.strain + GAIN * (share - AIM), 0.0, 2.0))
         self._ran, self._running = self._running, 0
-
-
-class TimeBudget:
-    """How much of the time one page's visitor may have carried out, so that the others' pages keep their pace. What one
-    command takes beyond it is made up for by those after it, which wait."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
-        self._clock = clock
-        self._left, self._last = AT_ONCE, clock()
-
-    @property
-    def left(self) -> bool:
-        now = self._clock()
-        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
-        self._last = now
-        return self._left > 0
-
-    def spend(self, work: Callable[[], None]) -> None:
-        """Do it, and count how long it takes."""
-        began = self._clock()
-        try:
-            work()
-        finally:
-            self._left -= self._clock() - began
 
 
 @dataclass(frozen=True, eq=False)

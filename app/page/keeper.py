@@ -6,12 +6,12 @@ from weakref import WeakKeyDictionary
 
 import msgspec
 
+from ..model.choices import SWITCHES
+from ..model.editing import Left
 from ..model.keeping import saved_page
 from ..model.page_model import PageModel
-from ..model.past import Left
-from ..model.view import SWITCHES
 from ..sessions.link import MAX_TEXT, Branch, SavedPage, described, encode_blocks
-from .redraw import Redraw
+from .scheduler import Redraw
 
 SEND_EVERY = 1.0  # s, on average
 AT_ONCE = 4  # parts after a pause, so that who clicks and reloads has lost nothing

@@ -7,20 +7,15 @@ from collections.abc import Callable
 
 from ..model.page_model import PageModel
 from .actions import actions
-from .arms import demonstrator, learner
-from .display import display, enlarge, views
+from .display import display, enlarge, points, views
 from .duel import duel
-from .experiments import experiments
-from .guide import glossary, lessons
-from .help import keys
+from .experiments import experiments, motions
+from .guide import glossary, keys, lessons
 from .images import conflict, images
 from .landscape import landscape, law
-from .method import disturbances, method
-from .motions import motions
+from .left import demonstrator, disturbances, history, learner, method, playback
 from .panel import Layout
-from .playback import history, playback
 from .plots import curves, equations
-from .points import points
 from .share import save, share
 from .status import status
 

@@ -103,7 +103,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = "flat large large-figures large-l large-r large-L large-R";
+const ALONE = "flat basin large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",

@@ -18,7 +18,7 @@ from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.jobs import experiment_child
 from viewimit.app.page.page import KEPT_EVERY
-from viewimit.app.panels.guide.help import help_html
+from viewimit.app.panels.help import help_html
 from viewimit.app.sessions.autosave import Autosave
 from viewimit.app.sessions.codec import decode, encode
 from viewimit.app.sessions.sqlite_store import SqliteStore

@@ -7,7 +7,7 @@ from viewimit.loop.session import Session
 from ..jobs.scripts import ScriptPlayer
 from ..sessions.link import Linked
 from .player import DENSE
-from .queue import CommandQueue, MovingArrival
+from .queue import CommandQueue, DemonstratorJobResult
 
 
 class Following:
@@ -39,7 +39,7 @@ class Following:
     def begin(self, linked: Linked) -> None:
         """Follow a link, in place of the one that is followed now."""
         self._linked = linked
-        done = self._queue.taker("link", lambda made: self._take(linked, made), MovingArrival)
+        done = self._queue.result_callback("link", lambda made: self._take(linked, made), DemonstratorJobResult)
         settings = linked.script.settings
         self._scripts.play(self._page_id, linked.script, lambda: Session(settings, dense=DENSE), done)
 

@@ -1,10 +1,12 @@
 """A page as it is kept, and how another one goes on from that."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 from ..sessions.saved import SavedPage, SavedSession
 from .page_model import PageModel
-from .state import SWITCHES, switched
+from .queue import Queued
+from .view import SWITCHES, switched
 
 
 def memory_of(model: PageModel) -> SavedSession:
@@ -54,3 +56,17 @@ def _show_as(model: PageModel, head: SavedPage) -> None:
     model.player.speed = head.speed
     model.view = replace(switched(model.view, head.show), dark=head.dark)
     model.tour_offered = head.offered
+
+
+@dataclass(frozen=True, eq=False)
+class Resume(Queued):
+    """A kept session with camera images goes on: its first look takes them."""
+
+    memory: SavedSession
+    moves: ClassVar[bool] = True
+
+    def needs_camera(self, model: Any) -> bool:
+        return True
+
+    def apply(self, model: Any, now: float) -> None:
+        go_on(model, self.memory)

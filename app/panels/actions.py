@@ -4,16 +4,14 @@ It puts numbered actions into a text widget that nobody sees, and sends them aga
 number. So each is taken once, and in order, whatever becomes of the connection.
 """
 
-from collections.abc import Callable, Mapping
 from typing import Annotated
 
 import msgspec
 
-from ..commands.display import TOUCHES
-from ..model.queue import Command, CommandQueue
-from ..model.state import PageState
+from ..model.page_model import PageModel
+from ..model.queue import CommandQueue, Rejected
 from ..viser_private import push_input
-from .panel import Layout, Panel
+from .panel import Layout
 
 LABEL = "vi-actions"  # of the widget
 MAX_CHARS = 16_000  # of what it is sent
@@ -45,12 +43,10 @@ class Actions:
     ----------
     queue
         The page's.
-    parsers
-        By control: what a value of it asks for, or ValueError.
     """
 
-    def __init__(self, queue: CommandQueue, parsers: Mapping[str, Callable[[str], Command]]):
-        self._queue, self._parsers = queue, parsers
+    def __init__(self, queue: CommandQueue):
+        self._queue = queue
         self._load = ""
         self.last = 0  # number that was taken
 
@@ -62,31 +58,23 @@ class Actions:
         for number, control, value in message.acts:
             if number > self.last:
                 self.last = number
-                self._queue.put_value(self._parser(control), value, ("action", control))
+                self._call(control, value)
 
-    def _parser(self, control: str) -> Callable[[str], Command]:
-        def unknown(value: str) -> Command:
-            raise ValueError(f"this page has no {control!r}: reload it")
-
-        return self._parsers.get(control, unknown)
-
-
-# The text widget, seen by nobody, through which the page's script sends what is clicked in drawings.
+    def _call(self, control: str, value: str) -> None:
+        command = self._queue.commands.get(control)
+        if command is None or not command.link:
+            self._queue.put(Rejected(f"this page has no {control!r}: reload it", ("action", control)))
+        else:
+            self._queue.call(control, *(value for _ in command.parsers), sender=("action", control))
 
 
-class ActionsPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        self.actions = Actions(layout.queue, TOUCHES)
-        box = layout.gui.add_text(LABEL, "", visible=False)
+def actions(layout: Layout, model: PageModel) -> None:
+    """The text widget, seen by nobody, through which the page's script sends what is clicked in drawings."""
+    taken = layout.named["actions"] = Actions(layout.queue)
+    box = layout.gui.add_text(LABEL, "", visible=False)
 
-        @box.on_update
-        async def _(event) -> None:
-            if event.client_id is not None:  # None: the page itself wrote it
-                self.actions.take(event.target.value)
-                push_input(box, str(self.actions.last))
-
-    def depends_on(self, state: PageState) -> tuple:
-        return ()
-
-    def show(self, state: PageState) -> None:
-        """It shows nothing."""
+    @box.on_update
+    async def _(event) -> None:
+        if event.client_id is not None:  # None: the page itself wrote it
+            taken.take(event.target.value)
+            push_input(box, str(taken.last))

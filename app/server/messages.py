@@ -25,7 +25,8 @@ from viser import (
 )
 
 from .. import viser_private
-from ..panels import actions
+from ..panels.actions import LABEL as ACTIONS_LABEL
+from ..panels.actions import read_message
 
 MOST_BUT_PARTS = 1 << 14  # bytes of a message that is no part of a file: to read it takes 1.2 ms at most
 Real = Annotated[float, Meta(ge=-1e5, le=1e5)]
@@ -307,9 +308,9 @@ def _check_switch(widget, value) -> None:
 
 
 def _check_text(widget, value) -> None:
-    if getattr(widget, "label", None) == actions.LABEL and isinstance(value, str):
+    if getattr(widget, "label", None) == ACTIONS_LABEL and isinstance(value, str):
         try:
-            actions.read_message(value)
+            read_message(value)
         except ValueError as error:
             raise Refused(f"actions that make no sense: {str(error)[:80]}") from None
     elif not isinstance(value, str) or len(value) > MOST_TEXT:

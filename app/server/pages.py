@@ -27,7 +27,7 @@ from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, CannotResume, Page
 from ..page.scheduler import Scheduler
-from ..panels.panel import Reach
+from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..sessions.autosave import Autosave
@@ -163,13 +163,13 @@ class App:
         key = place.key
         keep = (lambda memory: self._autosave.keep(key, memory)) if key else (lambda memory: place.problem)
         origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(origin, origin_for_others(self._host, origin), self._lessons)
+        info = ClientInfo(origin, origin_for_others(self._host, origin), self._lessons)
         try:
-            page = Page(client, self.services, self._settings, keep, place.memory, reach)
+            page = Page(client, self.services, self._settings, keep, place.memory, info)
         except CannotResume as error:
             if key is not None:
                 self._autosave.set_aside(key, str(error))
-            page = Page(client, self.services, self._settings, keep, None, reach)
+            page = Page(client, self.services, self._settings, keep, None, info)
         if key is not None and (why := self._autosave.lost(key)) is not None:
             page.say(why)
         return page

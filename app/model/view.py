@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-CLIENT_REPORTED = ("wide", "vast", "prefers_dark", "truth", "unseen")  # fields that the browser reports
+CLIENT_REPORTED = ("prefers_dark", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # in place of all tabs' names
 SWITCHES = (
     "goal",
@@ -35,8 +35,6 @@ class View:
     prefers_dark: bool = False  # the browser's preference
     help: bool = False  # whether the help is open
     fits: int = 0  # how often the visitor has asked for the default camera
-    wide: bool = False  # whether the window has room for more, as the browser says
-    vast: bool = False  # or for much more
     look_only: bool = False  # a posture that is clicked is previewed, and nothing moves
     share: bool = False  # whether the card with link and code is open
     large: str | None = None  # of LARGE: what fills the window beside the controls

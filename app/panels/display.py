@@ -1,5 +1,5 @@
-"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera; and how
-much room the browser's window has."""
+"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera; and
+what a small window shows of it."""
 
 import html
 
@@ -14,7 +14,6 @@ from ..model.view import LARGE
 from .panel import Layout, put, put_disabled, put_html, put_visible
 
 SWITCHES = (
-    ("Goal in L and R", "goal"),
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
@@ -35,7 +34,7 @@ VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "
 
 def display(layout: Layout, model: PageModel) -> None:
     gui, queue = layout.gui, layout.queue
-    with gui.add_folder("Display", expand_by_default=False):
+    with layout.folder("Display"):
         chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
         points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
         rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matches ask for it")
@@ -89,17 +88,9 @@ def why_no_pictures(scene: Scene) -> str | None:
 
 def views(layout: Layout, model: PageModel) -> None:
     """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
-    server. And the widths of the panels, by the room that a window has."""
+    server."""
     tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
     layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
-    widened = [0]
-
-    def widen(room: int) -> None:
-        if room != widened[0]:
-            widened[0] = room
-            layout.widen(room)
-
-    layout.bind(lambda model: 2 if model.view.vast else int(model.view.wide), widen)
 
 
 def _tab(name: str, label: str, checked: bool) -> str:

@@ -18,11 +18,13 @@ from .panel import SLOWEST, Layout, put_html
 
 TOUR = "tour"
 REWRITTEN_EVERY = 2.0  # s
+LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """Links to all lessons, each with the way back to what the page shows now."""
-    listed, offered = layout.gui.add_html(""), not model.tour_offered
+    """The page's name with Tour, Share and Help; last in its column links to all lessons, each with the way back to
+    what the page shows now."""
+    head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not model.tour_offered
 
     def key(model: PageModel) -> tuple:
         return model.tour_offered, model.snapshot, model.view, model.player.speed, model.preset.name
@@ -30,6 +32,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
     def draw(model: PageModel) -> None:
         nonlocal offered
         offered = model.tour_offered
+        put_html(head, draw_head(model, layout.info.lessons))
         put_html(listed, offers(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
@@ -49,6 +52,17 @@ def glossary(layout: Layout, model: PageModel) -> None:
         lambda model: put_html(values, current_values(numbers_now(model), model.word.key)),
         period=SLOWEST,
     )
+
+
+def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
+    """The page's name and three buttons, at every size."""
+    first = next(iter(lessons), "")
+    tour = TOUR if first in ORDER else first
+    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', "Tour", "</a>")] if tour else []
+    shown = "".join(f'{start}<span class="vi-head-button">{words}</span>{end}' for start, words, end in buttons)
+    for what, words in (("share", "Share"), ("help", "Help")):
+        shown += button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
+    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
 
 
 def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:

@@ -13,7 +13,7 @@ from .panel import Layout, put
 
 def method(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Method"):
+    with layout.folder("Method", _method):
         gui.add_html(beside("transfer"))
         transfers, servos = list(transfer_names().values()), list(servo_names().values())
         layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
@@ -35,7 +35,7 @@ def method(layout: Layout, model: PageModel) -> None:
 
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Disturbances"):
+    with layout.folder("Disturbances", _disturbances):
         for amount in OF_IMAGES:
             _add_amount(layout, amount, model)
         with gui.add_folder("Arm and chance", expand_by_default=False):
@@ -43,6 +43,18 @@ def disturbances(layout: Layout, model: PageModel) -> None:
                 _add_amount(layout, amount, model)
             seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
+
+
+def _method(model: PageModel) -> str:
+    """Transfer and servo, by the first words of their titles."""
+    transfer, servo = TRANSFERS[model.settings.transfer].title, SERVOS[model.settings.servo].title
+    return f"{transfer.split()[0].lower()}, {servo.split(' on ')[0].split(' (')[0]}"
+
+
+def _disturbances(model: PageModel) -> str:
+    """The first two, by their names."""
+    there = [amount.label for amount in (*OF_IMAGES, *OF_ARMS) if amount.shown(model.settings) > amount.low]
+    return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
 def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:

@@ -24,20 +24,27 @@ LAST = 1e9  # in the order of a column
 def lessons(layout: Layout, model: PageModel) -> None:
     """The page's name with Tour, Share and Help; last in its column links to all lessons, each with the way back to
     what the page shows now."""
-    head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not model.tour_offered
+    head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
 
     def key(model: PageModel) -> tuple:
-        return model.tour_offered, model.snapshot, model.view, model.player.speed, model.preset.name
+        return (
+            model.tour_offered,
+            model.player.last > 0,
+            model.snapshot,
+            model.view,
+            model.player.speed,
+            model.preset.name,
+        )
 
     def draw(model: PageModel) -> None:
         nonlocal offered
-        offered = model.tour_offered
+        offered = _offered(model)
         put_html(head, draw_head(model, layout.info.lessons))
         put_html(listed, offers(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
         """The way back is written anew now and then, as that takes time; the offer goes at once."""
-        return REWRITTEN_EVERY if model.tour_offered == offered else 0.0
+        return REWRITTEN_EVERY if _offered(model) == offered else 0.0
 
     layout.drawing(key, draw, period)
 
@@ -52,6 +59,11 @@ def glossary(layout: Layout, model: PageModel) -> None:
         lambda model: put_html(values, current_values(numbers_now(model), model.word.key)),
         period=SLOWEST,
     )
+
+
+def _offered(model: PageModel) -> bool:
+    """Whether the tour is: not to a visitor who has begun."""
+    return model.tour_offered and model.player.last == 0
 
 
 def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
@@ -73,7 +85,7 @@ def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
         for name, lesson in lessons.items()
     )
     listed = f'<div class="vi-lessons">Lessons: {links}</div>'
-    if not model.tour_offered or not lessons:
+    if not _offered(model) or not lessons:
         return listed
     first = next(iter(lessons))
     name = TOUR if first in ORDER else first  # a lecturer's own come first

@@ -6,7 +6,16 @@ from viewimit.loop.settings import MAX_SEED
 from viewimit.servo import SERVOS
 
 from ..drawing.glossary import beside
-from ..model.choices import OF_ARMS, OF_IMAGES, Amount, chosen_joints, joint_choices, servo_names, transfer_names
+from ..model.choices import (
+    FRAMES,
+    OF_ARMS,
+    OF_IMAGES,
+    Amount,
+    chosen_joints,
+    joint_choices,
+    servo_names,
+    transfer_names,
+)
 from ..model.page_model import PageModel
 from .panel import Layout, put
 
@@ -53,7 +62,8 @@ def _method(model: PageModel) -> str:
 
 def _disturbances(model: PageModel) -> str:
     """The first two, by their names."""
-    there = [amount.label for amount in (*OF_IMAGES, *OF_ARMS) if amount.shown(model.settings) > amount.low]
+    amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
+    there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
     return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 

@@ -15,7 +15,7 @@ except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
 
 HERE = Path(__file__).parent
-NEEDLESS = {"viser", "pybullet", "opencv-python-headless", "websockets", "segno"}  # of the page, and of camera images
+NEEDLESS = {"viser", "websockets", "segno"}  # of the page
 
 
 def get_requires_for_build_wheel(config_settings=None):

@@ -33,7 +33,7 @@ class TimedPage(Page):
 
     def __init__(self, page_id: int, services: Services, settings: Settings):
         self.ticks: list[float] = []
-        super().__init__(quiet_client(page_id), services, settings, lambda memory: None)
+        super().__init__(quiet_client(page_id), services, settings)
 
     def tick(self, now: float) -> None:
         began = time.perf_counter()

@@ -28,8 +28,8 @@ def serve(
 ) -> None:
     """Serve the page until SIGINT, SIGTERM, or SIGHUP, as of a terminal that is closed. port 0 takes a free one.
 
-    Raises ValueError for settings that cannot be, PortInUse for a port that is taken, OSError for a store that cannot
-    be used, RuntimeError if the processes of the server do not begin.
+    Raises ValueError for settings that cannot be, PortInUse for a port that is taken, RuntimeError if the
+    processes of the server do not begin.
     """
     options = replace(options or ServerOptions(), host=host)
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
@@ -72,7 +72,7 @@ def _signals() -> list[signal.Signals]:
 
 
 def _end() -> None:
-    log.warning("the server does not end by itself; what visitors did last may be lost")
+    log.warning("the server does not end by itself, and is ended")
     os._exit(1)
 
 

@@ -11,7 +11,6 @@ farther out, where fewer are seen. Balls change places within their part, one by
 """
 
 import argparse
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -26,7 +25,6 @@ from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS
-from ..simulation.physics import write_urdf
 from ..simulation.rendering import Studio
 from ..simulation.robot import BodyPoints, Markers
 from ..simulation.scene import load_scene
@@ -88,9 +86,8 @@ def _study(name: str) -> Study:
     at = np.array([np.ravel_multi_index(place, GRID) for place in product(*spread)])
     near_deg = AROUND_DEG * np.array(list(product((-1, 0, 1), repeat=len(GRID))))
     around = np.clip(grid[at][:, None] + np.radians(near_deg), scene.lower, scene.upper).reshape(-1, len(GRID))
-    with tempfile.TemporaryDirectory() as folder:
-        studio = Studio(scene, write_urdf(scene, Markers(RADIUS_M, ()), Path(folder)))
     world = World(scene, body=body)
+    studio = Studio(world, Markers(RADIUS_M, ()))
     demo = sightings(studio, world, RADIUS_M, grid[at], True)
     own, close = (sightings(studio, world, RADIUS_M, postures, False) for postures in (grid, around))
     return Study(body, demo, own, close, at, near_deg)

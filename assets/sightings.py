@@ -37,10 +37,10 @@ def sightings(studio: Studio, world: World, radius_m: float, postures: NDArray[n
     scene_rest = world.scene.lower
     found = []
     for theta in postures:
-        studio.pose(*((theta, scene_rest) if demo else (scene_rest, theta)))
+        both = (theta, scene_rest) if demo else (scene_rest, theta)
         points = world.points_world(theta, world.T_world_demo if demo else world.T_world_own)
         cameras = world.demo_cameras if demo else world.own_cameras
-        found.append([_sight(studio.depth_m(camera), camera, points, radius_m) for camera in cameras])
+        found.append([_sight(studio.depth_m(camera, *both), camera, points, radius_m) for camera in cameras])
     image, depth, radius, clear = (np.array([[side[k] for side in pair] for pair in found]) for k in range(4))
     image = np.moveaxis(image, 1, -2).reshape(len(postures), -1, 4)
     return Sightings(image, *(np.moveaxis(each, 1, -1) for each in (depth, radius, clear)))

@@ -12,7 +12,8 @@ from pathlib import Path
 import tomllib
 
 HERE = Path(__file__).parent
-LOCKS = {"requirements.lock": ("redis",), "requirements-test.lock": ("redis", "docs", "test")}  # with these extras
+# with these extras
+LOCKS: dict[str, tuple[str, ...]] = {"requirements.lock": (), "requirements-test.lock": ("docs", "test")}
 HEADING = "# Made by deploy/lock.py for CPython 3.11 on Linux x86-64: pip install --require-hashes -r deploy/{name}\n"
 
 

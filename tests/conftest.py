@@ -6,8 +6,6 @@ With VIEWIMIT_REQUIRE_BROWSER=1 a browser test that is skipped, or a run without
 import asyncio
 import json
 import os
-import shutil
-import subprocess
 import sys
 import threading
 
@@ -19,7 +17,6 @@ import browser as chromium
 import hypothesis
 import pytest
 from serving import Server
-from waiting import wait_until
 
 from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads
@@ -103,21 +100,6 @@ def server():
     assert served.stop() == 0
 
 
-@pytest.fixture(scope="module")
-def redis_url(tmp_path_factory):
-    """A Redis of one's own, without a port. Skips without redis-server or the package."""
-    program = shutil.which("redis-server") or pytest.skip("no redis-server")
-    pytest.importorskip("redis")
-    socket = tmp_path_factory.mktemp("redis") / "redis.sock"
-    command = [program, "--port", "0", "--unixsocket", str(socket), "--save", "", "--appendonly", "no"]
-    process = subprocess.Popen([*command, "--dir", str(socket.parent)], stdout=subprocess.DEVNULL)
-    wait_until(lambda: socket.exists() or process.poll() is not None)
-    assert process.poll() is None, "redis-server did not start"
-    yield f"unix://{socket}"
-    process.terminate()
-    process.wait(10)
-
-
 def pytest_collection_modifyitems(items):
     """Files with browser's tests first, and after every second of them one that mostly waits for servers, so that the
     processor is seldom waited for by all or by none; then the longest of those that would come last: none of them
@@ -171,3 +153,17 @@ def pytest_terminal_summary(terminalreporter):
         terminalreporter.write_line(f"{len(passed_in_browser)} browser tests passed")
         if not passed_in_browser:
             terminalreporter.write_line("VIEWIMIT_REQUIRE_BROWSER=1, but no browser test ran", red=True)
+
+
+@pytest.fixture(params=["Firefox", "Chromium"])
+def window(request):
+    """A window of 1440x900 px, once in each browser, in which nothing may go wrong."""
+    import windows
+
+    if request.param == "Firefox" and windows.find_firefox() is None:
+        pytest.skip("no Firefox, or no screen and no Xvfb")
+    window = windows.Firefox() if request.param == "Firefox" else windows.Chromium(request.getfixturevalue("browser"))
+    yield window
+    problems = window.problems
+    window.close()
+    assert problems == []

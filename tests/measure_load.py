@@ -19,7 +19,7 @@ import browser as chromium
 import numpy as np
 from drawn import IMAGE_PLANE, LEARNERS_PATH, STATUS, css
 from protocol import Client
-from serving import Server, browser_of
+from serving import Server
 
 WARM_UP_S = 15.0
 CLOSED = "Curves,Equations,Duel,Experiments,Motions"  # as a page begins; "none" draws all
@@ -39,7 +39,7 @@ class Counting(Client):
         self.counts = dict.fromkeys(TARGETS, 0)
         self.posed_at: list[float] = []  # s, when frames with poses arrived
         self._counting = False
-        super().__init__(url, cookie=browser_of(url))
+        super().__init__(url)
         self.ready(120)
         self.act("unseen", closed)
         self._counting = True

@@ -162,11 +162,11 @@ class Camera:
 class Visit:
     """A page without a browser, ticked by hand in a clock of its own."""
 
-    def __init__(self, camera, resumed=None, settings=None):
-        self.kept, self.now = [], 100.0
+    def __init__(self, camera, settings=None):
+        self.now = 100.0
         workers, clock = (LandscapeWorker(), ExperimentWorker(), camera), lambda: self.now
         services = Services(*workers, LoadShedding(TICK), lambda robot, arm: None, clock=clock)
-        self.page = Page(quiet_client(id(self)), services, settings or Settings(), self.kept.append, resumed)
+        self.page = Page(quiet_client(id(self)), services, settings or Settings())
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")
         )

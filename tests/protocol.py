@@ -1,5 +1,6 @@
 """A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
 
+import re
 import threading
 import time
 from base64 import b64encode
@@ -29,10 +30,34 @@ VIEW = {
 }
 
 
+class Tab:
+    """What a browser's tab keeps of the parts that it is sent."""
+
+    def __init__(self):
+        self.blocks, self.number, self.acted, self.last = [], 0, 0, ""
+
+    @property
+    def text(self):
+        return ".".join(self.blocks)
+
+    def take(self, part) -> bool:
+        """Whether no part is missing before it."""
+        if part == self.last:
+            return True
+        self.last = part
+        part = msgspec.json.decode(part)
+        if part["at"] != 0 and part["number"] != self.number + 1:
+            return False  # of two that wait to be sent the newer one is
+        self.number, self.acted = part["number"], part["acted"]
+        if part["at"] >= 0:
+            self.blocks = self.blocks[: part["at"]] + part["blocks"]
+        return True
+
+
 class Client:
     """One tab. widgets: uuid by label; values: by uuid; html: by uuid; received: (time, message type) of everything.
 
-    cookie: Name=value of a browser that has been here before; login: user:password, for a proxy.
+    tab: what a browser's tab has kept, with which it comes again; login: user:password, for a proxy.
     The handshake raises websockets.InvalidStatus.
     """
 
@@ -40,14 +65,13 @@ class Client:
         self,
         url: str,
         origin: str | None = None,
-        cookie: str | None = None,
+        tab: Tab | None = None,
         view: bool = True,
         login: str | None = None,
         ssl: SSLContext | None = None,
     ):
-        headers = {"Cookie": cookie} if cookie else {}
-        if login:
-            headers["Authorization"] = f"Basic {b64encode(login.encode()).decode()}"
+        headers = {"Authorization": f"Basic {b64encode(login.encode()).decode()}"} if login else {}
+        self.tab = tab or Tab()
         self.socket = connect(
             url.replace("http", "ws", 1),
             subprotocols=[f"viser-v{viser.__version__}"],
@@ -85,6 +109,12 @@ class Client:
         self.acted += 1
         acts = [[self.acted, control, str(value)]]
         self.put("vi-actions", msgspec.json.encode({"load": str(id(self)), "acts": acts}).decode())
+
+    def keep(self, seconds: float = 5.0) -> Tab:
+        """The tab, once it has been sent all that was done before."""
+        self.act("unseen", "none")
+        wait_until(lambda: self.tab.acted >= self.acted, seconds)
+        return self.tab
 
     def press(self, command: str) -> None:
         self.send({"type": "CommandTriggerMessage", "uuid": self.commands[command]})
@@ -137,6 +167,9 @@ class Client:
         if kind == "GuiUpdateMessage":
             if "value" in message["updates"]:
                 self.values[uuid] = message["updates"]["value"]
+                if uuid == self.widgets.get("vi-session"):
+                    if not self.tab.take(self.values[uuid]):
+                        self.act("resend", 0)  # as the page's script does
             if "content" in message["updates"]:
                 self.html[uuid] = message["updates"]["content"]
         elif kind == "GuiRemoveMessage":
@@ -148,5 +181,11 @@ class Client:
         elif kind.startswith("Gui") and "label" in props:
             self.widgets[label(props["label"])] = uuid
             self.values[uuid] = message.get("value")
+            if props["label"] == "vi-actions":
+                self.tab.number = 0
+                pieces = re.findall(".{1,5000}", self.tab.text) or [""]
+                for piece in pieces[:-1]:
+                    self.act("piece", piece)
+                self.act("session", pieces[-1])
         elif "name" in message and message["name"].startswith("/"):
             self.nodes.add(message["name"])

@@ -1,11 +1,13 @@
 """A page without a browser: its widgets keep what is written into them, and a test changes them as a person would."""
 
 import contextlib
+import re
 import time
 from types import SimpleNamespace
 
 import drawn
 import msgspec
+from protocol import Tab
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
@@ -13,6 +15,7 @@ from viewimit.app.model.services import LoadShedding, Services
 from viewimit.app.page.page import Page
 from viewimit.app.page.redraw import draw_all
 from viewimit.app.page.scheduler import TICK
+from viewimit.app.panels.actions import KEPT_LABEL
 from viewimit.app.panels.panel import ClientInfo
 from viewimit.app.quiet_client import QuietClient, QuietHandle
 from waiting import wait_until
@@ -73,13 +76,11 @@ class QuietPage:
     def __init__(
         self,
         settings=None,
-        keep=lambda memory: None,
-        resumed=None,
         landscapes=None,
         shared=None,
         scripts=None,
     ):
-        self.client, self.now, self.acted = QuietClient(id(self)), 100.0, 0
+        self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
@@ -87,7 +88,7 @@ class QuietPage:
         how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
         services = Services(*workers, shedding, lambda robot, arm: None, **how)
         info = ClientInfo(public_url=shared)
-        self.page = Page(self.client, services, settings or Settings.paper(), keep, resumed, info)
+        self.page = Page(self.client, services, settings or Settings.paper(), info)
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if drawn.label(widget.label) == label)
@@ -110,6 +111,22 @@ class QuietPage:
         message = {"load": "", "acts": [[self.acted, control, value]]}
         self.page.layout.named["actions"].take(msgspec.json.encode(message).decode())
 
+    def restore(self, text=""):
+        """What the tab of an earlier page has kept; "" for a new tab."""
+        pieces = re.findall(".{1,5000}", text) or [""]
+        for piece in pieces[:-1]:
+            self.act("piece", piece)
+        self.act("session", pieces[-1])
+        self.tick()
+        self.tick_until(lambda: not self.page.model.following.goes_on)
+        self.settle()
+
+    @property
+    def kept(self):
+        """What the page's tab has been sent to keep."""
+        self.tick(2.0)
+        return self._tab.text
+
     def click(self, label):
         self._tell(self.widget(label))
         self.tick()
@@ -122,6 +139,7 @@ class QuietPage:
         """One tick, after that time."""
         self.now += seconds
         self.page.tick(self.now)
+        self._tab.take(self.widget(KEPT_LABEL).value)
         draw_all(self.page.drawings())
 
     def tick_until(self, condition, patience=60.0, seconds=0.5):

@@ -6,17 +6,14 @@ import os
 import re
 import signal
 import socket
-import sqlite3
 import subprocess
 import sys
-import tempfile
 import threading
 import urllib.request
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
-import msgspec
 import viser
 from viewimit.app import viser_private
 from viewimit.app.page.scheduler import Scheduler
@@ -24,8 +21,6 @@ from viewimit.app.server.access import AccessControl
 from viewimit.app.server.limits import Limits, ServerOptions
 from viewimit.app.server.pages import App
 from viewimit.app.server.seats import ProcessRow, Seats
-from viewimit.app.sessions.autosave import HEAD, Autosave, SavedPage
-from viewimit.app.sessions.sqlite_store import SqliteStore
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -33,7 +28,6 @@ from viewimit.loop.session import Session
 STARTS_WITHIN_S = 90  # on a busy machine
 ENDS_WITHIN_S = 10
 PATIENT = Limits()
-kept_sessions = tempfile.TemporaryDirectory(prefix="viewimit-tests-")  # not the user's own
 
 
 class Server:
@@ -41,8 +35,7 @@ class Server:
 
     def __init__(self, *options: str):
         isolated = [sys.executable, "-I"]  # what is installed, not the folder that happens to be the current one
-        kept = [] if "--store" in options else ["--store", tempfile.mkdtemp(dir=kept_sessions.name)]
-        command = [*isolated, "-m", "viewimit.commands.cli", "serve", "--port", "0", *kept, *options]
+        command = [*isolated, "-m", "viewimit.commands.cli", "serve", "--port", "0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.lines: list[str] = []
         self._news, self._ended = threading.Condition(), False
@@ -139,13 +132,13 @@ class Attended(Scheduler):
 class Here:
     """The server in this process, so that a test can break it."""
 
-    def __init__(self, folder: Path, limits: Limits = PATIENT):
+    def __init__(self, limits: Limits = PATIENT):
         self.all_seats = Seats()
         self._scheduler = Attended(self.all_seats.rows[0])
         self.access = AccessControl(limits, (), self.all_seats)
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        self.app = App(self.viser, ServerOptions(), self._scheduler, Autosave(SqliteStore(folder)), {})
+        self.app = App(self.viser, ServerOptions(), self._scheduler, {})
         self.access.guard(self.viser)
         self.url = f"http://127.0.0.1:{self.viser.get_port()}"
 
@@ -193,28 +186,6 @@ class Relay:
     def close(self) -> None:
         for each in [self._listener, *self._sockets]:
             each.close()
-
-
-def browser_of(url: str) -> str:
-    """The cookie of a browser that has opened the page."""
-    with urllib.request.urlopen(url) as page:
-        return page.headers["Set-Cookie"].split(";")[0]
-
-
-def kept_of(store: str, cookie: str, tab: int = 0) -> SavedPage | None:
-    """What a server has written there, a folder or a Redis, of a tab of this browser; None before it has."""
-    key = f"{cookie.split('=')[1]}.{tab}"
-    if store.startswith("unix:"):
-        from redis import Redis
-
-        with Redis.from_url(store) as there:
-            head = there.hget(f"viewimit:{key}", f"part:{HEAD}")
-    else:
-        file = Path(store, "sessions.sqlite")
-        with contextlib.closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as there:
-            found = there.execute("SELECT data FROM part WHERE key = ? AND name = ?", (key, HEAD)).fetchone()
-            head = found and found[0]
-    return head and msgspec.msgpack.decode(head, type=SavedPage)
 
 
 def processes_of(pid: int) -> list[int]:

@@ -1,37 +1,21 @@
 """A transfer, a servo and an experiment from outside: all that is said of them is in this file, a line registers each,
 and page, autosave, duel, comparison, figures, benchmarks and commands have them."""
 
-import io
-import json
-import os
 import re
-import threading
-import zipfile
 from dataclasses import dataclass, replace
-from functools import partial
-from multiprocessing import Pipe
 
 import numpy as np
 import pytest
-from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EQUATION, EXPERIMENT, OPPONENTS_PATH, TITLE, used
+from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EXPERIMENT, OPPONENTS_PATH, TITLE, used
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.jobs import experiment_child
-from viewimit.app.page.page import KEPT_EVERY
 from viewimit.app.panels.help import help_html
-from viewimit.app.sessions.autosave import Autosave
-from viewimit.app.sessions.codec import decode, encode
-from viewimit.app.sessions.sqlite_store import SqliteStore
 
-from viewimit.analysis import landscape
-from viewimit.drawing import equations as drawing
 from viewimit.drawing import status
 from viewimit.estimation.equations import HOLE, Equation, number
 from viewimit.estimation.transfers import TRANSFERS, TransferMethod
 from viewimit.estimation.transfers.linear import AffineTransfer
 from viewimit.experiments import EXPERIMENTS, Experiment
-from viewimit.experiments.bench import speed
-from viewimit.experiments.paper import fig7, fig9
 from viewimit.experiments.paper.common import Claims
 from viewimit.geometry.affine import centred
 from viewimit.loop.session import Session
@@ -200,7 +184,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     page.click("Play")
     page.tick_until(lambda: "caution is satisfied" in page.shown)
     page.tick(1.0)
-    last = page.page.memory().history[-1]
+    last = page.page.model.session.history[-1]
     assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "settled")
     assert np.abs(last.theta - last.theta_demo).max() < np.radians(5)
     assert "caution is satisfied" in page.shown
@@ -240,128 +224,16 @@ def test_all_transfers_are_compared_in_as_many_rows_as_needed(page):
     assert all(float(top) < height for _, top in places)
 
 
-def test_what_is_kept_goes_on_as_if_nothing_had_been(tmp_path):
+def test_what_is_kept_goes_on_as_if_nothing_had_been():
     settings = outside(noise_px=0.2, missing=0.02)
-    autosave = Autosave(SqliteStore(tmp_path))
-    autosave.claim("key", settings)
-    page = QuietPage(settings, lambda memory: autosave.keep("key", memory))
+    page, again = QuietPage(settings), QuietPage(settings)
+    page.restore()
     for _ in range(8):
         page.choose("Motion", "Step")
-    page.tick(KEPT_EVERY)
-    autosave.flush("key")
-    assert autosave.problem("key") is None
-    autosave.stop()
-    other = Autosave(SqliteStore(tmp_path))
-    memory = other.claim("key", settings)
-    other.stop()
-    again = QuietPage(settings, resumed=memory)
+    again.restore(page.kept)
     for each in (page, again):
         for _ in range(4):
             each.choose("Motion", "Step")
-    kept, resumed = page.page.memory().history, again.page.memory().history
-    assert len(kept) > 8 and isinstance(resumed[3].servo_state, CautiousState) and resumed[3] is not kept[3]
-    assert_same(kept, resumed)
-
-
-def test_the_transfer_frozen_at_convergence_is_kept():
-    history = stepped(40).history
-    back = decode(encode(history))
-    assert isinstance(back[-1].converged_transfer.penalty, Penalty)
-    assert_same(tuple(back), tuple(history))
-
-
-@pytest.mark.parametrize("methods, name, without", [(TRANSFERS, "ridge", Penalty), (SERVOS, "cautious", BroydenState)])
-def test_what_is_not_said_to_be_stored_is_not(monkeypatch, methods, name, without):
-    history, method = stepped(3).history, methods[name]
-    stored = tuple(kind for kind in method.stored if kind is not without)
-    monkeypatch.setitem(methods, name, replace(method, stored=stored))
-    monkeypatch.setitem(SERVOS, "broyden", replace(SERVOS["broyden"], stored=()))
-    with pytest.raises(TypeError, match=f"cannot keep a {without.__name__}"):
-        encode([replace(moment, converged_transfer=fit_ridge(moment.views)) for moment in history])
-
-
-def test_two_stored_classes_of_one_name_are_refused(monkeypatch):
-    monkeypatch.setitem(TRANSFERS, "ridge", replace(RIDGE, stored=(*RIDGE.stored, type("Visit", (), {}))))
-    with pytest.raises(TypeError, match="two classes named Visit"):
-        encode(stepped(1).history)
-
-
-def test_imitate_and_landscape_take_them(ask_json, ask):
-    chosen = "--transfer", "ridge", "--start", "25,-45"
-    status, told = ask_json("imitate", *chosen, "--servo", "cautious", "--frames", "1")
-    session = stepped(40)
-    assert status == 1 and told["status"] == "settled" and told["E"] == pytest.approx(session.snapshot.E, rel=1e-6)
-    status, told = ask_json("landscape", "--transfer", "ridge", "--step-deg", "10")
-    assert status == 0 and told["transfer"] == "ridge"
-    epipolar = ask_json("landscape", "--transfer", "epipolar", "--step-deg", "10")[1]
-    assert told["E_at_demonstrator"] != epipolar["E_at_demonstrator"]
-    assert "ridge" in ask("imitate", "--help")[1] and "cautious" in ask("imitate", "--help")[1]
-
-
-def test_bench_times_them_and_counts_their_arrivals(ask, monkeypatch):
-    for name, value in {"LOOP_SHARE": 50, "ROUNDS": 1, "SLOW_ROUNDS": 1, "MOTIONS": 5, "SINGLE_CALLS": 5}.items():
-        monkeypatch.setattr(speed, name, value)
-    for module in (speed, landscape):
-        monkeypatch.setattr(module, "grid_axes", partial(landscape.grid_axes, step_deg=10.0))
-    status, out, _ = ask("bench", "speed")
-    assert status == 0 and "ridge" in out and "cautious" in out
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)  # in this process: another would not know what is registered here
-    status, out, _ = ask("bench", "success", "--runs", 2, "--max-motions", 40, "--transfer", "ridge")
-    assert status == 0 and all(re.search(rf"ridge +{servo}", out) for servo in SERVOS)
-
-
-@pytest.mark.parametrize("name", ["fig7", "fig9", "fig11"])
-def test_reproduce_runs_and_draws_them(ask_json, tmp_path, monkeypatch, name):
-    quick = {
-        "fig7": partial(fig7.run, step_deg=15.0, study=(1, 1)),
-        "fig9": partial(fig9.run, starts=(0, 0), max_motions=12),
-    }
-    if name in quick:
-        monkeypatch.setitem(EXPERIMENTS, name, replace(EXPERIMENTS[name], run=quick[name]))
-    asked = "--transfer", "ridge", "--servo", "cautious", "--motion", "circle", "--out", tmp_path
-    status, told = ask_json("reproduce", name, *asked)
-    files = told["figures"][name]["files"]
-    assert status == bool(told["missed"]) and str(tmp_path / f"{name}.json") in files
-    table = {"fig7": "ridge", "fig9": "cautious", "fig11": "E_px2"}[name]
-    assert any(table in path.read_text() for path in tmp_path.glob("*.csv"))
-
-
-def test_figures_give_them_styles_of_their_own():
-    found = fig7.run(outside(), step_deg=15.0, study=(1, 1))
-    html = EXPERIMENTS["fig7"].figure(found)
-    samples = re.findall(r'<g transform="translate\([\d.]+ 207\)"><path class="([^"]+)"', html)
-    assert len(samples) == len(set(samples)) == len(TRANSFERS) and ">ridge</text>" in html
-    assert ">Cautious</text>" in EXPERIMENTS["fig9"].figure(fig9.run(outside(), starts=(0, 0), max_motions=5))
-
-
-def test_the_page_offers_the_experiment_and_its_option(page):
-    assert not page.widget("Trajectory").visible
-    page.choose("Experiment", "Fig. 11: the start")
-    page.tick(1.0)
-    assert "E at the start?" in page.shown and page.widget("Trajectory").visible
-
-
-def test_its_own_process_runs_draws_and_packs_the_experiment(tmp_path, monkeypatch):
-    """In this process: a spawned one would not know what was registered here."""
-    monkeypatch.setattr(experiment_child, "stand_back", lambda niceness: None)
-    ours, theirs = Pipe()
-    ours.send(("fig11", outside(), {"motion": "circle"}))
-    child = threading.Thread(target=experiment_child.work, args=(theirs, str(tmp_path)))
-    child.start()
-    news = {}
-    while "files" not in news and "failed" not in news:
-        kind, *content = ours.recv()
-        news[kind] = content
-    child.join()
-    E = Session(outside()).snapshot.E
-    assert news["found"][0] == draw_start(None, Found(outside(), "circle", E)) == news["figure"][0]
-    (claim,) = news["found"][1]
-    assert claim.here == f"{E:.3f} px²"
-    with zipfile.ZipFile(io.BytesIO(news["files"][0])) as archive:
-        assert json.loads(archive.read("fig11.json"))["settings"]["transfer"] == "ridge"
-
-
-def test_equations_of_outside_are_drawn_beside_the_papers():
-    html = drawing.draw_equations(stepped(2).snapshot)
-    heads = re.findall(rf'<div class="{EQUATION}"><b>([^<]*)</b>', html)
-    assert heads == ["(1)", "R", "(6)", "C"]
+    kept, restored = (tuple(each.page.model.session.history) for each in (page, again))
+    assert len(kept) > 8 and isinstance(restored[3].servo_state, CautiousState) and restored[3] is not kept[3]
+    assert_same(kept, restored)

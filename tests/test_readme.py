@@ -1,7 +1,6 @@
 """README and docs say what is: commands print what README shows, lines are those that run, links lead somewhere. The
 documentation's own examples are executed when it is built: tests/test_package.py."""
 
-import importlib.util
 import re
 import shlex
 import subprocess
@@ -44,15 +43,12 @@ SHORT = {  # what makes a program brief that measures; of the others --help is a
     "-m viewimit.app.benchmark": ("--runs", "1"),
     "-m viewimit.app.camera_benchmark": ("--seconds", "1"),
 }
-WITH_PICTURES = ("-m viewimit.app.camera_benchmark", "-m viewimit.assets.build_markers")
 DOCS = "".join(path.read_text("utf-8") for path in (ROOT / "docs").rglob("*") if path.suffix in (".md", ".toml"))
 PROGRAMS = sorted(set(re.findall(r"[`\"]python (-m viewimit[\w.]+|tests/\w+\.py)", README + DOCS)))
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_programs_that_are_named_run(program):
-    if program in WITH_PICTURES and not (importlib.util.find_spec("pybullet") and importlib.util.find_spec("cv2")):
-        pytest.skip("no pybullet or OpenCV")
     command = [sys.executable, *program.split(), *SHORT.get(program, ("--help",))]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr

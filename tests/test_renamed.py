@@ -8,7 +8,7 @@ import pytest
 import zstandard
 from viewimit.app.lab.lessons.format import settings_of
 from viewimit.app.lab.lessons.source import shipped
-from viewimit.app.sessions.link import read
+from viewimit.app.sessions.link import decode
 
 from viewimit import Session, Settings
 from viewimit.loop.self_calibration import SelfCalibration
@@ -27,7 +27,7 @@ def test_every_old_name_has_a_new_one_that_exists():
 def settings_in_a_link(**fields):
     script = {"settings": fields, "deeds": [["c", fields], ["b", fields]]}
     packed = zstandard.compress(msgspec.msgpack.encode({"script": script}))
-    found = read("1" + base64.urlsafe_b64encode(packed).decode().rstrip("="), Settings()).script
+    found = decode("1" + base64.urlsafe_b64encode(packed).decode().rstrip("="), Settings()).scripts[0]
     assert found.actions[1].settings == found.settings and found.actions[0].fields.keys() == set(new_fields(fields))
     return found.settings
 

@@ -24,6 +24,7 @@ def command(
     latest: bool = False,
     moves: bool = False,
     order_independent: bool = False,
+    cancels: bool = False,
     link: bool = False,
     camera: Callable[..., bool] | None = None,
 ) -> Callable[[Function], Function]:
@@ -49,6 +50,7 @@ def command(
             latest=latest,
             moves=moves,
             order_independent=order_independent,
+            cancels=cancels,
             link=link,
             camera=camera,
         )

@@ -14,7 +14,6 @@ from ..model.choices import SPEEDS, choice, modified, number, one_of, text
 from ..model.displayed import rehearsal_of
 from ..model.page_model import PageModel
 from ..model.presets import Preset
-from ..sessions.link import Linked, read
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
@@ -46,7 +45,7 @@ def _undo_needs_camera(model: PageModel) -> bool:
     return left is not None and left.sensor == "rendered" != model.session.settings.sensor
 
 
-@command("undo", moves=True, camera=_undo_needs_camera)
+@command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
 def undo(model: PageModel, *, now: float) -> None:
     """Go one motion back; where a reset, a preset or a start began, back to what was there before. A link that is
     being followed is abandoned instead."""
@@ -168,24 +167,3 @@ def _restore_needs_camera(model: PageModel) -> bool:
 def restore(model: PageModel) -> None:
     """Give back what was there before an entry of the glossary was shown."""
     model.view = model.word.give_back(model.view)
-
-
-def _link_needs_camera(model: PageModel, address: str) -> bool:
-    try:
-        return _linked(model, address).script.settings.sensor == "rendered"
-    except ValueError:
-        return False
-
-
-@command("link", latest=True, moves=True, link=True, camera=_link_needs_camera)
-def follow_link(model: PageModel, address: Annotated[str, text("link")]) -> None:
-    """Follow a link that somebody has sent, motion by motion, beside the page, as that may take seconds."""
-    linked = _linked(model, address)
-    if linked.script.settings.sensor == "rendered":  # by the page's own camera images
-        model.repeat(linked)
-    else:
-        model.following.begin(linked)
-
-
-def _linked(model: PageModel, address: str) -> Linked:
-    return read(address, model.begun)

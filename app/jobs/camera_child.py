@@ -15,7 +15,7 @@ from .child import stand_back
 
 NICENESS = 1  # drawing the pages goes first, experiments last
 QUALITY = 80  # of a JPEG: about 7 kB each
-MOST_SCENES = 4  # of 140 MB each
+MOST_SCENES = 4
 LOOKS = {"demo_images": "lr", "own_images": "LR"}
 
 

@@ -1,4 +1,4 @@
-"""Scripts are played beside the pages: in one thread of a process, some passes of each in turn, into new sessions.
+"""Scripts are played beside the pages: in one thread of a process, some passes of each in turn.
 
 Between two turns the thread rests as long as the turn took, which leaves the pages time.
 """
@@ -9,23 +9,19 @@ import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from viewimit.loop.script import Script
-from viewimit.loop.session import Session
-
 TURN_S = 0.02  # of one script, before the next has its turn
 MAX_CPU_S = 30.0  # of one script
 
 
 @dataclass(eq=False)
 class _Job:
-    passes: Iterator[Session]
-    done: Callable[[Session | Exception], None]
-    session: Session | None = None  # as far as it is
+    passes: Iterator[None]
+    done: Callable[[Exception | None], None]
     spent_s: float = 0.0
 
 
 class ScriptPlayer:
-    """`play` returns at once; done(session or ValueError) is called from the player's thread, once.
+    """`play` returns at once; done(error or None) is called from the player's thread, once.
 
     Parameters
     ----------
@@ -40,12 +36,10 @@ class ScriptPlayer:
         self._stopped = False
         threading.Thread(target=self._run, name="viewimit-scripts", daemon=True).start()
 
-    def play(
-        self, page_id: int, script: Script, session: Callable[[], Session], done: Callable[[Session | Exception], None]
-    ) -> None:
-        """Play a script into a new session, in place of what the page has asked for before."""
+    def play(self, page_id: int, passes: Iterator[None], done: Callable[[Exception | None], None]) -> None:
+        """Iterate over the passes of a script, in place of what the page has asked for before."""
         with self._changed:
-            self._jobs[page_id] = _Job(_played(script, session), done)
+            self._jobs[page_id] = _Job(passes, done)
             self._changed.notify()
 
     def cancel(self, page_id: int) -> bool:
@@ -74,35 +68,26 @@ class ScriptPlayer:
                 is_wanted = self._jobs.get(page_id) is job  # else cancelled, or another took its place
                 if is_wanted:
                     del self._jobs[page_id]
-                if is_wanted and made is None:
+                if is_wanted and made is False:
                     self._jobs[page_id] = job  # the last in turn
-            if is_wanted and made is not None:
-                job.done(made)
+            if is_wanted and made is not False:
+                job.done(None if made is True else made)
             time.sleep(time.monotonic() - began)
 
-    def _turn(self, job: _Job) -> Session | Exception | None:
-        """Play on for a turn. Return the session once it is whole, what has failed, or None while it goes on."""
+    def _turn(self, job: _Job) -> Exception | bool:
+        """Play on for a turn. Return whether it is whole, or what has failed."""
         began = self._clock()
         try:
-            for session in job.passes:
-                job.session = session
+            for _ in job.passes:
                 spent = self._clock() - began
                 if job.spent_s + spent > MAX_CPU_S:
                     return ValueError(f"it takes more than {MAX_CPU_S:g} s to compute")
                 if spent > TURN_S:
                     job.spent_s += spent
-                    return None
+                    return False
         except ValueError as error:
             return error
         except Exception as error:  # of one page, which says so; the others' scripts go on
             traceback.print_exc()
             return error
-        return job.session
-
-
-def _played(script: Script, make: Callable[[], Session]) -> Iterator[Session]:
-    """Yield the session after each pass."""
-    session = make()
-    yield session
-    for _ in session.passes(script):
-        yield session
+        return True

@@ -41,6 +41,13 @@ class Duel:
             self._eyes.close()
             del self._player.runners[1:]
 
+    def resume(self, other: Session) -> None:
+        """Begin where another session is, which is the opponent's."""
+        self.transfer, self.servo = other.settings.transfer, other.settings.servo
+        self.opponent = Session(other.settings, open_eyes=self._eyes, dense=DENSE)
+        self.opponent.resume(tuple(other.history), other.cursor, other.log)
+        self._player.runners.append(Runner(self.opponent))
+
     def begin_again(self) -> None:
         """Both back to the start, with the settings as they are now."""
         self._session.reset()

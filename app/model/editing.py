@@ -5,12 +5,11 @@ from collections.abc import Callable
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.loop.script import Script
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 
-from ..jobs.camera_images import CameraProcess
+from ..jobs.camera_images import Cameras
 from ..jobs.session_eyes import SessionEyes
 from .displayed import require_use
 from .duel import Duel
@@ -24,7 +23,7 @@ METHOD = {"transfer", "servo"}
 class UndoableSession:
     """settings: what it begins with; in_new_world(): the world has become another, or the session has begun anew."""
 
-    def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
+    def __init__(self, settings: Settings, camera: Cameras, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._in_new_world = in_new_world
         self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)
@@ -122,24 +121,6 @@ class UndoableSession:
         self.player.settle()
         if self.session.world is not world:
             self._in_new_world()
-
-    def repeat(self, script: Script) -> None:
-        """All that a script does, from its settings on; Undo brings back what was here. Raises ValueError, with all as
-        it is."""
-        self.player.pause()
-        before = tuple(self.session.history), self.session.cursor, self.session.log.copy()
-        try:
-            with self.past.kept(whole=True):
-                self.session.play(script)
-        except ValueError:
-            self.session.resume(*before)
-            raise
-
-    def become(self, other: Session) -> None:
-        """All that another session has done, in place of what is here, which Undo brings back."""
-        self.player.pause()
-        with self.past.kept(whole=True):
-            self.session.resume(tuple(other.history), other.cursor, other.log)
 
     def begin_anew(self) -> None:
         """The session has begun anew, in a world of its own."""

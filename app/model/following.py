@@ -1,58 +1,95 @@
-"""A link that is followed: its script is played beside the page, which then becomes what the link holds."""
+"""A link, or what a tab has kept: its scripts are played beside the page, which then becomes what they lead to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 from viewimit.loop.session import Session
 
-from ..jobs.scripts import ScriptPlayer
-from ..sessions.link import Linked
+from ..jobs.session_eyes import SessionEyes
+from ..sessions.link import Branch, SavedPage
 from .player import DENSE
-from .queue import CommandQueue, DemonstratorJobResult
+from .queue import CommandQueue, Queued
+from .services import Services
+
+
+@dataclass(eq=False)
+class Played:
+    """A saved page, and as much of it as is played.
+
+    is_own: it is what the page's own tab has kept; eyes: all its sessions look with; branches: the present one first,
+    then the newest that Undo goes back to, each with its sessions; error: why not all are.
+    """
+
+    page: SavedPage
+    is_own: bool
+    eyes: SessionEyes
+    branches: list[tuple[Branch, list[Session]]] = field(default_factory=list)
+    error: Exception | None = None
+
+    def passes(self) -> Iterator[None]:
+        """Play it, and yield after each pass of the loop."""
+        for branch in (self.page.present, *reversed(self.page.past)):
+            sessions: list[Session] = []
+            for run in branch.runs:
+                sessions.append(Session(run.script.settings, open_eyes=self.eyes, dense=DENSE))
+                yield from sessions[-1].passes(run.script)
+                sessions[-1].scrub(min(run.cursor, len(sessions[-1].history) - 1))
+            if sessions:
+                self.branches.append((branch, sessions))
 
 
 class Following:
-    """The link that a page follows, if any.
+    """The saved page that a page becomes, if any.
 
     Parameters
     ----------
     page_id
-        By which the scripts' player knows the page.
-    scripts
-        The player of all pages' scripts.
+        By which the scripts' players know the page.
+    services
+        With the players of all pages' scripts, and the camera images.
     queue
-        Of the page, into which the played session comes.
-    become
-        Make the page what a link holds, whose script led to a session.
+        Of the page, into which the played sessions come.
     """
 
-    def __init__(
-        self, page_id: int, scripts: ScriptPlayer, queue: CommandQueue, become: Callable[[Linked, Session], None]
-    ):
-        self._page_id, self._scripts, self._queue, self._become = page_id, scripts, queue, become
-        self._linked: Linked | None = None
+    def __init__(self, page_id: int, services: Services, queue: CommandQueue):
+        self._page_id, self._services, self._queue = page_id, services, queue
+        self._played: Played | None = None
 
     @property
     def goes_on(self) -> bool:
         """Whether a script is still played."""
-        return self._linked is not None
+        return self._played is not None
 
-    def begin(self, linked: Linked) -> None:
-        """Follow a link, in place of the one that is followed now."""
-        self._linked = linked
-        done = self._queue.result_callback("link", lambda made: self._take(linked, made), DemonstratorJobResult)
-        settings = linked.script.settings
-        self._scripts.play(self._page_id, linked.script, lambda: Session(settings, dense=DENSE), done)
+    @property
+    def restores(self) -> bool:
+        """Whether it is what the page's own tab has kept, before which nothing else counts."""
+        return self._played is not None and self._played.is_own
+
+    def begin(self, page: SavedPage, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
+        """Play a saved page, in place of the one that is played now. arrival: the entry that then takes it."""
+        self.let_go()
+        played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
+
+        def done(error: Exception | None) -> None:
+            played.error = error
+            self._queue.put(arrival(played))
+
+        scripts = self._services.picture_scripts if page.uses_pictures else self._services.scripts
+        scripts.play(self._page_id, played.passes(), done)
 
     def let_go(self) -> bool:
         """Follow it no more. Return whether there was one."""
-        goes_on, self._linked = self.goes_on, None
-        self._scripts.cancel(self._page_id)
-        return goes_on
+        played, self._played = self._played, None
+        self._services.scripts.cancel(self._page_id)
+        self._services.picture_scripts.cancel(self._page_id)
+        if played is not None:
+            played.eyes.close()
+        return played is not None
 
-    def _take(self, linked: Linked, made: Session | Exception) -> None:
-        if linked is not self._linked:  # let go, or another was followed, just when it was whole
-            return
-        self._linked = None
-        if isinstance(made, Exception):
-            raise ValueError(f"the link cannot be followed: {made}")
-        self._become(linked, made)
+    def finish(self, played: Played) -> bool:
+        """Return whether this is what was to be played: else it was let go, just when it was whole."""
+        if played is not self._played:
+            return False
+        self._played = None
+        played.eyes.close()
+        return True

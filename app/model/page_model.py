@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
-from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from ..sessions.link import Linked
+from ..sessions.link import Branch, Run, SavedPage
 from .choices import Freedom
 from .displayed import Display, Displayed
 from .editing import UndoableSession
@@ -25,11 +24,11 @@ from .following import Following
 from .landscapes import Basins, Comparison, DuelLandscapes, OwnLandscape
 from .motions import Motions
 from .points import PointEditing
-from .presets import AS_STARTED, Preset
+from .presets import Preset
 from .queue import CommandQueue, DemonstratorJobResult, JobResult
 from .services import Services
 from .shown_word import ShownWord
-from .view import SWITCHES, Message, View, switched
+from .view import SWITCHES, Message, View
 
 
 class Saved(NamedTuple):
@@ -45,7 +44,8 @@ class PageModel:
     generation: how often the session has begun anew, in a world of its own; inputs: how many of the visitor's commands
     were carried out or rejected, after each of which widgets are written again;
     tour_offered: to somebody who has not been here before; eye(): that looks at the 3-D scene, as the page knows it;
-    unsaved: why the session is not kept, as far as is known.
+    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: why the tab
+    cannot keep it.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class PageModel:
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
         self.word = ShownWord(self.undoable)
-        self.following = Following(page_id, services.scripts, queue, self._become)
+        self.following = Following(page_id, services, queue)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.display = Display(self.session, self.player)
         beside = services.landscapes
@@ -81,6 +81,7 @@ class PageModel:
         self.message: Message | None = None
         self._refusal: Message | None = None
         self.unsaved: str | None = None
+        self.is_kept = self.resends_all = False
         self.displayed = self.display.at(0.0, 0.0, self.view)
 
     @property
@@ -133,13 +134,14 @@ class PageModel:
         """(m,) rad each: where the learner is seen, the demonstrator, and one more arm if there is one."""
         return self.display.poses(now)
 
-    def linked(self) -> Linked:
+    def linked(self) -> SavedPage:
         """What a link to this page holds. Raises ValueError where that cannot be said."""
-        view = self.view
-        return Linked(
-            script=self.session.script,
-            preset=self.preset.name,
-            speed=self.player.speed,
+        view, snapshot = self.view, self.session.snapshot
+        run = Run(script=self.session.script, cursor=snapshot.motion)
+        return SavedPage(
+            present=Branch(runs=(run,), preset=self.preset.name, speed=self.player.speed),
+            settings=snapshot.settings,
+            commanded=tuple(snapshot.commanded.tolist()),
             chosen=view.chosen,
             show={name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)},
         )
@@ -150,29 +152,6 @@ class PageModel:
             self.message = None
         self.displayed = self.display.at(now, shortest_motion, self.view)
         return self.displayed
-
-    def repeat(self, linked: Linked) -> None:
-        """Become what a link holds, motion for motion, now. Raises ValueError, with all as it is."""
-        self.following.let_go()
-        self.undoable.repeat(linked.script)
-        self._show_as(linked)
-
-    def _become(self, linked: Linked, session: Session) -> None:
-        """Become what a link holds, whose script led to this session."""
-        self.undoable.become(session)
-        self._show_as(linked)
-
-    def _show_as(self, linked: Linked) -> None:
-        """Take what of a link is no part of the session."""
-        sent = Preset("From a link", linked.script.settings, linked.speed, "As it was sent.")
-        self.presets.chosen = self.presets.offered.get(linked.preset, sent)
-        if linked.preset == AS_STARTED and self.modified:  # another server was started otherwise
-            self.presets.chosen = sent
-        self.player.speed = linked.speed
-        view = replace(switched(self.view, linked.show), chosen=linked.chosen)
-        if view != self.view:
-            self.view = view
-        self.undoable.begin_anew()
 
     def send_made(self, kind: str, make: Callable[[], Saved]) -> None:
         """Send the visitor a file that is made in the background; of a kind, what was asked for last."""

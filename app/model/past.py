@@ -62,7 +62,7 @@ class Past:
 
     def go_back_to(self, everything: tuple[Left, ...]) -> None:
         """What was left behind since is forgotten."""
-        self._left = list(everything)
+        self._left = list(everything[-MOST:])
 
     @property
     def present(self) -> Left:

@@ -110,7 +110,7 @@ PRESETS = (
         "Camera images",
         Settings(sensor="rendered"),
         2,
-        "Pictures of arms that have weight: only markers detected in them count.",
+        "Pictures of arms that wear coloured balls: only balls detected in them count.",
     ),
 )
 

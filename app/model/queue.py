@@ -21,12 +21,15 @@ class Queued:
         It moves, poses or observes, which takes long with camera images.
     order_independent
         It may be carried out before or after any other entry, so that it need not wait.
+    cancels
+        It ends the computation that others wait for.
     coalesce_key
         Of entries with the same key the newest is enough. None: each counts.
     """
 
     moves: bool = False
     order_independent: bool = False
+    cancels: bool = False
 
     @property
     def coalesce_key(self) -> Hashable | None:
@@ -56,7 +59,7 @@ class Command:
         for none.
     latest
         Calls that differ in their last argument alone are values of one control, of which the newest is enough.
-    moves, order_independent
+    moves, order_independent, cancels
         As of `Queued`.
     link
         Links of the drawings and the page's script may call it.
@@ -71,6 +74,7 @@ class Command:
     latest: bool = False
     moves: bool = False
     order_independent: bool = False
+    cancels: bool = False
     link: bool = False
     camera: Callable[..., bool] | None = None
 
@@ -94,6 +98,10 @@ class Call(Queued):
     @property
     def order_independent(self) -> bool:  # type: ignore[override]
         return self.command.order_independent
+
+    @property
+    def cancels(self) -> bool:  # type: ignore[override]
+        return self.command.cancels
 
     @property
     def coalesce_key(self) -> Hashable | None:
@@ -218,15 +226,19 @@ class CommandQueue:
             taken, self._waiting = self._waiting, []
         return taken
 
-    def take_order_independent(self) -> list[Queued]:
-        """While nothing may move: take what comes before all that moves, and what is order-independent."""
+    def take_order_independent(self, cancelling: bool = False) -> list[Queued]:
+        """While nothing may move: take what comes before all that moves, and what is order-independent.
+
+        cancelling: also what ends the computation that the rest waits for.
+        """
         taken: list[Queued] = []
         waiting: list[Queued] = []
         blocked = False
         with self._lock:
             for entry in self._waiting:
-                blocked = blocked or (entry.moves and not entry.order_independent)
-                (waiting if blocked and not entry.order_independent else taken).append(entry)
+                passes = entry.order_independent or (cancelling and entry.cancels)
+                blocked = blocked or (entry.moves and not passes)
+                (waiting if blocked and not passes else taken).append(entry)
             self._waiting = waiting
         return taken
 

@@ -69,7 +69,8 @@ class CommandLoop:
     def _take_turn(self, now: float) -> None:
         """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
         images or long, at once if not."""
-        model, commands = self._model, self._queue.take()
+        model, restores = self._model, self._model.following.restores
+        commands = self._queue.take_order_independent(cancelling=True) if restores else self._queue.take()
         opens = any(entry.needs_camera(model) for entry in commands)
         if not opens and model.session.settings.sensor == "projected":
             self._apply_within_budget(commands, now)

@@ -1,7 +1,6 @@
 """One page: a model, what is shown of it, and the loop that carries out what its visitor does."""
 
 import threading
-from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
 
@@ -11,45 +10,37 @@ from viser import ClientHandle
 from viewimit.loop.settings import Settings
 
 from ..commands import COMMANDS
-from ..model.memory import Resume, begin_like, go_on, memory_of, require_fit
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
 from ..model.services import Services, TimeBudget
 from ..model.view import WINDOW, Message
 from ..panels import PANELS
+from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
 from ..panels.status import show_fault
 from ..scene.scene3d import Scene3D
 from ..scene.view import Docking
-from ..sessions.saved import SavedSession
+from .keeper import Keeper
 from .loop import CommandLoop
 from .redraw import Redraw, ToDraw, draw_all
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
-KEPT_EVERY = 4.0  # s: with the writing, no more than the last 5 s are lost of a process that is killed
-SAID_FOR = 30.0  # s: of what was lost
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
-
-
-class CannotResume(Exception):
-    """What was kept of a session does not go on."""
 
 
 class Page:
     """tick(now) takes what the visitor did, moves the loop on and poses the arms; drawings() tells how to show all else
-    that changed. keep(memory): at times → why it is not kept, None if it is."""
+    that changed. What changes is sent to the visitor's tab, which keeps it."""
 
     def __init__(
         self,
         client: ClientHandle,
         services: Services,
         settings: Settings,
-        keep: Callable[[SavedSession], str | None],
-        resumed: SavedSession | None = None,
         info: ClientInfo | None = None,
     ):
-        self._client, self._shedding, self._keep = client, services.shedding, keep
+        self._client, self._shedding = client, services.shedding
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._sent_at: dict[str, float] = {}  # files by name
@@ -57,8 +48,6 @@ class Page:
         budget = TimeBudget(services.clock)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures, budget)
         try:
-            if resumed is not None:
-                self._resume(resumed)
             self._build(services, info)
         except BaseException:
             self.close(0.0)  # what it has taken of the camera images
@@ -81,8 +70,8 @@ class Page:
         self._commands.tick(now)
         if self._commands.drawable:
             self._pose()
-        if not self._commands.busy and self._redraw.due("kept", now, KEPT_EVERY):
-            self.model.unsaved = self._keep(self.memory())
+        if not self._commands.busy:
+            self._keeper.tick(now, self._actions.last)
 
     def drawings(self) -> list[ToDraw]:
         """Of what has changed and is due, but the poses."""
@@ -96,14 +85,6 @@ class Page:
         self.model.refresh(self._now, shortest_motion=2 * every)
         return self._due_drawings()
 
-    def memory(self) -> SavedSession:
-        """What of the page is kept."""
-        return memory_of(self.model)
-
-    def say(self, text: str) -> None:
-        """To its visitor, for a while."""
-        self.model.say(text, self._clock() + SAID_FOR)
-
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
@@ -112,7 +93,7 @@ class Page:
         show_fault(self.layout, text)
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
-        """The page is gone. Whether its last turn has ended, within so many s, so that what `memory` tells is whole."""
+        """The page is gone. Whether its last turn has ended, within so many s."""
         ended = self._commands.wait(within)
         if ended:
             self.model.close()
@@ -129,23 +110,9 @@ class Page:
             self.layout = Layout(self._client, self.queue, info)
             self.model.refresh(0.0)
             self.layout.build(PANELS, self.model)
+            self._actions: Actions = self.layout.named["actions"]
+            self._keeper = Keeper(self.model, self._actions.send_part)
             self._scene = Scene3D(self._client, self.queue, services.share)
-
-    def _resume(self, memory: SavedSession) -> None:
-        """Show what the visitor had chosen; the loop is paused. Camera images are taken in the first turn."""
-        try:
-            if memory.history[memory.head.cursor].settings.sensor == "rendered":
-                begin_like(self.model, memory)
-                self.queue.put(Resume(memory))
-            else:
-                go_on(self.model, memory)
-            require_fit(self.model)
-            self.model.poses(0.0)
-            self.model.refresh(0.0)
-        except Exception as error:  # a store may hold what no check foresees, which must not lock its visitor out
-            raise CannotResume(f"{type(error).__name__}: {error}") from error
-        if memory.head.motion is not None:
-            self.queue.call("load_motion", memory.head.motion)
 
     @property
     def _shown(self) -> bool:

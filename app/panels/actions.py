@@ -4,22 +4,26 @@ It puts numbered actions into a text widget that nobody sees, and sends them aga
 number. So each is taken once, and in order, whatever becomes of the connection.
 """
 
+from collections.abc import Callable
 from typing import Annotated
 
 import msgspec
 
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, Rejected
+from ..sessions.link import MAX_TEXT
 from ..viser_private import push_input
 from .panel import Layout
 
 LABEL = "vi-actions"  # of the widget
+KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
 MAX_CHARS = 16_000  # of what it is sent
 MAX_ACTIONS = 64  # of a message
+PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest
+Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; what is longer comes in pieces
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -48,6 +52,8 @@ class Actions:
     def __init__(self, queue: CommandQueue):
         self._queue = queue
         self._load = ""
+        self._pieces = ""  # of the next value
+        self.send_part: Callable[[str], None] = lambda part: None  # to the tab, of what it is to keep
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
@@ -58,7 +64,11 @@ class Actions:
         for number, control, value in message.acts:
             if number > self.last:
                 self.last = number
-                self._call(control, value)
+                if control == PIECE:
+                    self._pieces = (self._pieces + value)[: MAX_TEXT + 1]  # one too many is refused where it is read
+                    continue
+                self._call(control, self._pieces + value)
+                self._pieces = ""
 
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
@@ -69,7 +79,7 @@ class Actions:
 
 
 def actions(layout: Layout, model: PageModel) -> None:
-    """The text widget, seen by nobody, through which the page's script sends what is clicked in drawings."""
+    """Hidden text widgets: for what is clicked in drawings, and for what the tab keeps."""
     taken = layout.named["actions"] = Actions(layout.queue)
     box = layout.gui.add_text(LABEL, "", visible=False)
 
@@ -78,3 +88,6 @@ def actions(layout: Layout, model: PageModel) -> None:
         if event.client_id is not None:  # None: the page itself wrote it
             taken.take(event.target.value)
             push_input(box, str(taken.last))
+
+    kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
+    taken.send_part = lambda part: push_input(kept, part)

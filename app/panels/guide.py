@@ -13,7 +13,7 @@ from ..drawing.overlays import button
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
 from ..model.page_model import PageModel
-from ..sessions.link import written
+from ..sessions.link import encode_link
 from .panel import SLOWEST, Layout, put_html
 
 TOUR = "tour"
@@ -99,7 +99,7 @@ def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
 def way_back(model: PageModel) -> str:
     """The address's part by which a lesson knows the page that it is left for; empty where no link holds the page."""
     try:
-        return f"#page={quote(written(model.linked()))}"
+        return f"#page={quote(encode_link(model.linked()))}"
     except ValueError:
         return ""
 

@@ -104,8 +104,8 @@ PARAGRAPHS = (
     ("Mark the arms yourself.", "Edit points, or E: where you click an arm, both have a point more. The strip says what"
      " a pixel of noise then costs at each joint, and Best next shows the place that would tell most, hollow until you"
      " take it. Save scene keeps the points in a file for <code>viewimit imitate --scene</code>."),
-    ("Look with cameras.", "Camera images, under Display, shows both arms with weight and coloured balls in rendered"
-     " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
+    ("Look with cameras.", "Camera images, under Display, shows both arms with coloured balls in rendered pictures."
+     " A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
     ("Show it to a class.", "P, or <code>?present</code> in the address: larger letters, no controls, a ring about the "
      "pointer. What is true is hidden until T. For lessons with a class, start <code>viewimit class</code>."),

@@ -13,7 +13,7 @@ from viewimit.sensing.files import file_name
 from ..lab.address import lab_address
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from ..sessions.link import files_named, written
+from ..sessions.link import encode_link, files_named
 from .panel import Layout, put_html
 
 REPLAY = "all motions as one file that any browser opens, without a server"
@@ -67,7 +67,7 @@ def share_html(model: PageModel, origin: str | None) -> str:
     """origin: scheme://host:port by which the server is known, None if nobody says."""
     parts, script = [], model.session.script.renamed(file_name)
     try:
-        text = written(model.linked())
+        text = encode_link(model.linked())
         address = f"{origin or ''}/?s={text}"
         parts.append(_copied("A link that opens this very state", address))
         parts.append(_bound(files_named(text)))

@@ -22,6 +22,7 @@ from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
 FOLLOWS = "Computing what the link holds: Esc lets it go."
+RESTORES = "Computing this tab’s session again: Esc begins anew."
 CHOICES = {  # by what is said: where a link leads, and its words
     "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
     "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
@@ -37,7 +38,15 @@ def status(layout: Layout, model: PageModel) -> None:
         on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
         moments = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
         said = None if message is None else message.text
-        return said, model.unsaved, model.following.goes_on, *moments, model.player.playing, _busy(model)
+        return (
+            said,
+            model.unsaved,
+            model.following.goes_on,
+            model.following.restores,
+            *moments,
+            model.player.playing,
+            _busy(model),
+        )
 
     def draw(model: PageModel) -> None:
         said, truth = _said(model), _truth(model)
@@ -69,7 +78,7 @@ def _said(model: PageModel) -> StatusMessage:
     if busy is not None:
         return StatusMessage(*busy)
     if model.following.goes_on:
-        return StatusMessage("message", FOLLOWS)
+        return StatusMessage("message", RESTORES if model.following.restores else FOLLOWS)
     points = model.points.shown
     if points.information is not None and not model.player.playing:
         joints = session.scene.moving_joints
@@ -79,7 +88,7 @@ def _said(model: PageModel) -> StatusMessage:
     if model.displayed.preview is not None:
         return StatusMessage("see-through", describe_see_through(session.scene, model.displayed.preview))
     if model.unsaved is not None:
-        return StatusMessage("message", f"not saved: {model.unsaved}; a reload would lose this session.")
+        return StatusMessage("message", f"{model.unsaved}: a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (moving := model.displayed.moving_snapshot) is not None:
         return describe(moving, before, joints=session.scene.moving_joints)

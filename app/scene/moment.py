@@ -15,7 +15,7 @@ from viewimit.simulation.world import World
 
 from ..model.displayed import Displayed
 from ..model.view import View
-from ..viser_private import push_array, push_position
+from ..viser_private import push_array
 from .nodes import Nodes, linear
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -138,7 +138,7 @@ class Moment:
         """To (3,) m."""
         if self._moved.get(node.name) != position:
             self._moved[node.name] = position
-            push_position(node, (position[0], position[1], position[2]))
+            node.position = position[0], position[1], position[2]
 
     def _show(self, node, visible: bool) -> None:
         """Or hide it. viser's setter looks up types, which takes longer than most drawings."""

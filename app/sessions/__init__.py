@@ -1,2 +1,1 @@
-"""What is kept of a visitor between two connections, and where: autosave, codec, stores, resume. The session itself is
-the library's."""
+"""What links and tabs keep of a page, as text."""

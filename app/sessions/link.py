@@ -1,40 +1,165 @@
-"""All that makes a page what it is, in as many characters as an address may have; and back, as hostile input."""
+"""What links and tabs keep of a page, as text: scripts of its session and of what Undo goes back to, and its view.
+
+A text is the format's number and blocks, separated by dots. A block is base64 of zstd of msgpack. The last block holds
+settings and posture in every version, so that an older server can go on from there. The others hold actions, in such a
+way that one more action changes the last two blocks only. All of it is read as hostile input.
+"""
 
 import base64
 import math
-from typing import Annotated
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, Any
 
 import msgspec
+import numpy as np
 import zstandard
 
+from viewimit import __version__
+from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.history import MAX_HISTORY
-from viewimit.loop.script import Action, Begin, Calibrate, ChangeSettings, MoveDemonstrator, Script, current_script
+from viewimit.loop.script import (
+    Action,
+    Begin,
+    Calibrate,
+    ChangeSettings,
+    Looks,
+    MoveDemonstrator,
+    Script,
+    Steps,
+    current_script,
+)
 from viewimit.loop.settings import OWN, Settings
 from viewimit.sensing.files import file_name, is_text
+from viewimit.sensing.renamed import current_settings
 from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.scene_writing import scene_text
 
-FORM = "1"  # the first character: which form the rest has
-PACKING_ERRORS = zstandard.ZstdError, msgspec.MsgspecError
-MOST_CHARS = 6_000
-MOST_BYTES = 1 << 18  # unpacked
-MOST_STEPS = 3_000  # passes of the loop that a server makes for a visitor
-MOST_FRAMES = 100  # images averaged in each
-MAX_ACTIONS = 500
-MOST_POINTS = 64  # placed by hand, or of a layout
-MOST_LAYOUTS = 16
-MOST_TITLE = 200  # characters
-MOST_SCENES = 16  # told in full
-MOST_REHEARSED = 200
+FORMAT = 2
+MAX_LINK = 6_000  # characters of a link, as part of an address
+MAX_TEXT = 100_000  # characters that a tab keeps
+MAX_BYTES = 1 << 20  # unpacked
+MAX_ACTIONS = 20_000
+MAX_BRANCHES = 16
+MAX_MOTION = 50_000  # bytes of a recorded motion
+BLOCK = 100  # actions
+MAX_FRAMES = 100  # images averaged in each observation
+MAX_POINTS = 64  # placed by hand, or of a layout
+MAX_LAYOUTS = 16
+MAX_TITLE = 200  # characters
+MAX_SCENES = 16  # described in full
+MAX_CALIBRATION = 200  # postures
 
 Index = Annotated[int, msgspec.Meta(ge=0, le=MAX_HISTORY)]
 Speed = Annotated[float, msgspec.Meta(ge=0, le=1_000)]
 Name = Annotated[str, msgspec.Meta(max_length=80)]
+Reason = Annotated[str, msgspec.Meta(max_length=300)]
+FIELDS: dict[str, Any] = {"frozen": True, "kw_only": True, "forbid_unknown_fields": True, "omit_defaults": True}
 
 
-class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
-    """script: what leads to the moment shown; chosen: a point; show: switches of the page that are on or off."""
+class Run(msgspec.Struct, **FIELDS):
+    """A learner's run: the script to its last motion, and the motion that is shown."""
+
+    script: Script
+    cursor: Index
+
+
+class Branch(msgspec.Struct, **FIELDS):
+    """What a page shows, or what Undo goes back to.
+
+    runs: the learner's, and its opponent's in a duel; at: the motion of the next branch from which Undo goes back here;
+    preset, speed: of the page then.
+    """
+
+    runs: Annotated[tuple[Run, ...], msgspec.Meta(max_length=2)] = ()
+    at: Index = 0
+    preset: Name = ""
+    speed: Speed = 2.0
+
+
+class SavedPage(msgspec.Struct, **FIELDS):
+    """What a link or a tab keeps of a page.
+
+    present: without runs where no script is known; past: what Undo goes back to, the oldest first; settings, commanded:
+    of the snapshot shown, commanded in rad; chosen: a point; show: switches of the page; motion: a recorded motion, as
+    its file; incomplete: what could not be kept, or read, and why.
+    """
+
+    present: Branch
+    settings: Settings
+    past: tuple[Branch, ...] = ()
+    commanded: tuple[float, ...] = ()
+    chosen: Index | None = None
+    show: dict[Name, bool] = {}
+    dark: bool | None = None
+    offers_tour: bool = True
+    motion: bytes | None = None
+    incomplete: Reason = ""
+
+    @property
+    def scripts(self) -> list[Script]:
+        """All of its scripts, the oldest first."""
+        return [run.script for branch in (*self.past, self.present) for run in branch.runs]
+
+    @property
+    def uses_pictures(self) -> bool:
+        """Whether a script looks with camera images."""
+        found = (settings for script in self.scripts for settings in _all_settings(script))
+        return any(settings.sensor == "rendered" for settings in found)
+
+    def renamed(self, rename: Callable[[str], str]) -> "SavedPage":
+        """The page with other names of scenes and robots."""
+        branches = [
+            msgspec.structs.replace(
+                branch,
+                runs=tuple(Run(script=run.script.renamed(rename), cursor=run.cursor) for run in branch.runs),
+            )
+            for branch in (*self.past, self.present)
+        ]
+        settings = Script(self.settings).renamed(rename).settings
+        return msgspec.structs.replace(self, past=tuple(branches[:-1]), present=branches[-1], settings=settings)
+
+
+class _Block(msgspec.Struct, array_like=True, forbid_unknown_fields=True):
+    """Actions in columns.
+
+    settings: of a run's first block; kinds: a letter for each action; times: of steps and looks; tenths: differences
+    from each posture to the next in whole tenths of a degree, by joint; others: as they are.
+    """
+
+    settings: dict[str, Any] | None
+    kinds: str
+    times: list[Annotated[int, msgspec.Meta(ge=1)]]
+    tenths: list[list[int]]
+    others: list[list[Any]]
+
+
+class _Branch(msgspec.Struct, **FIELDS):
+    """runs: the cursor and the number of blocks of each."""
+
+    runs: Annotated[list[tuple[Index, Annotated[int, msgspec.Meta(ge=1)]]], msgspec.Meta(max_length=2)]
+    at: Index = 0
+    preset: Name = ""
+    speed: Speed = 2.0
+
+
+class _Head(msgspec.Struct, **FIELDS):
+    """The last block. version: of the program; branches: the present one last; motion: whether it has a block."""
+
+    version: Name
+    settings: dict[str, Any]
+    branches: Annotated[list[_Branch], msgspec.Meta(min_length=1, max_length=MAX_BRANCHES)]
+    commanded: Annotated[tuple[float, ...], msgspec.Meta(max_length=64)] = ()
+    chosen: Index | None = None
+    show: dict[Name, bool] = {}
+    dark: bool | None = None
+    offers_tour: bool = True
+    motion: bool = False
+    incomplete: Reason = ""
+
+
+class _Earlier(msgspec.Struct, forbid_unknown_fields=True):
+    """Format 1, of links only."""
 
     script: Script
     preset: Name = ""
@@ -43,41 +168,72 @@ class Linked(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     show: dict[Name, bool] = {}
 
 
-def written(linked: Linked) -> str:
-    """Letters, digits, - and _. A scene of one's own is told in full, so that the link opens everywhere; one with a
-    robot of one's own, or with more to say than an address holds, by its file's name alone. Raises ValueError for what
-    is too long."""
+def encode_link(page: SavedPage) -> str:
+    """The text of a link: letters, digits, -, _ and dots.
+
+    A scene file is described in full, so that the link opens everywhere. A scene with a robot of its own, or one that
+    is too long for an address, is named by its file. Raises ValueError for what is too long.
+    """
     text = ""
-    for named in (told, file_name):
-        renamed = msgspec.structs.replace(linked, script=linked.script.renamed(named))
-        text = _packed(renamed)
-        if len(text) <= MOST_CHARS:
-            _require(renamed, renamed.script.settings)
+    for rename in (described, file_name):
+        renamed = page.renamed(rename)
+        text = ".".join(encode_blocks(renamed, level=19))
+        if len(text) <= MAX_LINK:
+            _require(renamed, renamed.settings)
             return text
-    raise ValueError(f"too much was done for a link: {len(text)} characters of {MOST_CHARS}")
+    raise ValueError(f"too much was done for a link: {len(text)} characters of {MAX_LINK}")
 
 
-def read(text: str, begun: Settings) -> Linked:
-    """begun: what the server was started with, whose own scene a link may name. Raises ValueError that says in a line
-    why it is none."""
-    linked = _unpacked(text)
-    own = {
-        name(place): place for place in (begun.scene, begun.robot) if place is not None for name in (file_name, told)
-    }
-    linked = msgspec.structs.replace(linked, script=linked.script.renamed(lambda name: own.get(name, name)))
-    _require(linked, begun)
-    return linked
+def encode_blocks(page: SavedPage, level: int = 9) -> list[str]:
+    """The text's parts, which dots separate. level: of the compression."""
+    packer = zstandard.ZstdCompressor(level, dict_data=_COMMON, write_content_size=False)
+
+    def block(content: object) -> str:
+        packed = packer.compress(msgspec.msgpack.encode(content))
+        return base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+    blocks = [str(FORMAT)]
+    if page.motion is not None:
+        blocks.append(block(page.motion))
+    branches = []
+    for branch in (*page.past, page.present):
+        runs = []
+        for run in branch.runs:
+            found = [block(one) for one in _columns(run.script)]
+            runs.append((run.cursor, len(found)))
+            blocks += found
+        branches.append(_Branch(runs=runs, at=branch.at, preset=branch.preset, speed=branch.speed))
+    head = _Head(
+        version=__version__, settings=_fields(page.settings), commanded=page.commanded, branches=branches,
+        chosen=page.chosen, show=page.show, dark=page.dark, offers_tour=page.offers_tour,
+        motion=page.motion is not None, incomplete=page.incomplete,
+    )  # fmt: skip
+    return [*blocks, block(head)]
+
+
+def decode(text: str, begun: Settings) -> SavedPage:
+    """Read a link or what a tab has kept.
+
+    begun: settings that the server was started with, whose scene file a text may name. If only the last block can be
+    used, the page has no runs, and `incomplete` says why. Raises ValueError, in one line, for what is no such text.
+    """
+    page = _decoded(text)
+    places = [place for place in (begun.scene, begun.robot) if place is not None]
+    own = {name(place): place for place in places for name in (file_name, described)}
+    page = page.renamed(lambda name: own.get(name, name))
+    _require(page, begun)
+    return page
 
 
 def files_named(text: str) -> list[str]:
-    """By a link: of scenes and robots that a server has to be started with to open it."""
+    """Names of the scene and robot files in a text, with which a server has to be started to open it."""
     named: dict[str, None] = {}  # in their order
-    _unpacked(text).script.renamed(lambda name: named.setdefault(name) or name)
+    _decoded(text).renamed(lambda name: named.setdefault(name) or name)
     return [name for name in named if name not in (*scene_names(), *robot_names()) and not is_text(name)]
 
 
-def told(place: str) -> str:
-    """A scene's file in full where that can be; by its name else, as all that is no file of a scene."""
+def described(place: str) -> str:
+    """A scene file's content, where possible; otherwise its name, as of all that is no scene file."""
     if not place.lower().endswith(".toml"):
         return file_name(place)
     try:
@@ -88,74 +244,218 @@ def told(place: str) -> str:
         return file_name(place)
 
 
-def _packed(linked: Linked) -> str:
-    packed = zstandard.compress(msgspec.msgpack.encode(linked), 19)
-    return FORM + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+def _columns(script: Script) -> Iterator[_Block]:
+    """The blocks of a run."""
+    first: dict[str, Any] | None = _fields(script.settings)
+    for start in range(0, max(len(script.actions), 1), BLOCK):
+        found, before = _Block(first, "", [], [], []), None
+        first, kinds = None, []
+        for action in script.actions[start : start + BLOCK]:
+            tenths = _tenths(action.theta_demo) if isinstance(action, MoveDemonstrator) else None
+            if isinstance(action, Steps | Looks):
+                kinds.append("s" if isinstance(action, Steps) else "l")
+                found.times.append(action.times)
+            elif tenths is not None and (before is None or len(before) == len(tenths)):
+                kinds.append("t")
+                found.tenths = found.tenths or [[] for _ in tenths]
+                for column, value, last in zip(found.tenths, tenths, before or [0] * len(tenths)):
+                    column.append(value - last)
+                before = tenths
+            else:
+                kinds.append("o")
+                found.others.append(msgspec.to_builtins(action))
+        found.kinds = "".join(kinds)
+        yield found
 
 
-def _unpacked(text: str) -> Linked:
-    if len(text) > MOST_CHARS:
-        raise ValueError(f"the link is too long: {len(text)} characters of {MOST_CHARS}")
-    if not text.startswith(FORM):
+def _tenths(theta: Sequence[float]) -> list[int] | None:
+    """A posture in whole tenths of a degree, if it is the same to the last bit."""
+    tenths = [round(10 * angle) for angle in to_degrees(np.array(theta))]
+    return tenths if _radians(tenths) == tuple(theta) else None
+
+
+def _radians(tenths: Sequence[int]) -> tuple[float, ...]:
+    return tuple(float(np.radians(value / 10)) for value in tenths)
+
+
+def _script(blocks: list[_Block]) -> Script:
+    """The script of a run."""
+    if blocks[0].settings is None:
+        raise ValueError("a run has no settings")
+    plain = {"settings": blocks[0].settings, "deeds": [other for block in blocks for other in block.others]}
+    known = msgspec.convert(current_script(plain), Script)
+    others, actions = iter(known.actions), list[Action]()
+    for block in blocks:
+        times, postures = iter(block.times), iter(np.cumsum(block.tenths, axis=1).T.tolist() if block.tenths else ())
+        for kind in block.kinds:
+            if kind in "sl":
+                actions.append((Steps if kind == "s" else Looks)(next(times)))
+            elif kind == "t":
+                actions.append(MoveDemonstrator(_radians(next(postures))))
+            else:
+                actions.append(next(others))
+    return Script(known.settings, tuple(actions))
+
+
+def _fields(settings: Settings) -> dict[str, Any]:
+    return msgspec.msgpack.decode(msgspec.msgpack.encode(settings))
+
+
+def _decoded(text: str) -> SavedPage:
+    """A text as it stands: names are not looked up."""
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"the link is too long: {len(text)} characters of {MAX_TEXT}")
+    number, *blocks = text.split(".")
+    if not blocks and text.startswith("1"):
+        return _earlier(text[1:])
+    if not number.isdecimal() or len(number) > 4 or not blocks:
         raise ValueError("the link is of another version, or damaged")
+    unpacker = _Unpacker()
     try:
-        packed = base64.b64decode(text[1:] + "=" * (-len(text[1:]) % 4), altchars="-_", validate=True)
-        plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=MOST_BYTES)
-        found = msgspec.msgpack.decode(plain)
+        plain = msgspec.msgpack.decode(unpacker.unpacked(blocks[-1]))
+        settings, commanded = plain.get("settings", {}), plain.get("commanded", ())
+        if int(number) > FORMAT:
+            known = {name: value for name, value in settings.items() if name in Settings.__struct_fields__}
+            why = f"it is of a newer version of viewimit, {str(plain.get('version', ''))[:20]}"
+            plain = {"version": "", "branches": [{"runs": []}], "incomplete": why, "commanded": commanded}
+            settings = known
+        head = msgspec.convert(plain | {"settings": settings}, _Head)
+        page = SavedPage(
+            present=_branch(head.branches[-1]), settings=msgspec.convert(current_settings(settings), Settings),
+            commanded=head.commanded, chosen=head.chosen, show=head.show, dark=head.dark, offers_tour=head.offers_tour,
+            incomplete=head.incomplete,
+        )  # fmt: skip
+    except _ERRORS as error:
+        raise _damaged(error) from None
+    try:
+        return _with_runs(page, head, [unpacker.unpacked(block) for block in blocks[:-1]])
+    except _ERRORS as error:
+        return msgspec.structs.replace(page, incomplete=f"its motions are damaged: {str(error)[:120]}")
+
+
+def _with_runs(page: SavedPage, head: _Head, packed: list[bytes]) -> SavedPage:
+    """A page with all that the blocks before the last one hold."""
+    motion = msgspec.msgpack.decode(packed.pop(0), type=bytes) if head.motion else None
+    blocks = iter(msgspec.msgpack.decode(one, type=_Block) for one in packed)
+    branches, actions = [], 0
+    for branch in head.branches:
+        runs = []
+        for cursor, count in branch.runs:
+            found = [next(blocks) for _ in range(count)]
+            actions += sum(len(block.kinds) for block in found)
+            if actions > MAX_ACTIONS:
+                raise ValueError(f"more than {MAX_ACTIONS} actions")
+            runs.append(Run(script=_script(found), cursor=cursor))
+        branches.append(msgspec.structs.replace(_branch(branch), runs=tuple(runs)))
+    return msgspec.structs.replace(page, motion=motion, past=tuple(branches[:-1]), present=branches[-1])
+
+
+def _branch(head: _Branch) -> Branch:
+    return Branch(at=head.at, preset=head.preset, speed=head.speed)
+
+
+def _earlier(text: str) -> SavedPage:
+    """A link of format 1, without its number."""
+    try:
+        found = msgspec.msgpack.decode(_Unpacker(common=None).unpacked(text))
         if isinstance(found.pop("lesson", None), list):
             raise ValueError("it opens a lesson, which are in the lab now, at /lab/tour")
-        script = current_script(found.get("script"))
-        return msgspec.convert({**found, "script": script}, Linked)
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, *PACKING_ERRORS) as error:
-        raise ValueError(f"the link is damaged: {str(error)[:120]}") from None
+        linked = msgspec.convert({**found, "script": current_script(found.get("script"))}, _Earlier)
+        run = Run(script=linked.script, cursor=MAX_HISTORY)
+    except _ERRORS as error:
+        raise _damaged(error) from None
+    present = Branch(runs=(run,), preset=linked.preset, speed=linked.speed)
+    return SavedPage(present=present, settings=linked.script.settings, chosen=linked.chosen, show=linked.show)
 
 
-def _require(linked: Linked, begun: Settings) -> None:
-    """Raises ValueError for what a server does not do for whoever comes by."""
-    script = linked.script
-    if script.steps > MOST_STEPS:
-        raise ValueError(f"the link asks for {script.steps} motions; {MOST_STEPS} are the most")
-    if len(script.actions) > MAX_ACTIONS:
-        raise ValueError(f"the link asks for {len(script.actions)} actions; {MAX_ACTIONS} are the most")
-    all_settings = [
-        script.settings,
-        *(found for action in script.actions if (found := _settings_of(action)) is not None),
-    ]
+# What blocks have in common, which shortens them by half. It belongs to the format: without it no text can be read
+_COMMON = zstandard.ZstdCompressionDict(
+    msgspec.msgpack.encode(
+        {
+            "version": "", "commanded": [], "branches": [{"runs": [[0, 1]], "preset": "", "speed": 2.0, "at": 0}],
+            "chosen": 0, "offers_tour": False, "motion": True, "incomplete": "", "dark": False,
+            "show": dict.fromkeys(("rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows"), False),
+            "linear": "trust-region", "gradient": "rendered", "settings": {
+                "scene": "panda", "robot": None, "joints": None, "points": 10, "body_points": None,
+                "demonstrator_deg": [45.0, -90.0], "start_deg": [25.0, -45.0], "transfer": "epipolar",
+                "servo": "broyden", "noise_px": 0.0, "missing": 0.0, "outliers": 0.0, "swapped": 0.0, "frames": 1,
+                "gain_error": 0.0, "encoder_step_deg": 0.0, "delay": 0, "seed": 7, "undistort": None,
+                "rectify": "auto", "sensor": "projected", "max_step_deg": None, "restarts": 4, "workspace_deg": None,
+            },
+        }
+    ),
+    dict_type=zstandard.DICT_TYPE_RAWCONTENT,
+)  # fmt: skip
+
+
+class _Unpacker:
+    """Decodes blocks as long as they have no more than MAX_BYTES together."""
+
+    def __init__(self, common: zstandard.ZstdCompressionDict | None = _COMMON):
+        self._left, self._unpacker = MAX_BYTES, zstandard.ZstdDecompressor(dict_data=common)
+
+    def unpacked(self, block: str) -> bytes:
+        packed = base64.b64decode(block + "=" * (-len(block) % 4), altchars="-_", validate=True)
+        plain = self._unpacker.decompress(packed, max_output_size=self._left)
+        self._left -= len(plain)
+        return plain
+
+
+_ERRORS = (
+    ValueError, LookupError, TypeError, AttributeError, RecursionError, StopIteration, OverflowError,
+    zstandard.ZstdError, msgspec.MsgspecError,
+)  # fmt: skip
+
+
+def _damaged(error: BaseException) -> ValueError:
+    return ValueError(f"the link is damaged: {' '.join(str(error).split())[:120]}")
+
+
+def _require(page: SavedPage, begun: Settings) -> None:
+    """Raise ValueError for what a server does not do for whoever comes by."""
+    scripts = page.scripts
+    all_settings = [page.settings, *(settings for script in scripts for settings in _all_settings(script))]
     for settings in all_settings:
         _require_names(settings, begun)
     texts = {settings.scene for settings in all_settings if is_text(settings.scene)}
-    if len(texts) > MOST_SCENES:
-        raise ValueError(f"the link tells {len(texts)} scenes; {MOST_SCENES} are the most")
+    if len(texts) > MAX_SCENES:
+        raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
     for text in texts:
         _require_scene(text)
+    if not all(map(math.isfinite, page.commanded)):
+        raise ValueError("the link is damaged: an angle is no number")
+    if page.motion is not None and len(page.motion) > MAX_MOTION:
+        raise ValueError(f"the link holds a motion of {len(page.motion)} bytes; {MAX_MOTION} are the most")
+    for script in scripts:
+        for action in script.actions:
+            _require_finite(action)
+
+
+def _all_settings(script: Script) -> Iterator[Settings]:
+    """The settings that a script begins with, and those that its actions begin or go on with."""
+    yield script.settings
     for action in script.actions:
-        _require_finite(action)
-
-
-def _settings_of(action: Action) -> Settings | None:
-    """The settings that an action begins or goes on with, its other fields as usual."""
-    if isinstance(action, Begin):
-        return action.settings
-    if not isinstance(action, ChangeSettings):
-        return None
-    try:
-        return msgspec.convert(action.fields, Settings)
-    except msgspec.ValidationError as error:
-        raise ValueError(f"the link is damaged: {error}") from None
+        if isinstance(action, Begin):
+            yield action.settings
+        elif isinstance(action, ChangeSettings):
+            try:
+                yield msgspec.convert(action.fields, Settings)
+            except msgspec.ValidationError as error:
+                raise _damaged(error) from None
 
 
 def _require_names(settings: Settings, begun: Settings) -> None:
-    """No file of the server's is opened for a link, but those that it shows anyhow."""
+    """No file of the server is opened for a link, except those that it shows anyhow."""
     if OWN in (settings.transfer, settings.servo):
         raise ValueError("the link runs a transfer or a servo that only its author has")
     if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
         raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
         raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
-    if len(settings.body_points or ()) > MOST_POINTS:
-        raise ValueError(f"the link places {len(settings.body_points or ())} points; {MOST_POINTS} are the most")
-    if settings.frames > MOST_FRAMES:
-        raise ValueError(f"the link averages {settings.frames} images; {MOST_FRAMES} are the most")
+    if len(settings.body_points or ()) > MAX_POINTS:
+        raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
+    if settings.frames > MAX_FRAMES:
+        raise ValueError(f"the link averages {settings.frames} images; {MAX_FRAMES} are the most")
 
 
 def _require_scene(text: str) -> None:
@@ -165,9 +465,9 @@ def _require_scene(text: str) -> None:
     except ValueError as error:
         raise ValueError(f"the link's scene cannot be: {' '.join(str(error).split())[:150]}") from None
     for what, count, most in (
-        ("points", max(map(len, scene.points.values()), default=0), MOST_POINTS),
-        ("layouts", len(scene.points), MOST_LAYOUTS),
-        ("letters of a title", len(scene.title), MOST_TITLE),
+        ("points", max(map(len, scene.points.values()), default=0), MAX_POINTS),
+        ("layouts", len(scene.points), MAX_LAYOUTS),
+        ("letters of a title", len(scene.title), MAX_TITLE),
     ):
         if count > most:
             raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
@@ -183,7 +483,7 @@ def _require_finite(action: Action) -> None:
         if isinstance(action, Calibrate)
         else ()
     )
-    if len(postures) > MOST_REHEARSED:
-        raise ValueError(f"the link rehearses {len(postures)} postures; {MOST_REHEARSED} are the most")
+    if len(postures) > MAX_CALIBRATION:
+        raise ValueError(f"the link calibrates with {len(postures)} postures; {MAX_CALIBRATION} are the most")
     if not all(math.isfinite(angle) for posture in postures for angle in posture):
         raise ValueError("the link is damaged: an angle is no number")

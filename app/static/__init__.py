@@ -10,7 +10,7 @@ PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS = (
     Path(__file__).with_name(f"{name}.css").read_text("utf-8") for name in ("page", "controls", "layout")
 )
 
-PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "page.js"))
+PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "session.js", "page.js"))
 
 
 def stylesheet() -> str:

@@ -4,11 +4,14 @@
 // viser's worker has the connection. An action is sent at once, and again until a text widget that nobody sees shows its
 // number: so each is taken once, in its order, also if the connection was lost
 const LABEL = "vi-actions", AGAIN_MS = 2000, WATCHES_AFTER_MS = 4000, LOAD = Math.random().toString(36).slice(2);
+const MOST_CHARS = 12000, PIECE = /.{1,5000}/g;  // of a message, and of one of its values
 let wire = null, box = "", acted = 0, unsaid = [], again = 0, isDue = false;
 const say = () => {
   clearTimeout(again);
   if (!unsaid.length || !wire || !box) return;
-  const value = JSON.stringify({load: LOAD, acts: unsaid.slice(0, 60)});
+  let chars = 0;
+  const fits = unsaid.findIndex(([, , value], k) => k && (k === 60 || (chars += value.length + 40) > MOST_CHARS));
+  const value = JSON.stringify({load: LOAD, acts: fits < 0 ? unsaid : unsaid.slice(0, fits)});
   wire.postMessage({type: "send", message: {type: "GuiUpdateMessage", uuid: box, updates: {value}}});
   again = setTimeout(say, AGAIN_MS);
 };
@@ -19,15 +22,53 @@ const act = (control, value) => {
 };
 const taken = last => {
   const before = unsaid.length;
+  redone.push(...unsaid.filter(([number]) => number <= Number(last)));
   unsaid = unsaid.filter(([number]) => number > Number(last));
   if (unsaid.length && unsaid.length < before) say();
+};
+// What the tab keeps is handed back first, on each connection: then come clicks that were made since it was kept, and that
+// the lost connection may have swallowed
+const searched = new URLSearchParams(location.search);
+const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, searched.get("s"));
+let keptBox = "", redone = [], problemTold = "";
+const handBack = () => {
+  kept.connect();
+  const left = [...redone, ...unsaid].filter(([number, control]) => number > kept.acted && !TOLD.includes(control));
+  unsaid = redone = [];
+  const pieces = kept.text.match(PIECE) ?? [""];
+  for (const piece of pieces.slice(0, -1)) act("piece", piece);
+  act("session", pieces.at(-1));
+  tellBrowser();
+  for (const [, control, value] of left) act(control, value);
+  problemTold = "";
+  tellProblem();
+};
+const tellProblem = () => {
+  if (kept.problem !== problemTold) act("unsaved", problemTold = kept.problem);
+};
+const keep = part => {
+  if (!part) return;
+  if (!kept.take(part)) return act("resend", 0);
+  redone = redone.filter(([number]) => number > kept.acted);
+  const page = new URL(location.href);
+  if ((page.searchParams.get("s") ?? "") !== kept.address) {
+    page.searchParams.delete("s");
+    const search = [page.searchParams.has("present") ? "present" : "", kept.address && `s=${kept.address}`];
+    history.replaceState(history.state, "", page.pathname + search.filter(Boolean).map((one, k) => (k ? "&" : "?") + one).join(""));
+  }
+  tellProblem();
 };
 const heard = message => {
   if (message.type === "GuiTextMessage" && message.props.label === LABEL) {
     box = message.uuid;
     if (!isConnected) setTimeout(watchSpeed, WATCHES_AFTER_MS, () => act("flat", 1));
     connected();
-    tellBrowser();  // and what was left before the connection was lost
+    handBack();
+  } else if (message.type === "GuiTextMessage" && message.props.label === "vi-session") {
+    keptBox = message.uuid;
+    keep(message.value);
+  } else if (message.type === "GuiUpdateMessage" && message.uuid === keptBox && "value" in message.updates) {
+    keep(message.updates.value);
   } else if (message.type === "GuiUpdateMessage" && message.uuid === box && "value" in message.updates) {
     taken(message.updates.value);
   }
@@ -63,6 +104,7 @@ const MEDIA = Object.entries({
   still: "(prefers-reduced-motion:reduce)",
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
+const TOLD = [...MEDIA.map(([control]) => control), "unseen", "truth", "piece", "session", "unsaved", "resend"];
 const tellBrowser = () => {
   for (const [control, media] of MEDIA) act(control, Number(media.matches));
   unseenTold = "none";
@@ -292,12 +334,8 @@ new MutationObserver(() => {
   again.focus({preventScroll: true});
   question = again;
 }).observe(document, {childList: true, subtree: true});
-// A link to a state: what the page's address asks for is told once, and is then gone from it, so that a reload goes on
-const searched = new URLSearchParams(location.search), asked = searched.get("s");
-if (asked) {
-  act("link", asked);
-  history.replaceState(null, "", location.pathname + (searched.has("present") ? "?present" : ""));
-}
+// A link to a state, in the address, is followed after what the tab has kept
+if (kept.link) act("link", kept.link);
 if (searched.has("present")) document.addEventListener("DOMContentLoaded", () => present(true, false));
 
 document.addEventListener("click", event => {

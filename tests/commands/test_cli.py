@@ -26,7 +26,6 @@ from viewimit.experiments.bench import robustness, speed
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
-from viewimit.simulation import eyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -484,25 +483,6 @@ def test_cases_of_a_bench_can_be_asked_for_by_a_part_of_their_names(ask, ask_jso
     ):
         status, out, err = ask("bench", what, "--case", case)
         assert status == 2 and out == "" and err.startswith(start) and err.count("\n") == 1
-
-
-@pytest.mark.parametrize("missing", [{"pybullet"}, {"pybullet", "cv2"}, {"cv2"}])
-def test_without_what_camera_images_need_a_line_says_what_can_be_done(ask, monkeypatch, missing):
-    find = importlib.util.find_spec
-    there = lambda name: None if name in missing else object() if name in ("pybullet", "cv2") else find(name)
-    monkeypatch.setattr(importlib.util, "find_spec", there)
-    monkeypatch.setattr(eyes, "pybullet_has_wheel", lambda: False)
-    status, _, err = ask("imitate", "--sensor", "rendered")
-    assert status == 2 and err.count("\n") == 1
-    if "pybullet" in missing:
-        assert "need PyBullet, which has wheels only for CPython 3.10 and 3.11 on Linux x86-64" in err
-        assert "pip install" not in err
-    else:
-        assert "pip install 'viewimit[opencv]'" in err
-    monkeypatch.setattr(eyes, "pybullet_has_wheel", lambda: True)
-    status, _, err = ask("imitate", "--sensor", "rendered")
-    extras = ",".join(extra for package, extra in eyes.NEEDS.items() if package in missing)
-    assert status == 2 and f"pip install 'viewimit[{extras}]'" in err
 
 
 def test_version(ask):

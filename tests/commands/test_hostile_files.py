@@ -63,7 +63,7 @@ print(json.dumps([status, used.ru_utime + used.ru_stime, used.ru_maxrss]))
 def refused_apart(*words, home=None):
     """The same in a process of its own, whose memory is measured."""
     command = [sys.executable, "-I", "-c", SMALL, *map(str, words)]
-    env = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_STORE"} | (home or {})
+    env = {**os.environ, **(home or {})}
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env, start_new_session=True
     )
@@ -319,21 +319,3 @@ def test_a_device_takes_no_memory():
 )  # fmt: skip
 def test_origins_that_no_browser_sends(refused, origin):
     assert "such as https://class.example.org" in refused("serve", "--origin", origin)
-
-
-def test_a_home_that_cannot_be_written_says_what_to_do(tmp_path, refused, monkeypatch):
-    (tmp_path / "file").write_text("")
-    monkeypatch.delenv("VIEWIMIT_STORE", raising=False)
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "file"))
-    monkeypatch.setenv("HOME", str(tmp_path / "file"))
-    assert "--store DIR" in refused("serve", "--port", 0)
-
-
-def test_an_address_of_the_environment_is_the_store(tmp_path, refused, monkeypatch):
-    pytest.importorskip("redis")
-    monkeypatch.setenv("VIEWIMIT_STORE", f"unix://:secret@{tmp_path}/nobody.sock")
-    said = refused("serve", "--port", 0)
-    assert "VIEWIMIT_STORE" in said and "cannot reach the Redis" in said and "secret" not in said
-    (tmp_path / "file").write_text("")
-    assert "VIEWIMIT_STORE" not in refused("serve", "--port", 0, "--store", tmp_path / "file")

@@ -42,7 +42,7 @@ def test_a_figure_names_a_command_that_exists_and_its_settings(command, settings
         assert importlib.util.find_spec(module) if module else (ROOT / words[0]).is_file()
         return
     assert program == "viewimit"
-    if "rendered" in words:
+    if "--dynamics" in words:
         pytest.importorskip("pybullet")
     args = cli.parser_of(words[0]).parse_args(cli.attached(words))
     meant = {name: plain(value) for name, value in vars(args).items() if name not in HOW_TOLD}

@@ -9,6 +9,7 @@ from page_fakes import call
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.drawing.glossary import asks, beside, current_values, listed
+from viewimit.app.model.keeping import saved_page
 from viewimit.app.panels.guide import numbers_now
 from viewimit.app.panels.help import help_html
 
@@ -137,7 +138,8 @@ def test_what_was_there_before_is_given_back_to_the_bit():
         one.act("moment", "2")
         one.tick(1.0)
     model = page.page.model
-    before, view, past = page.page.memory(), model.view, model.past.everything
+    before, view, past = saved_page(model), model.view, model.past.everything
+    history = tuple(model.session.history)
     assert give_back_offered(page) == []
     for key in ("E", "condition"):
         page.act("show", key)
@@ -149,9 +151,8 @@ def test_what_was_there_before_is_given_back_to_the_bit():
     page.act("restore", "0")
     page.tick(1.0)
     page.tick(10.0)
-    after = page.page.memory()
-    assert after.head == before.head and model.view == view and model.past.everything == past
-    assert_same(after.history, before.history)
+    assert saved_page(model) == before and model.view == view and model.past.everything == past
+    assert_same(tuple(model.session.history), history)
     assert give_back_offered(page) == []
     for one in (page, twin):
         one.page.queue.call("step")

@@ -28,6 +28,7 @@ KNOWN_BY_NAME = {
     "rehearse.py",
     "settings.py",
     "renamed.py",
+    "link.py",  # words that a format of texts begins with
     "outliers.py",  # a kind of outlier
     "recording.py",  # for the lab, which goes on with a replay
     "evaluate_report.py",
@@ -136,7 +137,7 @@ class TestEach:
         slider = page.widget(entry.label)
         assert (slider.min, slider.max, slider.step) == entry.slider_range and slider.hint == entry.description
         page.choose(entry.label, entry.slider_range[1])
-        assert getattr(page.page.memory().history[-1].settings, name) == pytest.approx(
+        assert getattr(page.page.model.session.history[-1].settings, name) == pytest.approx(
             entry.slider_range[1] / entry.slider_scale
         )
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
+from viewimit.app.jobs.camera_images import IDLE_S, CameraLost, CameraProcess
 from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes, SessionEyes
 from waiting import stays, wait_until
 
@@ -85,6 +85,34 @@ def test_only_so_many_may_look_at_a_time(camera):
     camera.open("another", one)  # who has eyes may change them
     camera.close(one)
     camera.open("scene")
+
+
+def test_a_visitor_without_a_place_gets_one_of_who_has_most(camera):
+    (first, _), (second, _) = (camera.open("scene", visitor="greedy") for _ in range(2))
+    camera.ask(first, "settle", 0)
+    other, _ = camera.open("scene", visitor="other")
+    with pytest.raises(CameraLost, match="another visitor"):
+        camera.ask(second, "settle", 0)  # it had looked least lately
+    assert camera.ask(first, "settle", 0) == camera.ask(other, "settle", 0) == (None, ())
+    for visitor in ("greedy", "other", "third"):  # each has as many as they may
+        with pytest.raises(ValueError, match="in use by 2 others"):
+            camera.open("scene", visitor=visitor)
+
+
+def test_a_place_that_nobody_has_looked_from_for_a_while_goes_to_who_asks():
+    now = [0.0]
+    camera = CameraProcess(most=2, work=odd_work, clock=lambda: now[0])
+    (one, _), (other, _) = camera.open("scene"), camera.open("scene")
+    now[0] = IDLE_S
+    camera.ask(other, "settle", 0)
+    with pytest.raises(ValueError, match="in use by 2 others"):
+        camera.open("scene")
+    now[0] = IDLE_S + 1
+    third, _ = camera.open("scene")
+    with pytest.raises(CameraLost, match="another visitor"):
+        camera.ask(one, "settle", 0)
+    assert camera.ask(other, "settle", 0) == camera.ask(third, "settle", 0) == (None, ())
+    camera.stop()
 
 
 def test_what_cannot_be_is_refused_and_a_fault_is_told_and_both_are_survived(camera, capfd):
@@ -165,7 +193,6 @@ def test_pictures_are_kept_for_a_while_by_what_they_show():
 
 @pytest.mark.parametrize(("width", "height", "opens"), [(1280, 720, True), (1281, 720, False), (10_000, 10_000, False)])
 def test_no_page_has_pictures_rendered_that_all_others_would_wait_for(width, height, opens):
-    pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     opened = []
     process = SimpleNamespace(open=lambda scene, key: opened.append(scene) or (1, 0.08), close=lambda key: None)
     scene, eyes = extended(load_scene("panda"), {"head": {"image": [width, height]}}), SessionEyes(process)
@@ -192,12 +219,11 @@ if __name__ == "__main__":
     session = Session(Settings.paper(sensor="rendered"), open_eyes=SessionEyes(camera))
     session.step()
     camera.stop()
-    print(session.snapshot.motion, *sorted({"pybullet", "cv2"} & set(sys.modules)))
+    print(session.snapshot.motion, *sorted({"viewimit.simulation.rendering", "pybullet", "cv2"} & set(sys.modules)))
 """
 
 
-def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
-    pytest.importorskip("pybullet"), pytest.importorskip("cv2")
+def test_the_server_itself_renders_nothing(tmp_path):
     script = tmp_path / "looking.py"
     script.write_text(LOOKING)
     said = subprocess.run([sys.executable, "-I", script], capture_output=True, text=True, check=True).stdout
@@ -205,7 +231,6 @@ def test_the_server_itself_loads_neither_pybullet_nor_opencv(tmp_path):
 
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():
-    pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     from viewimit.loop.session import Session
     from viewimit.loop.settings import Settings
 

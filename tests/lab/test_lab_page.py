@@ -290,7 +290,7 @@ def test_every_experiment_opens_and_the_page_of_viewimit_opens_in_it(opened):
         assert page.inner_text("#says") == preset.says
         assert page.evaluate("lab.step() ?? lab.session().now.motion") == 1
         text = page.evaluate("lab.pageLink()")
-        settings = link.read(text, Settings()).script.settings
+        settings = link.decode(text, Settings()).scripts[0].settings
         assert (settings.transfer, settings.servo, settings.noise_px) == (
             preset.transfer,
             preset.servo,
@@ -546,7 +546,7 @@ def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
     page.goto(f"{server}/lab#preset=paper&demo=50,-80&steps=2")
     wait_until(lambda: page.evaluate("typeof lab === 'object' && document.querySelector('#open').href.includes('?s=')"))
     text = page.locator("#open").get_attribute("href").partition("s=")[2]
-    script = link.read(text, Settings()).script
+    script = link.decode(text, Settings()).scripts[0]
     assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
     page.close()
 

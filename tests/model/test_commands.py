@@ -7,7 +7,7 @@ from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import OF_ARMS, OF_IMAGES, joint_choices, servo_names, transfer_names
-from viewimit.app.model.memory import memory_of
+from viewimit.app.model.keeping import saved_page
 from viewimit.app.model.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 
@@ -81,8 +81,6 @@ def test_every_transfer_and_servo_has_a_name_on_the_page():
 
 @pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
 def test_every_preset_begins_and_moves_or_says_why_not(page, preset):
-    if preset.settings.sensor == "rendered":
-        pytest.importorskip("pybullet"), pytest.importorskip("cv2")
     session, player, model, visitor = page
     visitor.set("preset", preset.name)
     assert model.generation == 1 and session.snapshot.motion == 0 and player.speed == preset.motions_per_second
@@ -447,7 +445,7 @@ def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
         assert model.view.on("dark") == (dark == "1")
     Hands(model).set("dark", False)
     link("dark", "1").apply(model, 0.0)
-    assert not model.view.on("dark") and memory_of(model).head.dark is False
+    assert not model.view.on("dark") and saved_page(model).dark is False
 
 
 def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():

@@ -136,7 +136,6 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
 
 
 def test_camera_images_that_were_left_come_back_with_new_pictures():
-    pytest.importorskip("pybullet")
     visit = Visit(Camera())
     visit.put("camera", True)
     visit.arrive()

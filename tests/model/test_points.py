@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from page_fakes import Camera, Hands, Visit, call, link, quiet_model
-from viewimit.app.model.memory import go_on, memory_of
+from quiet_page import QuietPage
 from viewimit.app.model.points import MOST_POINTS
-from viewimit.app.sessions import codec
-from viewimit.app.sessions.autosave import SavedSession
 
 from viewimit.analysis.observability import point_information
 from viewimit.loop.session import Session
@@ -262,7 +260,6 @@ def test_a_rehearsal_with_other_points_is_forgotten(visit):
 
 
 def test_where_pictures_show_markers_no_point_is_edited():
-    pytest.importorskip("pybullet")
     visit = Visit(Camera(), settings=Settings())
     visit.put("camera", True)
     visit.rest()
@@ -271,15 +268,15 @@ def test_where_pictures_show_markers_no_point_is_edited():
     assert not visit.page.model.points.on
 
 
-def test_a_kept_session_goes_on_with_its_points(visit):
-    model, visitor = visit
+def test_a_kept_session_goes_on_with_its_points():
+    page, other = QuietPage(Settings.paper(start_deg=(25, -45))), QuietPage(Settings.paper())
+    page.restore()
+    model, again = page.page.model, other.page.model
+    Hands(model).act("edit points")
     PLACE.apply(model, 0.0)
-    visitor.act("step")
-    kept = memory_of(model)
-    read = SavedSession(kept.head, tuple(codec.decode(codec.encode(kept.history))))
-    other, _ = quiet_model(Settings.paper(start_deg=(25, -45)))
-    go_on(other, read)
-    assert rows(other) == rows(model) and other.view.chosen == 10
-    assert Hands(other).act("step") is None and other.session.cursor == 2
+    Hands(model).act("step")
+    other.restore(page.kept)
+    assert rows(again) == rows(model) and again.view.chosen == 10
+    assert Hands(again).act("step") is None and again.session.cursor == 2
     model.session.step()
-    np.testing.assert_array_equal(other.session.snapshot.views.own, model.session.snapshot.views.own)
+    np.testing.assert_array_equal(again.session.snapshot.views.own, model.session.snapshot.views.own)

@@ -10,8 +10,6 @@ from sameness import assert_same
 from viewimit.app.jobs import session_eyes
 from viewimit.app.model.displayed import rehearsal_of
 from viewimit.app.model.presets import PRESETS
-from viewimit.app.sessions.autosave import Autosave
-from viewimit.app.sessions.sqlite_store import SqliteStore
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -189,10 +187,9 @@ def test_a_rehearsal_that_a_reset_cuts_short_can_begin_again(visit):
     assert len(model.session.snapshot.calibration) == DEFAULT_POSTURES and model.session.snapshot.status == "converged"
 
 
-def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit(tmp_path):
-    autosave = Autosave(SqliteStore(tmp_path))
-    autosave.claim("key", SETTINGS)
-    page = QuietPage(SETTINGS, lambda memory: autosave.keep("key", memory))
+def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit():
+    page, back = QuietPage(SETTINGS), QuietPage(SETTINGS)
+    page.restore()
     page.choose("Speed", "10 a second")
     page.click(WATCH)
     for _ in range(5):
@@ -200,10 +197,8 @@ def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit(tmp_path):
     page.click("Pause")
     model = page.page.model
     Hands(model).set("history", 4)
-    autosave.keep("key", page.page.memory())
-    back = QuietPage(SETTINGS, resumed=autosave.claim("key", SETTINGS))
+    back.restore(page.kept)
     back.tick(1.0)
-    autosave.stop()
     assert "Watches itself: 4 of 12 postures." in back.shown and back.widget(STOP)
     for one in (model, back.page.model):
         Hands(one).act("play")

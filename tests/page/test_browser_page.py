@@ -55,7 +55,7 @@ from browsing import (
 )
 from viewimit.app.model.choices import servo_names, transfer_names
 from viewimit.app.model.presets import PRESETS
-from viewimit.app.sessions.link import Linked, written
+from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -398,7 +398,8 @@ def test_a_link_of_an_own_scene_opens_on_a_server_that_knows_nothing_of_it_and_s
     there, usual = Session(Settings.paper(scene=scene)), Session(Settings.paper())
     for one in (there, usual):
         one.run(5)
-    page = open_page(browser, f"{server}/?s={written(Linked(script=there.script))}")
+    sent = Branch(runs=(Run(script=there.script, cursor=there.cursor),))
+    page = open_page(browser, f"{server}/?s={encode_link(SavedPage(present=sent, settings=there.settings))}")
     wait(page, lambda: posture(page) == stands(there) != stands(usual))
     page.reload()
     wait_until_complete(page)

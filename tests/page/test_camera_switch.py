@@ -1,7 +1,6 @@
 """The switch Camera images, from a browser's message to pictures in its page, with a real process that renders."""
 
 import html
-import importlib.util
 import multiprocessing
 import re
 
@@ -13,7 +12,6 @@ from browsing import (
     POSTURE,
     fold,
     open_page,
-    posture,
     press,
     status,
     switch,
@@ -22,15 +20,10 @@ from browsing import (
 )
 from drawn import learners_bars
 from protocol import Client
-from serving import Here, browser_of
+from serving import Here
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.server import pages
 from waiting import wait_until
-
-needed = pytest.mark.skipif(
-    not all(importlib.util.find_spec(package) for package in ("pybullet", "cv2")), reason="needs pybullet and OpenCV"
-)
-
 
 UNUSED_S = 0.2
 BEGINS_WITHIN_S = 60  # a process of the camera images, on a busy machine
@@ -42,7 +35,7 @@ def here(tmp_path, monkeypatch):
     made = []
     begun = lambda *options: made.append(CameraProcess(*options, unused_s=UNUSED_S)) or made[-1]
     monkeypatch.setattr(pages, "CameraProcess", begun)
-    server = Here(tmp_path)
+    server = Here()
     (server.camera,) = made
     yield server
     server.stop()
@@ -60,7 +53,6 @@ def switch_on(client: Client) -> None:
     wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
 
 
-@needed
 def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
     with Client(here.url).ready() as client:
         assert not photographs(client) and not here.camera.running
@@ -75,7 +67,6 @@ def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
         wait_until(lambda: not here.camera.running)
 
 
-@needed
 def test_who_leaves_gives_the_process_up(here):
     with Client(here.url).ready() as client:
         switch_on(client)
@@ -83,7 +74,6 @@ def test_who_leaves_gives_the_process_up(here):
     wait_until(lambda: not here.camera.running)
 
 
-@needed
 def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
     with Client(here.url).ready() as client:
         switch_on(client)
@@ -95,34 +85,29 @@ def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
         switch_on(client)
 
 
-@needed
 def test_a_reload_comes_back_to_the_same_pictures(here):
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as client:
+    with Client(here.url).ready() as client:
         switch_on(client)
         before = photographs(client)
         client.press("Step: one motion")
         wait_until(lambda: len(photographs(client) - before) == 2)
-        seen = photographs(client)
-    with Client(here.url, cookie=cookie).ready() as client:
+        seen, tab = photographs(client), client.keep()
+    with Client(here.url, tab=tab).ready() as client:
         wait_until(lambda: photographs(client) == seen, BEGINS_WITHIN_S)
         assert client.value("Camera images") is True and client.value("History") == 1
 
 
-def test_what_is_not_installed_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
-    find = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pybullet" else find(name))
-    monkeypatch.setattr("viewimit.simulation.eyes.pybullet_has_wheel", lambda: True)
-    install = "pip install 'viewimit[pybullet]'"
+def test_that_a_robot_wears_no_markers_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
+    monkeypatch.setattr("viewimit.simulation.eyes.marker_names", lambda: ["iiwa"])
+    why = "need markers on the arm, which iiwa have"
     with Client(here.url).ready() as client:
-        wait_until(lambda: any(install in html.unescape(shown) for shown in client.html.values()))
+        wait_until(lambda: any(why in html.unescape(shown) for shown in client.html.values()))
         client.put("Camera images", True)  # which is greyed, and jumps back
         client.put("Preset", "Camera images")
-        wait_until(lambda: install in html.unescape(client.status))
+        wait_until(lambda: why in html.unescape(client.status))
         assert client.value("Camera images") is False and not here.camera.running and not photographs(client)
 
 
-@needed
 def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
     with Client(here.url).ready() as client:
         client.put("Preset", "Camera images")
@@ -150,7 +135,6 @@ STROKE = """where => { const {strokeLinecap, stroke} = getComputedStyle(document
   return [strokeLinecap, stroke] }"""
 
 
-@needed
 @pytest.mark.browser
 def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, server):
     page = open_page(browser, server, "small")
@@ -159,8 +143,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     wait_for_count(page, PHOTOGRAPH, 4)
     assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4
     press(page, "ArrowRight")
-    page.wait_for_selector(f"{POSTURE} >> text=/^40[.]/", timeout=60_000)
-    assert posture(page)[0] != 40  # its motors hold the arm a little below
+    page.wait_for_selector(f"{POSTURE} >> text=/^40[.]?/", timeout=60_000)
     seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
     in_L, in_R, *_ = page.evaluate(DOTS, DETECTED)
     assert in_L == in_R == seen >= 5

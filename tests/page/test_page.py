@@ -1,14 +1,16 @@
 """A page that looks with pictures takes its turns beside the scheduler's thread: nothing waits for it but itself."""
 
 import threading
+import time
 
 import numpy as np
 import pytest
-from page_fakes import Camera, Visit
+from page_fakes import Camera, Visit, call
 from viewimit.app.jobs import session_eyes
+from viewimit.app.model.keeping import saved_page
 from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS
-from viewimit.app.sessions.autosave import SavedSession
+from viewimit.app.sessions.link import encode_blocks
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -78,7 +80,7 @@ def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camer
     camera.gate.set()
     visit.rest()
     assert visit.session.settings.demonstrator_deg[0] == 70
-    assert [what for what, _ in camera.asked[before:]].count("settle") == 1  # 50° and 60° were never stood at
+    assert [what for what, _ in camera.asked[before:]].count("demo_images") == 1  # 50° and 60° were never stood at
 
 
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
@@ -169,20 +171,25 @@ def test_older_moments_have_their_pictures(camera, visit):
     assert visit.photographs == VIEWS
 
 
-def test_a_kept_session_comes_back_with_its_history_and_takes_its_pictures_in_a_turn(camera, visit):
+def kept(visit):
+    """What its tab hands back."""
+    return call("session", ".".join(encode_blocks(saved_page(visit.page.model))))
+
+
+def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, visit):
     for _ in range(2):
         visit.act("step")
         visit.arrive()
-    kept = visit.page.memory()
     again = Camera()
     again.gate.clear()
-    back = Visit(again, kept)
-    assert again.asked == []
+    back = Visit(again)
+    back.page.queue.put(kept(visit))
     back.tick()
     wait_until(lambda: again.asked)
-    back.tick(200)
-    assert back.kept == []  # what is kept must not be written over before it has come back
+    back.tick(20)
+    assert not back.page.busy and back.session.settings.sensor == "projected"  # others' pages go on, and this one
     again.gate.set()
+    wait_until(lambda: not back.page.model.following.goes_on, 30, lambda pause: (time.sleep(pause), back.tick()))
     back.arrive()
     assert back.photographs == VIEWS and len(back.session.history) == 3
     np.testing.assert_array_equal(back.session.snapshot.views.own, visit.session.snapshot.views.own)
@@ -191,11 +198,14 @@ def test_a_kept_session_comes_back_with_its_history_and_takes_its_pictures_in_a_
 def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     visit.put("joint0", 60.0)
     visit.arrive()
-    kept, full = visit.page.memory(), Camera()
+    full = Camera()
     full.refusal = "camera images are in use by 8 others"
-    back = Visit(full, SavedSession(kept.head, kept.history))
+    back = Visit(full)
+    back.page.queue.put(kept(visit))
+    back.tick()
+    wait_until(lambda: not back.page.model.following.goes_on, 30, lambda pause: (time.sleep(pause), back.tick()))
     back.arrive()
-    assert full.refusal in back.said
+    assert full.refusal in back.said and "only its posture and settings are here" in back.said
     assert back.session.settings.sensor == "projected" and back.session.settings.demonstrator_deg[0] == 60
 
 

@@ -18,7 +18,7 @@ from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes
 from viewimit.app.scene.moment import Moment
 from viewimit.app.scene.scene3d import Scene3D, share_light
-from viewimit.app.viser_private import wake_in_loop
+from viewimit.app.viser_private import send_at_once
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -46,7 +46,7 @@ class Stage:
         self.viewer = Viewer(f"http://127.0.0.1:{server.get_port()}")
         (client_id,) = wait_until(lambda: set(server.get_clients()) - before)
         self._client = server.get_clients()[client_id]
-        wake_in_loop(self._client)
+        send_at_once(self._client)
         self._scene = Scene3D(self._client, CommandQueue(COMMANDS), partial(share_meshes, server))
         self._shown = 0
 
@@ -67,7 +67,7 @@ class Stage:
 def serving():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        wake_in_loop(server)
+        send_at_once(server)
         share_light(server)
         yield server
         server.stop()

@@ -4,7 +4,6 @@ import msgspec
 import numpy as np
 import pytest
 from sameness import assert_same, error_deg
-from viewimit.app.sessions import codec
 
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
@@ -113,7 +112,7 @@ def test_a_session_that_is_kept_goes_on_with_its_rehearsal_to_the_last_bit():
     for _ in range(3):
         session.step()
     other = Session(SETTINGS)
-    other.resume(codec.decode(codec.encode(list(session.history))), session.cursor)
+    other.play(session.script)
     assert_same(session.run(60).last, other.run(60).last)
     session.undo()
     assert session.snapshot.calibration is not None

@@ -4,10 +4,8 @@ the renderer."""
 import numpy as np
 import pytest
 
-pytest.importorskip("cv2")
-
-from viewimit.sensing.detection import detect, read_pictures, reject_partly_hidden  # noqa: E402
-from viewimit.simulation.robot import colours, load_markers, marker_names  # noqa: E402
+from viewimit.sensing.detection import detect, read_pictures, reject_partly_hidden
+from viewimit.simulation.robot import colours, load_markers, marker_names
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])
 FINE = 8  # samples a pixel and axis

@@ -403,7 +403,6 @@ def test_names_that_are_one_file_where_case_makes_no_name_are_refused(ask, tmp_p
 
 def test_pictures_become_points_and_an_evaluation(ask, ask_json, tmp_path):
     cv2 = pytest.importorskip("cv2")
-    pytest.importorskip("pybullet")
     from viewimit.simulation.rendering import RenderedEyes
 
     eyes, theta = RenderedEyes(load_scene("panda")), np.radians([45.0, -90.0])

@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import fnmatch
 import getpass
 import os
 import re
@@ -9,22 +10,26 @@ import shutil
 import socket
 import ssl
 import subprocess
+import sys
 import threading
 import time
 import urllib.error
 import urllib.request
-from http.client import HTTPSConnection
+from http.client import HTTPConnection, HTTPSConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from protocol import Client
-from serving import Server, kept_of
+import yaml
+from protocol import Client, Tab
+from serving import Server
+from test_faults import once_drawn
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
+HOST = "class.example.org"
 LOGIN = "student:chalk"
 AUTHORIZATION = f"Basic {base64.b64encode(LOGIN.encode()).decode()}"
 TRUSTING = ssl.create_default_context()
@@ -106,10 +111,12 @@ class Proxy:
         program = found("nginx")
         self.port = port
         shipped = (DEPLOY / "nginx.conf").read_text()
-        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{free_port()};")
+        self.plain_port = free_port()
+        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{self.plain_port};")
         text = text.replace("listen 443 ssl;", f"listen 127.0.0.1:{self.port} ssl;")
         assert text.count("127.0.0.1") == 2
         (folder / "nginx.conf").write_text(text)
+        (folder / "host.conf").write_text((DEPLOY / "host.conf").read_text().replace("localhost", HOST))
         line = (DEPLOY / "replicas.conf").read_text()
         (folder / "replicas.conf").write_text(
             "\n".join(line.replace("viewimit:8080", r.url.removeprefix("http://")) for r in replicas)
@@ -126,26 +133,18 @@ class Proxy:
         self.process.terminate()
         self.process.wait(10)
 
-    def browser(self) -> str:
-        """The cookie of a browser that opens the page."""
-        request = urllib.request.Request(self.url)
-        request.add_header("Authorization", AUTHORIZATION)
-        with urllib.request.urlopen(request, context=TRUSTING) as page:
-            assert "Secure" in page.headers["Set-Cookie"]
-            return page.headers["Set-Cookie"].split(";")[0]
-
-    def open(self, cookie: str | None = None, login: str | None = LOGIN) -> Client:
-        return Client(self.url, origin=self.url, cookie=cookie, login=login, ssl=TRUSTING)
+    def open(self, tab: Tab | None = None, login: str | None = LOGIN) -> Client:
+        return Client(self.url, origin=self.url, tab=tab, login=login, ssl=TRUSTING)
 
 
 @pytest.fixture
-def deployed(tmp_path, redis_url):
+def deployed(tmp_path):
     require("nginx", "openssl")
     replicas: list[Server] = []
     port = free_port()
     origin = f"https://127.0.0.1:{port}"
     for _ in range(2):
-        replicas.append(Server("--store", redis_url, "--origin", origin))
+        replicas.append(Server("--origin", origin))
     proxy = Proxy(tmp_path, port, replicas)
     yield proxy, replicas
     proxy.stop()
@@ -154,18 +153,14 @@ def deployed(tmp_path, redis_url):
 
 
 @pytest.mark.parametrize("students", [4, pytest.param(30, marks=pytest.mark.slow)])
-def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis_url, students):
-    proxy, (first, second) = deployed
+def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, students):
+    proxy, replicas = deployed
     wait_until(lambda: _answers(proxy))
     with pytest.raises(InvalidStatus) as refused:
         proxy.open(login=None)
     assert refused.value.response.status_code == 401
-    cookies, clients = [], []
-    while len(clients) < students or not (first.seated and second.seated):
-        cookies.append(proxy.browser())
-        clients.append(proxy.open(cookies[-1]).ready(60))
-        assert len(clients) < 3 * students, "all went to one replica"
-    assert first.seated + second.seated == len(clients)
+    clients = [proxy.open().ready(60) for _ in range(students)]
+    assert sum(replica.seated for replica in replicas) == len(clients)
     angles = [20.0 + 2 * k % 60 for k in range(len(clients))]
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
@@ -176,16 +171,14 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, redis
     for client in clients:
         client.press("Play or pause")
     wait_until(lambda: not any("Moving" in client.status for client in clients))
-    shown = lambda: [client.value("History") for client in clients]
-    kept = lambda: [kept_of(redis_url, cookie) for cookie in cookies]
-    wait_until(lambda: [page and page.cursor for page in kept()] == shown())
-    motions = shown()
+    motions, tabs = [once_drawn(client)["History"] for client in clients], [client.keep() for client in clients]
+    first, second = sorted(replicas, key=lambda replica: -replica.seated)
     moved = first.seated
     first.process.kill()
     wait_until(lambda: sum(client.closed(0) is not None for client in clients) == moved)
     for k, client in enumerate(clients):
         if client.closed(0) is not None:
-            again = proxy.open(cookies[k]).ready(60)
+            again = proxy.open(tabs[k]).ready(60)
             wait_until(lambda again=again, k=k: again.value("History") == motions[k])
             assert again.value("θ₂") == angles[k]
         else:
@@ -212,6 +205,64 @@ def test_the_proxy_takes_no_other_methods_and_no_flood_but_a_class_at_once(tmp_p
         assert 429 in replicas.asked("GET", "/", 1000)
 
 
+def redirected(port: int) -> str:
+    """Where a request over plain HTTP is sent that names a host of its own."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.request("GET", "/a?b", headers={"Host": "evil.example"})
+    with connection.getresponse() as answer:
+        assert answer.status == 301
+        return answer.headers["Location"]
+
+
+def test_the_proxy_redirects_to_its_own_host_alone_and_browsers_keep_to_https(tmp_path):
+    require("nginx", "openssl")
+    with Replicas(tmp_path, 1) as replicas:
+        wait_until(lambda: _answers(replicas.proxy))
+        assert redirected(replicas.proxy.plain_port) == f"https://{HOST}/a?b"
+        for login, status in ((AUTHORIZATION, 200), ("", 401)):
+            connection = HTTPSConnection("127.0.0.1", replicas.proxy.port, context=TRUSTING, timeout=20)
+            connection.request("GET", "/", headers={"Authorization": login})
+            with connection.getresponse() as answer:
+                assert answer.status == status
+                assert answer.headers["Strict-Transport-Security"] == "max-age=31536000"
+                assert answer.headers["Server"] == "nginx"  # without a version
+
+
+SERVICES = yaml.safe_load((DEPLOY.parent / "compose.yaml").read_text())["services"]
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_container_has_the_least_that_it_needs(service):
+    said = SERVICES[service]
+    assert said["read_only"] and said["cap_drop"] == ["ALL"] and said["security_opt"] == ["no-new-privileges:true"]
+    assert said["mem_limit"] and said["pids_limit"] > 0
+    assert set(said.get("cap_add", ())) <= {"NET_BIND_SERVICE", "CHOWN", "SETGID", "SETUID", "DAC_OVERRIDE"}
+    assert ("ports" in said) is ("outside" in said["networks"]) is (service == "proxy")
+
+
+def test_git_and_docker_ignore_the_files_with_keys_and_users():
+    mounted = [volume.split(":")[0] for volume in SERVICES["proxy"]["volumes"]]
+    secret = [path.removeprefix("./") for path in mounted if not Path(DEPLOY.parent, path).exists() or "key" in path]
+    assert {"deploy/certificate.pem", "deploy/key.pem", "deploy/users"} <= {*secret, "deploy/users"}
+    for file in (".gitignore", ".dockerignore"):
+        patterns = [line.lstrip("/") for line in (DEPLOY.parent / file).read_text().split()]
+        for path in (*secret, "deploy/users.cfg", ".env"):
+            assert any(fnmatch.fnmatch(path, pattern) for pattern in patterns), f"{file}: {path}"
+
+
+def test_the_service_of_systemd_is_valid_and_begins_the_server_with_options_that_it_has(tmp_path, ask):
+    text = (DEPLOY / "viewimit.service").read_text()
+    program, *words = re.search("^ExecStart=(.*)$", text, re.MULTILINE)[1].split()
+    _, said, _ = ask("serve", "--help")
+    assert program == "/opt/viewimit/bin/viewimit" and words[0] == "serve"
+    assert {word for word in words if word.startswith("--")} <= set(re.findall(r"--[\w-]+", said))
+    if not found("systemd-analyze"):
+        pytest.skip("no systemd-analyze")
+    (tmp_path / "viewimit.service").write_text(text.replace(program, sys.executable))
+    done = subprocess.run(["systemd-analyze", "verify", tmp_path / "viewimit.service"], capture_output=True, text=True)
+    assert done.returncode == 0 and "viewimit.service" not in done.stderr, done.stderr
+
+
 class Balancer:
     """HAProxy with the configuration that is shipped: other ports, and one replica of this machine."""
 
@@ -222,7 +273,8 @@ class Balancer:
         )
         user, password = LOGIN.split(":")
         (folder / "users.cfg").write_text(f"userlist people\n  user {user} insecure-password {password}\n")
-        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{free_port()}\n")
+        self.plain_port = free_port()
+        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{self.plain_port}\n")
         text = text.replace("bind :443 ", f"bind 127.0.0.1:{port} ")
         text = text.replace("server-template replica 8 viewimit:8080", f"server one {replica.url[7:]}")
         text = text.replace(" init-addr none resolvers docker", "").replace("inter 2s", "inter 200ms")
@@ -230,7 +282,7 @@ class Balancer:
         (folder / "haproxy.cfg").write_text(text)
         self.port, self.url, self._state = port, f"https://127.0.0.1:{port}", folder / "state.sock"
         command = [found("haproxy"), "-db", "-f", "haproxy.cfg", "-f", "users.cfg"]
-        self.process = subprocess.Popen(command, cwd=folder)
+        self.process = subprocess.Popen(command, cwd=folder, env=os.environ | {"VIEWIMIT_HOST": HOST})
 
     def stop(self) -> None:
         self.process.terminate()
@@ -256,16 +308,16 @@ def test_haproxy_finds_a_replica_well_by_its_own_check_and_brings_a_class_to_it(
     balancer = Balancer(tmp_path, port, replica)
     wait_until(lambda: balancer.checked.get("check_status") == "L7OK")
     assert balancer.checked["check_code"] == "200" and balancer.checked["status"] == "UP"
-    request = urllib.request.Request(url, headers={"Authorization": AUTHORIZATION})
-    with urllib.request.urlopen(request, context=TRUSTING) as page:
-        cookie = "; ".join(given.split(";")[0] for given in page.headers.get_all("Set-Cookie"))
-    assert re.search(r"replica=\w{16}", cookie) and "viewimit" in cookie
-    with Client(url, origin=url, cookie=cookie, login=LOGIN, ssl=TRUSTING) as student:
+    with Client(url, origin=url, login=LOGIN, ssl=TRUSTING) as student:
         student.ready()
     with pytest.raises(urllib.error.HTTPError, match="405"):
         urllib.request.urlopen(urllib.request.Request(url, b"", {"Authorization": AUTHORIZATION}), context=TRUSTING)
     with pytest.raises(InvalidStatus, match="401"):
         Client(url, origin=url, ssl=TRUSTING)
+    assert redirected(balancer.plain_port) == f"https://{HOST}/a?b"
+    with pytest.raises(urllib.error.HTTPError, match="401") as refused:
+        urllib.request.urlopen(url, context=TRUSTING)
+    assert refused.value.headers["Strict-Transport-Security"] == "max-age=31536000"
     assert replica.stop() == 0
     wait_until(lambda: balancer.checked["status"] == "DOWN")
     balancer.stop()

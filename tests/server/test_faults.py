@@ -12,8 +12,8 @@ import time
 import pytest
 from browsing import PAUSE
 from drawn import MOTIONS_MADE, learners_bars
-from protocol import Client
-from serving import ENDS_WITHIN_S, Here, Relay, Server, browser_of, kept_of, processes_of, tell_all
+from protocol import Client, Tab
+from serving import ENDS_WITHIN_S, Here, Relay, Server, processes_of, tell_all
 from viewimit.app.page.loop import CommandLoop
 from viewimit.app.panels.panel import SLOW, Layout
 from viewimit.app.server import pages
@@ -24,8 +24,8 @@ from viewimit.loop.session import Session
 
 
 @pytest.fixture
-def here(tmp_path):
-    server = Here(tmp_path)
+def here():
+    server = Here()
     yield server
     server.stop()
 
@@ -79,8 +79,8 @@ def once_drawn(client: Client) -> dict:
     return looks[-1]
 
 
-def comes_back(url: str, cookie: str, seen: dict) -> None:
-    with Client(url, cookie=cookie).ready() as client:
+def comes_back(url: str, tab: Tab, seen: dict) -> None:
+    with Client(url, tab=tab).ready() as client:
         wait_until(lambda: client.value("History") == seen["History"])
         wait_until(lambda: what_a_visitor_sees(client) == seen)
         stays(lambda: what_a_visitor_sees(client) == seen, 0.3)  # the panels are drawn three times
@@ -89,22 +89,21 @@ def comes_back(url: str, cookie: str, seen: dict) -> None:
         wait_until(lambda: learner_of(client) != seen["learner"])
 
 
-def test_a_tab_that_is_closed_or_reloaded_comes_back_to_what_it_was(here):
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as client:
+def test_a_tab_that_is_reloaded_comes_back_to_what_it_was(here):
+    with Client(here.url).ready() as client:
         work(client)
-        seen = what_a_visitor_sees(client)
+        seen, tab = what_a_visitor_sees(client), client.keep()
     assert seen["θ₂"] == 55.0 and seen["Seed"] == 12.0 and seen["History"] == 4
-    comes_back(here.url, cookie, seen)
+    comes_back(here.url, tab, seen)
 
 
 def test_a_tab_closed_in_mid_run_comes_back_paused_where_it_was(here):
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as client:
+    with Client(here.url).ready() as client:
         client.put("Speed", "10 a second")
         client.press("Play or pause")
         wait_until(lambda: (client.value("History") or 0) >= 4)
-    with Client(here.url, cookie=cookie).ready() as client:
+        tab = client.keep()
+    with Client(here.url, tab=tab).ready() as client:
         wait_until(lambda: (client.value("History") or 0) >= 4)
         before = client.value("History")
         stays(lambda: client.value("History") == before and "Moving" not in client.status, 0.7)  # a motion takes 0.1 s
@@ -112,46 +111,38 @@ def test_a_tab_closed_in_mid_run_comes_back_paused_where_it_was(here):
 
 def test_a_laptop_that_slept_comes_back_before_its_old_connection_is_missed(here):
     relay = Relay(here.url)
-    cookie = browser_of(relay.url)
-    with Client(relay.url, cookie=cookie).ready() as asleep:
+    with Client(relay.url).ready() as asleep:
         work(asleep)
-        seen = what_a_visitor_sees(asleep)
+        seen, tab = what_a_visitor_sees(asleep), asleep.keep()
         relay.silent.set()
-        name, token = cookie.split("=")
-        awake = f"viewimit-{here.url.rsplit(':', 1)[1]}={token}"
-        comes_back(here.url, awake, seen)
+        comes_back(here.url, tab, seen)
         relay.close()
 
 
-def test_two_tabs_of_a_browser_have_a_session_each_and_a_stranger_another(here):
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
+def test_each_tab_has_a_session_of_its_own(here):
+    with Client(here.url).ready() as one, Client(here.url).ready() as two:
         begun = learner_of(one)
         assert learner_of(two) == begun
         one.put("θ₂", 60.0)
         two.put("θ₂", 70.0)
         wait_until(lambda: begun not in (learner_of(one), learner_of(two)))
-        with Client(here.url, cookie=browser_of(here.url)).ready() as stranger:
+        tabs = [client.keep() for client in (one, two)]
+        with Client(here.url).ready() as stranger:
             assert stranger.value("θ₂") == 45.0
-    with Client(here.url, cookie=cookie).ready() as one, Client(here.url, cookie=cookie).ready() as two:
-        assert (one.value("θ₂"), two.value("θ₂")) == (60.0, 70.0)
+    for tab, angle in zip(tabs, (60.0, 70.0)):
+        with Client(here.url, tab=tab).ready() as client:
+            wait_until(lambda client=client, angle=angle: client.value("θ₂") == angle)
 
 
-def test_a_server_that_is_stopped_and_started_again_has_lost_nothing(tmp_path):
-    options = "--store", str(tmp_path / "state")
-    server = Server(*options)
-    cookie = browser_of(server.url)
-    with Client(server.url, cookie=cookie).ready() as client:
+def test_a_server_that_was_killed_or_is_another_has_lost_nothing():
+    server = Server()
+    with Client(server.url).ready() as client:
         work(client)
-        seen = what_a_visitor_sees(client)
-        assert server.stop() == 0
-    port = server.url.rsplit(":", 1)[1]
-    server = Server("--port", port, *options)
-    comes_back(server.url, cookie, seen)
-    assert server.stop(signal.SIGINT) == 0
-    server = Server("--port", port, *options, "--servo", "gradient")  # another lesson begins anew
-    with Client(server.url, cookie=cookie).ready() as client:
-        assert client.value("θ₂") == 45.0
+        seen, tab = what_a_visitor_sees(client), client.keep()
+        server.process.kill()
+        server.process.wait()
+    server = Server("--servo", "gradient", "--workers", "2")  # begun otherwise
+    comes_back(server.url, tab, {**seen})
     server.stop()
 
 
@@ -167,20 +158,13 @@ def heard_of(number: int, how: signal.Handlers):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_terminal_that_is_closed_loses_nothing(tmp_path, workers):
-    options = "--store", str(tmp_path / "state"), "--workers", workers
+def test_a_terminal_that_is_closed_ends_the_server(workers):
     with heard_of(signal.SIGHUP, signal.SIG_DFL):
-        server = Server(*options)
-    cookie = browser_of(server.url)
-    with Client(server.url, cookie=cookie).ready() as client:
-        work(client)
-        seen = what_a_visitor_sees(client)
+        server = Server("--workers", workers)
+    with Client(server.url).ready():
         tell_all(processes_of(server.process.pid)[::-1], signal.SIGHUP)  # as a terminal does
         assert server.process.wait(ENDS_WITHIN_S) == 0
         assert "another takes its place" not in server.log
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    comes_back(server.url, cookie, seen)
-    server.stop()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
@@ -194,12 +178,12 @@ def test_who_was_started_by_nohup_goes_on_when_the_terminal_is_closed():
     assert server.stop() == 0
 
 
-def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatch):
-    here, never, waited = Here(tmp_path), threading.Event(), []
+def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(monkeypatch):
+    here, never, waited = Here(), threading.Event(), []
     monkeypatch.setattr(pages, "LEAVES_WITHIN", 0.5)
     with contextlib.ExitStack() as stack:
         for _ in range(4):
-            stack.enter_context(Client(here.url, cookie=browser_of(here.url)).ready())
+            stack.enter_context(Client(here.url).ready())
 
         def wait(_, seconds=None):
             if seconds is not None:  # else from beside, when the page has been given up
@@ -212,30 +196,15 @@ def test_turns_that_do_not_end_hold_a_stop_up_once_not_each(tmp_path, monkeypatc
         never.set()
 
 
-def test_a_server_that_cannot_end_by_itself_is_ended(tmp_path):
+def test_a_server_that_cannot_end_by_itself_is_ended():
     hangs = "import time; from viewimit.app.server import pages; pages.App.stop = lambda app: time.sleep(60)"
     serves = f"import sys; {hangs}; from viewimit.commands.cli import main; sys.exit(main(sys.argv[1:]))"
-    command = [sys.executable, "-I", "-c", serves, "serve", "--port", "0", "--store", str(tmp_path)]
+    command = [sys.executable, "-I", "-c", serves, "serve", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         assert "listening" in server.stdout.readline()
         server.terminate()
         assert server.wait(ENDS_WITHIN_S) == 1
         assert "does not end by itself" in server.stderr.read()
-
-
-def test_a_server_that_is_killed_has_lost_seconds_at_most(tmp_path):
-    options = "--store", str(tmp_path / "state")
-    server = Server(*options)
-    cookie = browser_of(server.url)
-    with Client(server.url, cookie=cookie).ready() as client:
-        work(client)
-        seen = what_a_visitor_sees(client)
-        wait_until(lambda: (kept := kept_of(str(tmp_path / "state"), cookie)) and kept.cursor == seen["History"])
-        server.process.kill()
-        server.process.wait()
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    comes_back(server.url, cookie, seen)
-    server.stop()
 
 
 def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(here, monkeypatch, caplog):
@@ -264,8 +233,8 @@ def test_a_session_whose_loop_fails_says_so_in_its_own_page_and_can_be_reset(her
     assert "RuntimeError('the arm fell off')" in caplog.text
 
 
-def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path):
-    here = Here(tmp_path, Limits(ping_every=1.0, pong_within=1.0))
+def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed():
+    here = Here(Limits(ping_every=1.0, pong_within=1.0))
     relay = Relay(here.url)
     with Client(relay.url).ready() as slow, Client(here.url).ready() as other:
         for client in (slow, other):
@@ -280,8 +249,8 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed(tmp_path):
     here.stop()
 
 
-def test_a_seat_that_nobody_comes_to_is_free_again(tmp_path):
-    here = Here(tmp_path, Limits(page_within=2.0))  # a busy machine needs more than 0.3 s for one that comes
+def test_a_seat_that_nobody_comes_to_is_free_again():
+    here = Here(Limits(page_within=2.0))  # a busy machine needs more than 0.3 s for one that comes
     with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
         assert nobody.closed()[0] == 1008
         assert somebody.closed(0.5) is None
@@ -295,7 +264,7 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
     for visit in range(10 + visits):
         if visit == 10:  # what the first visitors bring in stays: the scene's meshes, code, caches
             before = server.memory
-        with Client(server.url, cookie=browser_of(server.url)).ready() as client:
+        with Client(server.url).ready() as client:
             client.press("Step: one motion")
     wait_until(lambda: server.seated == 0)
     grown = server.memory - before
@@ -305,14 +274,13 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
 
 def test_a_page_that_cannot_be_made_says_why_and_comes_back_to_what_it_was(here, monkeypatch, caplog):
     monkeypatch.setattr(pages, "AGAIN_AFTER", 0.5)
-    cookie = browser_of(here.url)
-    with Client(here.url, cookie=cookie).ready() as client:
+    with Client(here.url).ready() as client:
         work(client)
-        seen = what_a_visitor_sees(client)
+        seen, tab = what_a_visitor_sees(client), client.keep()
     with monkeypatch.context() as broken:
         broken.setattr(Layout, "dropdown", lambda *_, **__: 1 / 0)
-        with Client(here.url, cookie=cookie) as client:
+        with Client(here.url, tab=tab) as client:
             wait_until(lambda: any("cannot be shown: division by zero" in html for html in client.html.values()))
             assert client.closed(5) == (1013, "the page cannot be shown")
     assert caplog.text.count("a page cannot be shown: ZeroDivisionError") == 1 and not here.pages
-    comes_back(here.url, cookie, seen)
+    comes_back(here.url, tab, seen)

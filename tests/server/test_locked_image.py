@@ -21,7 +21,7 @@ IMAGE = default_environment() | {
     "platform_machine": "x86_64", "os_name": "posix", "extra": "",
 }  # fmt: skip
 PINNED = re.compile(r"([\w.-]+)==([\w.+!]+) --hash=sha256:([0-9a-f]{64})")
-LOCKS = {"requirements.lock": ("redis",), "requirements-test.lock": ("redis", "docs", "test")}
+LOCKS: dict[str, tuple[str, ...]] = {"requirements.lock": (), "requirements-test.lock": ("docs", "test")}
 
 
 def pinned(name: str) -> dict[str, str]:

@@ -45,11 +45,11 @@ def deaf(url: str, unread: int = 4096) -> socket.socket:
 
 
 @pytest.fixture
-def here(tmp_path):
+def here():
     made = []
 
     def begin(limits: Limits) -> Here:
-        made.append(Here(tmp_path, limits))
+        made.append(Here(limits))
         return made[0]
 
     yield begin

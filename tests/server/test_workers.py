@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 from browsing import open_page, posture, press, stands, wait, wait_for_status, wait_until_complete
 from protocol import Client
-from serving import Server, browser_of, kept_of, tell_all, workers_of
+from serving import Server, tell_all, workers_of
 from test_faults import comes_back, what_a_visitor_sees, work
 from viewimit.app.server import processes
 from viewimit.app.server.address import listen
@@ -161,26 +161,24 @@ def test_all_addresses_of_a_name_are_answered(sharing, monkeypatch):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_notice_nothing(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
-    cookies = [browser_of(server.url) for _ in range(4)]
-    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
+def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_notice_nothing():
+    server = Server("--workers", "2")
+    clients = [Client(server.url).ready() for _ in range(4)]
     assert server.seated == 4 and len(workers_of(server)) == 2
     angles = 20.0, 30.0, 40.0, 50.0
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
         client.press("Step: one motion")
     wait_until(lambda: all(client.value("History") == 1 for client in clients))
-    kept = lambda: [kept_of(str(tmp_path / "state"), cookie) for cookie in cookies]
-    wait_until(lambda: all(page and page.cursor == 1 for page in kept()))
+    tabs = [client.keep() for client in clients]
     seen = [what_a_visitor_sees(client) | {"θ₂": angle} for client, angle in zip(clients, angles)]
     with server.says("a process of the server has ended"):
         os.kill(workers_of(server)[0], signal.SIGKILL)
         gone = [client.closed(2) is not None for client in clients]
     assert sum(gone) == 2, "half of them were there"
-    for cookie, was_there, before in zip(cookies, gone, seen):
+    for tab, was_there, before in zip(tabs, gone, seen):
         if was_there:
-            with Client(server.url, cookie=cookie).ready() as again:
+            with Client(server.url, tab=tab).ready() as again:
                 wait_until(lambda again=again, before=before: what_a_visitor_sees(again) == before)
     left = [client for client, was_there in zip(clients, gone) if not was_there]
     for client in left:
@@ -189,26 +187,7 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
     assert server.stop() == 0
 
 
-def test_a_class_of_two_workers_loses_nothing_when_it_is_stopped(tmp_path):
-    options = "--workers", "2", "--store", str(tmp_path / "state")
-    server = Server(*options)
-    cookies = [browser_of(server.url) for _ in range(2)]
-    clients = [Client(server.url, cookie=cookie).ready() for cookie in cookies]
-    tab = Client(server.url, cookie=cookies[0]).ready()
-    tab.put("θ₂", 61.0)
-    for client in clients:
-        work(client)
-    seen = [what_a_visitor_sees(client) for client in clients]
-    assert server.stop() == 0
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    for cookie, before in zip(cookies, seen):
-        comes_back(server.url, cookie, before)
-    with Client(server.url, cookie=cookies[0]).ready() as one, Client(server.url, cookie=cookies[0]).ready() as two:
-        assert one.value("θ₂") != 61.0 and two.value("θ₂") == 61.0
-    assert server.stop(signal.SIGINT) == 0
-
-
-def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
+def test_all_workers_together_take_as_many_clients_as_are_allowed():
     server = Server("--workers", "2", "--max-clients", "3")
     clients = [Client(server.url).ready() for _ in range(3)]
     with pytest.raises(InvalidStatus), server.says("all 3 are taken"):
@@ -222,37 +201,35 @@ def test_all_workers_together_take_as_many_clients_as_are_allowed(tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_workers_keep_their_sessions_and_end_when_the_process_that_hands_over_is_killed(tmp_path):
-    options = "--workers", "2", "--store", str(tmp_path / "state")
-    server = Server(*options)
-    workers, cookie = workers_of(server), browser_of(server.url)
-    with Client(server.url, cookie=cookie).ready() as client:
+def test_processes_end_when_the_one_that_began_them_is_killed_and_no_session_is_lost():
+    server = Server("--workers", "2")
+    workers = workers_of(server)
+    with Client(server.url).ready() as client:
         work(client)
-        seen = what_a_visitor_sees(client)
+        seen, tab = what_a_visitor_sees(client), client.keep()
         server.process.kill()
         server.process.wait()
         wait_until(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in workers))
-    server = Server("--port", server.url.rsplit(":", 1)[1], *options)
-    comes_back(server.url, cookie, seen)
+    server = Server()
+    comes_back(server.url, tab, seen)
     server.stop()
 
 
-def test_workers_that_cannot_begin_are_not_begun_for_ever(tmp_path, capfd, monkeypatch):
+def test_workers_that_cannot_begin_are_not_begun_for_ever(capfd, monkeypatch):
     monkeypatch.setattr(processes, "MOST_ENDS", 3)
-    (tmp_path / "a file").touch()
-    options = ServerOptions(store=str(tmp_path / "a file" / "state"), workers=2)
+    options = ServerOptions(Settings.paper(scene="nowhere.toml"), workers=2)
     with pytest.raises(RuntimeError, match="end again and again"):
         with supervised(options, listen("127.0.0.1", 0), Termination()):
             pass
-    assert capfd.readouterr().err.count("NotADirectoryError") >= 3
+    assert capfd.readouterr().err.count("nowhere.toml") >= 3
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
-def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(tmp_path, monkeypatch, caplog):
+def test_a_worker_that_gives_no_sign_of_life_is_ended_and_replaced(monkeypatch, caplog):
     monkeypatch.setattr(processes, "SILENT_FOR", 2.0)
     stopped, begun = Termination(), lambda: {child.pid for child in multiprocessing.active_children()}
     others = begun()
-    with supervised(ServerOptions(store=str(tmp_path), workers=2), listen("127.0.0.1", 0), stopped):
+    with supervised(ServerOptions(workers=2), listen("127.0.0.1", 0), stopped):
         first = begun() - others
         silent = min(first)
         os.kill(silent, signal.SIGSTOP)
@@ -278,8 +255,8 @@ def test_who_was_asleep_itself_does_not_take_others_for_silent(monkeypatch):
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processes are found in /proc")
-def test_a_signal_to_all_processes_begins_none_again(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+def test_a_signal_to_all_processes_begins_none_again():
+    server = Server("--workers", "2")
     tell_all(workers_of(server), signal.SIGTERM)
     wait_until(lambda: not workers_of(server))
     assert server.stop() == 0
@@ -287,8 +264,8 @@ def test_a_signal_to_all_processes_begins_none_again(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="processes cannot be stopped here")
-def test_a_stop_takes_ten_seconds_at_most(tmp_path):
-    server = Server("--workers", "2", "--store", str(tmp_path / "state"))
+def test_a_stop_takes_ten_seconds_at_most():
+    server = Server("--workers", "2")
     os.kill(workers_of(server)[0], signal.SIGSTOP)
     with server.says("a process of the server does not end"):
         assert server.stop() == 0  # which waits no longer

@@ -6,7 +6,6 @@ import msgspec
 import numpy as np
 import pytest
 from sameness import error_deg
-from viewimit.app.sessions.codec import decode, encode
 
 from viewimit.drawing.status import describe
 from viewimit.estimation.views import FourViews
@@ -95,7 +94,7 @@ def test_what_was_found_is_kept_with_the_session_and_goes_on():
     whole.run(30)
     while not begun.snapshot.exchanged:
         assert begun.step()
-    resumed.resume(decode(encode(list(begun.history))), begun.cursor)
+    resumed.play(begun.script)
     resumed.run(30)
     assert [moment.E for moment in resumed.history] == [moment.E for moment in whole.history]
     resumed.pose(np.radians((60, -100)))

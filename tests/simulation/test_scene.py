@@ -9,7 +9,6 @@ from viewimit.geometry.distortion import RadialDistortion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.camera import Lens
-from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import ROOT, load_robot, load_scene, scene_names
 from viewimit.simulation.world import World
@@ -54,14 +53,6 @@ def test_each_camera_may_differ_from_the_head(scene_file):
         (256, 256), (320, 120)
     )
     assert head.toe_in == np.radians(5)
-
-
-def test_pictures_are_not_rendered_through_a_lens_that_distorts(scene_file):
-    pytest.importorskip("pybullet")
-    scene = load_scene(scene_file('extends = "panda"\n[head.left]\ndistortion = [-0.1, 0.01]\n'))
-    with pytest.raises(ValueError, match="rendered without distortion"):
-        require_eyes("rendered", scene)
-    require_eyes("rendered", load_scene("panda-toed"))
 
 
 @pytest.mark.parametrize(

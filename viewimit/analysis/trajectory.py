@@ -225,7 +225,8 @@ def follow(
         for _ in range(1 if frame else MAX_APPROACH_STEPS):
             step = model.step_towards(seen, target, followed & visible.all(-1))
             commanded = np.clip(sent + step, low, high)
-            theta, sent, n_motions = eyes.drive(settings, theta, sent, commanded), commanded, n_motions + 1
+            theta, sent = session.embodiment.drive(settings, theta, sent, commanded), commanded
+            n_motions += 1
             seen = look()
             model = model.update(seen)
             if np.max(np.abs(step)) < APPROACH_END_RAD:

@@ -33,7 +33,7 @@ EXTRA_POSTURES = 3  # beside one for each joint, which turns it alone
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    sight = (*disturbances(ImageDisturbance), "frames", "seed", "undistort", "sensor")
+    sight = (*disturbances(ImageDisturbance), "frames", "seed", "undistort", "sensor", "dynamics")
     add_settings(parser, *SCENE, *sight, *ARM, *SAFETY, defaults=Settings())
     number, reach = between(int, MIN_POSTURES, MAX_POSTURES), between(float, 1.0, 360.0)
     parser.add_argument(

@@ -34,7 +34,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"Fig. 10: {', '.join(MOTIONS)}, or a recorded .json (sinusoid)",
     )
-    add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor", *ARM, "servo")
+    add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "sensor", "dynamics", *ARM, "servo")
     add_json_option(parser)
 
 

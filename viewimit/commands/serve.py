@@ -1,15 +1,12 @@
 """viewimit serve: the page."""
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
 from ..sensing.files import escape
 from . import BadInput
 from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
-
-STORE = "VIEWIMIT_STORE"  # environment variable, instead of --store
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,12 +32,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="a page elsewhere that may connect, such as https://class.example.org of a proxy; more than once for more",
     )
     parser.add_argument(
-        "--store",
-        metavar="DIR|URL",
-        help="where sessions are kept for visitors who come back: a folder (the user's own), or redis://HOST:PORT; an "
-        f"address with a password is better said by the environment variable {STORE}, which other users do not see",
-    )
-    parser.add_argument(
         "--workers",
         type=between(int, 1, 64),
         help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
@@ -53,6 +44,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a lesson of your own, offered instead of the tour; more than once for more (docs/teach/lesson-format.md)",
     )
+    parser.add_argument("--store", help=argparse.SUPPRESS)
     parser.add_argument("--lecturer", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
@@ -61,24 +53,22 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.lecturer:
         raise BadInput("--lecturer: a class has a server of its own now: viewimit class")
+    if args.store is not None:
+        raise BadInput("--store: the server stores no sessions: each visitor's browser tab keeps its own")
     settings = settings_from(args)
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own
     from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
     from ..app.server.address import require_origin
-    from ..app.sessions.stores import open_store
 
     with naming("--origin"):
         for origin in args.origin:
             require_origin(origin)
-    store = args.store or os.environ.get(STORE) or None
-    with naming("--store" if args.store or not store else STORE):
-        open_store(store).close()
     with naming("--lesson"):
         lessons = own(args.lesson)
     workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, store, args.max_clients, tuple(args.origin), workers, of_one, lessons)
+    options = ServerOptions(settings, args.max_clients, tuple(args.origin), workers, of_one, lessons)
     try:
         with naming("--host, --port, --workers"):
             serve(args.host, args.port, options, open_browser=args.open)

@@ -67,7 +67,7 @@ def _options(settings: Settings, defaults: Settings) -> list[str]:
         if getattr(settings, name) != getattr(Settings(), name):
             raise ValueError(f"no command: {why}")
     names = ("scene", "robot", "joints", "points", "transfer", "servo", "frames", *DISTURBANCES, "seed", "undistort",
-             "rectify", "sensor", *SAFETY)  # fmt: skip
+             "rectify", "sensor", "dynamics", *SAFETY)  # fmt: skip
     postures = (f"{option(name)}={_value(getattr(settings, name))}" for name in ("demonstrator_deg", "start_deg"))
     return [*_words(settings, defaults, names), *postures]
 

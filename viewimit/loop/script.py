@@ -61,7 +61,7 @@ class Looks(msgspec.Struct, tag="l", **FIELDS):
 
 
 Action = Steps | MoveDemonstrator | ChangeSettings | Calibrate | Begin | ClearCalibration | Looks
-MAX_ACTIONS = 4_000  # of a session that a log records
+MAX_ACTIONS = 10_000  # of a session that a log records
 
 
 class _Session(Protocol):
@@ -156,12 +156,18 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
         """A log of a session whose past is unknown."""
         return cls(Script(Settings()), unknown_from=0)
 
-    def note(self, motion: int, action: Action) -> None:
-        """Record an action at a motion. Later actions are dropped."""
+    def note(self, motion: int, action: Action, merge_poses: bool = False) -> None:
+        """Record an action at a motion. Later actions are dropped.
+
+        merge_poses: a posture of the demonstrator replaces one recorded just before, as in a drag. A simulated session
+        then plays to the same bits; an arm and eyes of the user's own would not see the postures in between.
+        """
         self._drop_after(motion)
         here = self.actions.setdefault(motion, [])
         if here and isinstance(action, Steps | Looks) and type(here[-1]) is type(action):
             here[-1] = type(action)(here[-1].times + action.times)
+        elif merge_poses and here and isinstance(action, MoveDemonstrator) and isinstance(here[-1], MoveDemonstrator):
+            here[-1] = action
         elif len(self.before.actions) + sum(map(len, self.actions.values())) < MAX_ACTIONS:
             here.append(action)
         else:

@@ -39,7 +39,8 @@ from .simulated_robot import OpenEyes, SimulatedRobot, SimulatedRobotOpener
 from .snapshot import CustomMethods, Snapshot
 
 RESTARTING_FIELDS = (  # a change of the body, of the sensor or of the arm's limits restarts the session
-    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "delay", "workspace_deg",
+    "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "dynamics", "delay",
+    "workspace_deg", "matched",
 )  # fmt: skip
 CustomTransfer = str | TransferMethod | TransferFunction
 CustomServo = str | ServoMethod | Servo
@@ -56,7 +57,7 @@ class Session(Learner):
     settings : Settings, optional
         What the run depends on. `Settings()`, the best method, by default.
     open_eyes : callable, optional
-        open_eyes(sensor, scene, points) makes the simulated cameras and arms.
+        open_eyes(sensor, scene, points) makes the simulated cameras.
     dense : int, optional
         How many of the last motions the history keeps completely. All by default.
     transfer, servo : optional
@@ -229,7 +230,7 @@ class Session(Learner):
         now = self._seen(now.theta, now, settings=settings, theta_demo=theta_demo, status=status, target=None)
         if now.servo_state is not None:
             now = now.with_fields(servo_state=now.servo.retarget(now.servo_state, self.observation(now)))
-        self.log.note(now.motion, action)
+        self.log.note(now.motion, action, merge_poses=isinstance(self.embodiment, SimulatedRobot))
         self.history.replace(now)
 
     def calibrate(self, count: int, seed: int, within_deg: float | None = None) -> SelfCalibration:

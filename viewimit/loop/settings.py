@@ -20,6 +20,7 @@ from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
 from ..servo.observation import DEFAULT_MAX_RESTARTS
+from ..simulation.arms import DYNAMICS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
 
@@ -139,6 +140,14 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
     swapped: Annotated[float, SWAPPED] = 0.0
+    matched: Annotated[
+        bool,
+        Setting(
+            description="whether the demonstrator's points come with the names of the learner's own; without, the "
+            "learner finds them",
+            option="unmatched",
+        ),
+    ] = True
     frames: Annotated[
         int,
         Setting(
@@ -178,11 +187,17 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     sensor: Annotated[
         str,
         Setting(
-            description="image points projected, or detected in rendered pictures of arms that have weight and wear "
-            "markers",
+            description="image points projected, or detected in rendered pictures of arms that wear markers",
             choices=SENSORS,
         ),
     ] = "projected"
+    dynamics: Annotated[
+        str,
+        Setting(
+            description="arms without mass, or with weight and motors of limited torque and speed, by PyBullet",
+            choices=DYNAMICS,
+        ),
+    ] = "none"
     max_step_deg: Annotated[
         float | None,
         Setting(
@@ -300,6 +315,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if not isinstance(value, numbers) or isinstance(value, bool):
                 expected = "a whole number" if numbers is Integral else "a number"
                 raise ValueError(f"{name} must be {expected}, got {value!r}")
+        if not isinstance(self.matched, bool):
+            raise ValueError(f"matched must be True or False, got {self.matched!r}")
         for name, expected in _SEQUENCES.items():
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.views import FourViews
 from ..sensing.frames import MAX_LATENCY_LOOKS, average_frames, estimate_latency, noise_std
+from ..simulation.arms import SimulatedArm, open_arm
 from ..simulation.disturbances import (
     ImageDisturbance,
     MatchDisturbance,
@@ -30,8 +31,9 @@ from .self_calibration import Body
 from .settings import USUAL_POINTS, BodyPoint, Settings
 from .snapshot import Snapshot
 
-# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped
-DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH = 0, 1, 4, 5
+# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped; the
+# order of points without names
+DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH, ORDER = 0, 1, 4, 5, 6
 REST_LOOKS = 8  # images of the own body at rest that measure the noise
 
 Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
@@ -66,10 +68,15 @@ class SimulatedObserver:
 
     def demo(self, settings: Settings, theta_demo: NDArray[np.float64]) -> Images:
         """The demonstrator's images: new ones only if it, or a disturbance, has changed. theta_demo: (m,) rad."""
-        key = theta_demo.tobytes(), settings.amounts(SightDisturbance), settings.frames, settings.seed
+        amounts = settings.amounts(SightDisturbance)
+        key = theta_demo.tobytes(), amounts, settings.frames, settings.seed, settings.matched
         if self._demo is None or self._demo[0] != key:
             images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
-            self._demo = key, mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            points, visible = mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            if not settings.matched:
+                order = demo_order(settings, len(points))
+                points, visible = points[order], visible[order]
+            self._demo = key, (points, visible)
         return self._demo[1]
 
     def image_noise_std(self, settings: Settings) -> float:
@@ -100,6 +107,11 @@ class SimulatedObserver:
         return MAX_LATENCY_LOOKS if lag is None else lag, lag
 
 
+def demo_order(settings: Settings, count: int) -> NDArray[np.int_]:
+    """The order in which the demonstrator's points come without names, (count,) indices."""
+    return np.random.default_rng([settings.seed, ORDER]).permutation(count)
+
+
 def observed_images(settings: Settings, images: Images, *stream: int) -> Images:
     """The images that the learner sees: disturbed, and averaged over `Settings.frames`. stream: of the seed."""
     seed, amounts = [settings.seed, *stream], settings.amounts(ImageDisturbance)
@@ -111,8 +123,8 @@ def observed_images(settings: Settings, images: Images, *stream: int) -> Images:
 class SimulatedRobot:
     """See `embodiment.Embodiment`."""
 
-    def __init__(self, eyes: SimulatedEyes, scene: Scene):
-        self.eyes, self._scene = eyes, scene
+    def __init__(self, eyes: SimulatedEyes, arm: SimulatedArm, scene: Scene):
+        self.eyes, self.arm, self._scene = eyes, arm, scene
         self.lower, self.upper = scene.lower, scene.upper  # asked for at every motion
 
     def require_posture(self, theta: ArrayLike, whose: str) -> NDArray[np.float64]:
@@ -134,12 +146,12 @@ class SimulatedRobot:
         return _demonstrator(settings, self._scene)
 
     def settle_demonstrator(self, theta_demo: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.eyes.settle(theta_demo)
+        return self.arm.settle(theta_demo)
 
     def drive(
         self, settings: Settings, theta: NDArray[np.float64], sent: NDArray[np.float64], commanded: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        return self.eyes.drive(settings, theta, sent, commanded)
+        return self.arm.drive(settings, theta, sent, commanded)
 
     def revisit(self, settings: Settings, sent: NDArray[np.float64], commanded: NDArray[np.float64]) -> None:
         """Nothing to do: a simulated arm has no posture of its own."""
@@ -153,20 +165,21 @@ def _digest(points: Sequence[BodyPoint]) -> str:
 
 
 class SimulatedRobotOpener:
-    """See `embodiment.Opener`. The same eyes serve until the sensor, the scene or the layout of points changes."""
+    """See `embodiment.Opener`. The same eyes and arm serve until the scene, or what they are made of, changes."""
 
     def __init__(self, open_eyes: OpenEyes):
         self._open_eyes = open_eyes
-        self._opened: tuple[tuple[str, Scene, int], SimulatedRobot] | None = None
+        self._opened: tuple[tuple[str, Scene, int, str], SimulatedRobot] | None = None
 
     def __call__(self, settings: Settings, sent: NDArray[np.float64] | None) -> SessionStart:
         scene = load_scene(settings.scene, settings.robot, settings.joints, settings.undistort, settings.body_points)
         settings, demo, start = _complete(settings, scene)
-        key = settings.sensor, scene, settings.points
+        key = settings.sensor, scene, settings.points, settings.dynamics
         if self._opened is None or self._opened[0] != key:
-            self._opened = key, SimulatedRobot(self._open_eyes(*key), scene)
+            eyes = self._open_eyes(settings.sensor, scene, settings.points)
+            self._opened = key, SimulatedRobot(eyes, open_arm(settings.dynamics, scene), scene)
         learner = self._opened[1]
-        demo, standing = learner.eyes.settle(demo), learner.eyes.settle(start)
+        demo, standing = learner.arm.settle(demo), learner.arm.settle(start)
         return SessionStart(settings, learner, start, standing, demo, workspace(settings, scene.lower, scene.upper))
 
 

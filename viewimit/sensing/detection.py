@@ -1,4 +1,6 @@
-"""Detect markers in a picture with OpenCV: coloured balls by their hue, and square markers by their number.
+"""Detect markers in a picture: coloured balls by their hue, and square markers by their number.
+
+The balls need numpy alone. OpenCV, an extra, reads files and finds square markers.
 
 The chroma of a pixel is the coloured part of it, a vector in a plane. Its angle, the hue, belongs to the paint. White
 light of any strength does not change it, and neither does mixing with grey at an edge. There its length says how much
@@ -11,9 +13,11 @@ import struct
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
@@ -36,8 +40,6 @@ AREA_TOL, AREA_SIGMA = (
 MAD_TO_STD = 1.4826  # from the median of |x| to the standard deviation
 HUES_PER_DEGREE = 4
 PIXEL_VARIANCE = 1 / 12  # of a uniform distribution over one pixel [px²]
-NEIGHBOURS = np.ones((3, 3), np.uint8)
-DICTIONARIES = {name.removeprefix("DICT_").upper(): name for name in dir(cv2.aruco) if name.startswith("DICT_")}
 OPENCV_OFFSET_PX = 0.5  # OpenCV has (0, 0) at the centre of the first pixel
 
 Picture = NDArray[np.uint8]
@@ -91,17 +93,15 @@ def detect(picture: Picture, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
     chroma = np.hypot(a, b)
     which = _marker_by_hue(hue_deg)[np.round(np.degrees(np.arctan2(b, a)) * HUES_PER_DEGREE).astype(int)]
     which[chroma < MIN_CHROMA] = -1
-    for marker in np.unique(which[which >= 0]):
-        count, labels, parts, _ = cv2.connectedComponentsWithStats((which == marker).astype(np.uint8), connectivity=8)
-        for k in range(1, count):
-            x, y, width, height, pixels = parts[k]
-            if pixels < max(MIN_AREA_PX, count_px[marker]):
-                continue
-            part = slice(y, y + height), slice(x, x + width)
-            centre, roundness, area = _disc(np.where(labels[part] == k, chroma[part], 0.0))
-            if roundness >= MIN_ROUNDNESS:
-                count_px[marker], covered[marker] = pixels, area
-                points[marker], confidence[marker] = centre + (left + x, top + y), roundness
+    for marker, part, inside in _blobs(which):
+        pixels = int(inside.sum())
+        if pixels < max(MIN_AREA_PX, count_px[marker]):
+            continue
+        centre, roundness, area = _disc(np.where(inside, chroma[part], 0.0))
+        if roundness >= MIN_ROUNDNESS:
+            count_px[marker], covered[marker] = pixels, area
+            points[marker] = centre + (left + part[1].start, top + part[0].start)
+            confidence[marker] = roundness
     found = Detections(points, confidence, covered)
     if not count_px.any():
         return found
@@ -124,6 +124,8 @@ def reject_partly_hidden(left: Detections, right: Detections) -> tuple[Detection
 
 def read_pictures(path: Path) -> Iterator[Picture]:
     """Read a picture, or the frames of a video, each (height, width, 3) in RGB. Raises ValueError, OSError."""
+    import cv2
+
     require_file(path, MAX_BYTES)
     if path.suffix.lower() in PICTURES:
         _require_size(path)
@@ -172,9 +174,48 @@ def _coloured_part(picture: Picture, middle: float) -> tuple[tuple[int, int], tu
     searched = picture[:, first : width - first]
     red, green, blue = np.moveaxis(searched, -1, 0)
     spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
-    x, y, w, h = cv2.boundingRect((spread >= MIN_CHROMA / 2).astype(np.uint8))
-    red, green, blue = np.moveaxis(searched[y : y + h, x : x + w].astype(np.float32), -1, 0)
-    return (first + x, y), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
+    coloured = spread >= MIN_CHROMA / 2
+    rows, columns = (_box(coloured.any(axis)) for axis in (1, 0))
+    red, green, blue = np.moveaxis(searched[rows, columns].astype(np.float32), -1, 0)
+    return (first + columns.start, rows.start), (red - (green + blue) / 2, np.sqrt(0.75) * (green - blue))
+
+
+def _box(hit: NDArray[np.bool_]) -> slice:
+    """From the first to the last that is hit; empty if none is."""
+    where = np.flatnonzero(hit)
+    return slice(int(where[0]), int(where[-1]) + 1) if len(where) else slice(0, 0)
+
+
+def _blobs(which: NDArray[np.int_]) -> Iterator[tuple[int, tuple[slice, slice], NDArray[np.bool_]]]:
+    """Find connected pixels of one number, neighbours at corners included; negative ones belong to no blob.
+
+    Yields the number, the bounding box, and which of its pixels belong to the blob. Runs of pixels in a row are joined
+    with the runs that they touch in the next row, until all that are connected have the lowest label among them.
+    """
+    width = which.shape[1] + 2
+    flat = np.pad(which, 1, constant_values=-1).ravel()  # no run goes on in the next row
+    run = np.cumsum(np.diff(flat, prepend=-1) != 0)
+    pixel = np.flatnonzero(flat >= 0)
+    touching = []
+    for below in (width - 1, width, width + 1):
+        upper = pixel[flat[pixel] == flat[pixel + below]]
+        touching.append(np.stack([run[upper], run[upper + below]]))
+    label, (one, other) = np.arange(run[-1] + 1), np.concatenate(touching, 1)
+    while (label[one] != label[other]).any():
+        lowest = np.minimum(label[one], label[other])
+        for ends in (label[one], label[other]):
+            np.minimum.at(label, ends, lowest)
+        while (label[label] != label).any():
+            label = label[label]
+    owner = label[run[pixel]]
+    order = np.argsort(owner, kind="stable")
+    owner, (row, column) = owner[order], np.divmod(pixel[order], width) - np.ones((2, 1), int)
+    for begin, end in pairwise([*np.flatnonzero(np.diff(owner, prepend=-1)), len(owner)]):
+        y, x = row[begin:end], column[begin:end]
+        part = slice(int(y[0]), int(y[-1]) + 1), slice(int(x.min()), int(x.max()) + 1)
+        inside = np.zeros((part[0].stop - part[0].start, part[1].stop - part[1].start), bool)
+        inside[y - part[0].start, x - part[1].start] = True
+        yield int(which[y[0], x[0]]), part, inside
 
 
 def _marker_by_hue(hue_deg: Floats) -> NDArray[np.int_]:
@@ -195,9 +236,7 @@ def _disc(chroma: Floats) -> tuple[Floats, float, float]:
 
     chroma: 0 outside the blob.
     """
-    inside = np.pad((chroma > 0).astype(np.uint8), 1)
-    interior = cv2.erode(inside, NEIGHBOURS)[1:-1, 1:-1] > 0
-    brightest = cv2.dilate(chroma, NEIGHBOURS)
+    interior, brightest = _of_neighbourhood(chroma > 0, np.minimum), _of_neighbourhood(chroma, np.maximum)
     covered = np.where(interior, 1.0, chroma / np.maximum(brightest, 1.0))
     area = covered.sum()
     x, y = np.arange(chroma.shape[1]) + 0.5, np.arange(chroma.shape[0]) + 0.5
@@ -209,9 +248,24 @@ def _disc(chroma: Floats) -> tuple[Floats, float, float]:
     return centre, float(np.sqrt((mean - half) / (mean + half))), float(area)
 
 
+def _of_neighbourhood(values: NDArray[Any], pick: np.ufunc) -> NDArray[Any]:
+    """Smallest or largest of each pixel and its eight neighbours, 0 beyond the border."""
+    padded = np.pad(values, 1)
+    rows = pick(pick(padded[:-2], padded[1:-1]), padded[2:])
+    return pick(pick(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:])
+
+
+@cache
+def _dictionaries() -> dict[str, str]:
+    """Names in OpenCV of its dictionaries of square markers, by what users call them."""
+    import cv2
+
+    return {name.removeprefix("DICT_").upper(): name for name in dir(cv2.aruco) if name.startswith("DICT_")}
+
+
 def dictionary_names() -> list[str]:
     """Return the names of OpenCV's dictionaries, such as 4X4_50 and APRILTAG_36H11."""
-    return sorted(DICTIONARIES)
+    return sorted(_dictionaries())
 
 
 class Fiducials:
@@ -224,7 +278,9 @@ class Fiducials:
     """
 
     def __init__(self, dictionary: str):
-        name = DICTIONARIES.get(dictionary.upper().removeprefix("DICT_"))
+        import cv2
+
+        name = _dictionaries().get(dictionary.upper().removeprefix("DICT_"))
         if name is None:
             raise ValueError(f"no dictionary {dictionary!r}; there are {', '.join(dictionary_names())}")
         self.dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))

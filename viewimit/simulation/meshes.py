@@ -38,6 +38,14 @@ class Mesh:
         """(F, 3) unit vectors; 0 for a face without area."""
         return self._cross / np.where(self._twice_areas > 0, self._twice_areas, 1.0)[:, None]
 
+    @cached_property
+    def vertex_normals(self) -> Floats:
+        """(V, 3) unit vectors: the mean of the faces at each vertex, weighted by their areas."""
+        total = np.zeros_like(self.vertices)
+        for corner in range(3):
+            np.add.at(total, self.faces[:, corner], self._cross)
+        return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), np.finfo(float).tiny)
+
     @property
     def area_faces(self) -> Floats:
         """(F,) m²."""

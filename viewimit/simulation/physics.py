@@ -1,13 +1,13 @@
-"""PyBullet: a private connection, an arm with mass and motors, and the URDF that it loads.
+"""PyBullet: a private connection, arms with mass and motors, and the URDF that it loads.
 
 This is the only module that imports pybullet. PyBullet prints to the standard output of the process, past Python, so
 every call that prints is silenced.
 """
 
 import contextlib
-import copy
 import os
 import sys
+import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..assets import ROOT
 from ..geometry.rigid import rigid_transform, rotation_about_axis
-from .robot import Joint, Markers, colours
+from .disturbances import ActuatorSettings, ArmDisturbance
+from .disturbances import drive as disturbed
+from .robot import Joint
 from .scene import Scene, load_robot
 
 STEP_S = 1 / 240  # PyBullet's own step, for which its motors are tuned
@@ -26,9 +28,6 @@ GRAVITY = 9.81  # m/s²
 STIFFNESS, DAMPING = 0.1, 0.5  # gains of PyBullet's motors: a Panda sags by 0.1° to 0.3°
 MAX_REST_SPEED, MAX_MOTION_S = 1e-4, 20.0  # rad/s; s of simulated time
 CHECK_EVERY = 10  # steps
-ARM_GREY, STEM_GREY = 0.75, 0.5
-STEM_RADIUS_M = 0.003
-NO_OFFSET = (0.0, 0.0, 0.0)
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 Floats = NDArray[np.float64]
@@ -63,12 +62,25 @@ def connect() -> BulletClient:
         return BulletClient(pybullet.DIRECT)
 
 
-class Arm:
-    """One arm of a URDF on a fixed base, driven by motors of limited torque and speed.
+class PhysicalArm:
+    """An arm that its motors hold a little below the commanded posture. See `SimulatedArm`."""
 
-    The motors hold it against gravity, a little below the commanded posture. Its joints are the revolute ones, base
-    to tip.
-    """
+    def __init__(self, scene: Scene):
+        self._scene = scene
+        with tempfile.TemporaryDirectory() as folder:
+            self._motors = Motors(write_urdf(scene, Path(folder)))
+
+    def settle(self, theta: Floats) -> Floats:
+        return self._motors.drive(theta, theta)
+
+    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
+        """The disturbed command is the goal of the motors; `sent` is not used."""
+        goal = disturbed(settings.amounts(ArmDisturbance), settings.start_rad, commanded)
+        return self._motors.drive(theta, np.clip(goal, self._scene.lower, self._scene.upper))
+
+
+class Motors:
+    """The revolute joints of a URDF on a fixed base, base to tip, with motors of limited torque and speed."""
 
     def __init__(self, urdf: Path):
         self._client = connect()
@@ -105,35 +117,23 @@ class Arm:
         return np.array([state[0] for state in states])
 
 
-def write_urdf(scene: Scene, markers: Markers, folder: Path) -> Path:
-    """Write the arm of a scene with a shipped robot, its meshes and its markers into a folder, and return the URDF.
+def write_urdf(scene: Scene, folder: Path) -> Path:
+    """Write the arm of a scene with a shipped robot into a folder, without shapes, and return the URDF.
 
     Only the scene's moving joints remain; the others are fixed at the scene's posture.
     """
-    source = ROOT / "robots" / scene.robot
-    root = ElementTree.parse(source / f"{scene.robot}.urdf").getroot()
-    shapes = trimesh.load_scene(source / f"{scene.robot}.glb")
+    path, robot, revolute = ROOT / "robots" / scene.robot / f"{scene.robot}.urdf", load_robot(scene.robot), 0
+    root = ElementTree.parse(path).getroot()
     joint_to = {child.get("link"): joint for joint in root.iter("joint") for child in joint.iter("child")}
-    robot, revolute = load_robot(scene.robot), 0
     for link in root.findall("link"):
         joint = joint_to.get(link.get("name"))
-        number = 0 if joint is None else None
         if joint is not None and joint.get("type") == "revolute":
             revolute += 1
-            number = revolute
-            if number not in scene.moving_joints:
-                _fix(joint, robot.joints[number - 1], np.radians(scene.posture_deg[number - 1]))
+            if revolute not in scene.moving_joints:
+                _fix(joint, robot.joints[revolute - 1], np.radians(scene.posture_deg[revolute - 1]))
         elif joint is not None:
-            joint.set("type", "fixed")  # fingers too: their shapes belong to the hand's mesh
+            joint.set("type", "fixed")  # fingers too
         _add_zero_mass(link)
-        if number is not None:
-            mesh = folder / f"link{number}.obj"
-            shapes.geometry[f"link{number}"].export(mesh)
-            _add_visual(link, ElementTree.Element("mesh", filename=str(mesh)), [ARM_GREY] * 3)
-            for (owner, *centre, _), colour in zip(markers.balls, colours(markers.hue_deg)):
-                if owner == number:
-                    _add_visual(link, ElementTree.Element("sphere", radius=str(markers.radius)), colour, centre)
-                    _add_stem(link, np.array(centre), shapes.geometry[f"link{number}"].vertices)
     path = folder / "arm.urdf"
     ElementTree.ElementTree(root).write(path)
     return path
@@ -155,30 +155,6 @@ def _add_zero_mass(link: ElementTree.Element) -> None:
         inertial = ElementTree.SubElement(link, "inertial")
         ElementTree.SubElement(inertial, "mass", value="0")
         ElementTree.SubElement(inertial, "inertia", dict.fromkeys(INERTIA, "0"))
-
-
-def _add_visual(
-    link: ElementTree.Element,
-    shape: ElementTree.Element,
-    colour: ArrayLike,
-    centre: ArrayLike = NO_OFFSET,
-    rpy: ArrayLike = NO_OFFSET,
-) -> None:
-    visual = ElementTree.SubElement(link, "visual")
-    ElementTree.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(rpy))
-    ElementTree.SubElement(visual, "geometry").append(copy.copy(shape))
-    name = f"{link.get('name')}-{len(link)}"  # a name means one colour throughout the file
-    material = ElementTree.SubElement(visual, "material", name=name)
-    ElementTree.SubElement(material, "color", rgba=_text([*np.asarray(colour), 1.0]))
-
-
-def _add_stem(link: ElementTree.Element, centre: Floats, vertices: Floats) -> None:
-    """Add a rod from the centre of a ball, (3,) m, to the nearest of the link's vertices, (V, 3) m."""
-    along = vertices[np.linalg.norm(vertices - centre, axis=1).argmin()] - centre
-    length = np.linalg.norm(along)
-    x, y, z = along / length
-    rod = ElementTree.Element("cylinder", radius=str(STEM_RADIUS_M), length=str(length))
-    _add_visual(link, rod, [STEM_GREY] * 3, centre + along / 2, (0.0, np.arccos(z), np.arctan2(y, x)))
 
 
 def _text(numbers: ArrayLike) -> str:

@@ -1,12 +1,9 @@
-"""Pictures of both arms in a plain room, rendered by PyBullet, and image points detected in them.
+"""Pictures of both arms in a plain room, drawn by numpy alone, and image points detected in them.
 
-Only detections and the motion of arms with mass reach the method.
+Only detections reach the method.
 """
 
-import tempfile
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,150 +11,176 @@ from numpy.typing import NDArray
 from ..estimation.views import VIEWS
 from ..sensing.detection import Detections, detect, reject_partly_hidden
 from .camera import Camera
-from .disturbances import ActuatorSettings, ArmDisturbance, drive
-from .physics import Arm, BulletClient, connect, quiet, write_urdf
-from .robot import Angles, load_markers
-from .scene import Base, Scene
+from .depth_buffer import Balls, DepthBuffer, Triangles, illumination
+from .meshes import Mesh
+from .robot import Angles, Markers, colours, link_meshes, load_markers
+from .scene import Scene
 from .world import World
 
-NEAR_M, FAR_M = 0.05, 20.0
 SAMPLES = 2  # for each pixel and axis, as a sensor gathers light over the whole pixel
 PEDESTAL_M = 0.16  # half the width
-MARGIN_M, HEIGHT_M, THICK_M = 2.5, 3.0, 0.05  # of the room, around the bases and the head
-FLOOR_GREY, WALL_GREY, PEDESTAL_GREY = 0.55, 0.8, 0.4
+MARGIN_M, HEIGHT_M = 2.5, 3.0  # of the room, around the bases and the head
+FLOOR_GREY, WALL_GREY, PEDESTAL_GREY, SKY_GREY = 0.55, 0.8, 0.4, 1.0
+ARM_GREY, STEM_GREY = 0.75, 0.5
+STEM_RADIUS_M, STEM_SIDES = 0.003, 12
 SEARCHED_WIDTH = 0.56  # fraction of a picture's width: the head turns to the body that it watches
 MAX_FACE_DEPTH = 1.2  # from a ball's centre to the nearest visible surface, in radii
 NOISE_PX = 0.08  # standard deviation of a coordinate, as `viewimit bench pictures` measures it
-LIGHT = {
-    "lightDirection": (-1.5, 0.5, 3.0),
-    "lightColor": (1.0, 1.0, 1.0),
-    "lightAmbientCoeff": 0.55,
-    "lightDiffuseCoeff": 0.4,
-    "lightSpecularCoeff": 0.0,
-    "shadow": 0,
-}
-
 
 Floats = NDArray[np.float64]
 Visible = NDArray[np.bool_]
 Picture = NDArray[np.uint8]
 Colours = NDArray[np.uint32]
+Layer = tuple[NDArray[np.floating], Colours]  # inverse depths [1/m] and packed colours of all samples
 
 
 class Studio:
-    """A room in which an arm stands at each of two bases.
+    """A room in which an arm stands at each of two bases. The room is drawn once for each camera.
 
-    The room is rendered once for each camera, and the arms are drawn over it where they are nearer. `arms` and `room`
-    are the two PyBullet clients.
+    Parameters
+    ----------
+    world : World
+    markers : Markers
+        The balls that both arms wear.
     """
 
-    def __init__(self, scene: Scene, urdf: Path):
-        self.arms: Any = connect()
-        self.room: Any = connect()
-        self._bodies = [self._stand(urdf, base) for base in (scene.demonstrator, scene.learner)]
-        joints = range(self.arms.getNumJoints(self._bodies[0]))
-        revolute = self.arms.JOINT_REVOLUTE
-        self._joints = [k for k in joints if self.arms.getJointInfo(self._bodies[0], k)[2] == revolute]
-        self._build_room(scene)
-        self._empty: dict[bytes, tuple[Colours, NDArray[np.float32], Picture]] = {}  # rays, depths, picture of the room
+    def __init__(self, world: World, markers: Markers):
+        self._world, self._markers, self._colours = world, markers, colours(markers.hue_deg)
+        self._skin, self._room = Skin(link_meshes(world.scene.robot), markers), Room(world.scene)
+        self._empty: dict[bytes, tuple[Layer, Picture]] = {}  # samples and picture of the room, by camera
 
-    def pose(self, theta_demo: Floats, theta_own: Floats) -> None:
-        """Place both arms at postures, (m,) rad each."""
-        for body, theta in zip(self._bodies, (theta_demo, theta_own)):
-            for joint, angle in zip(self._joints, theta, strict=True):
-                self.arms.resetJointState(body, joint, float(angle))
-
-    def picture(self, camera: Camera) -> Picture:
-        """Render (height, width, 3) RGB, each pixel the mean of SAMPLES² rays."""
+    def picture(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> Picture:
+        """Draw both arms at postures, (m,) rad each: (height, width, 3) RGB, each pixel the mean of SAMPLES²."""
         key = camera.T_world_camera.tobytes()
         if key not in self._empty:
-            room, depth = _render(self.room, camera)
-            self._empty[key] = room, depth, _mean(room)
-        (arms, depth), (room, room_depth, empty) = _render(self.arms, camera), self._empty[key]
-        nearer, picture = depth < room_depth, empty.copy()
+            layer = self._room.seen_by(camera)
+            self._empty[key] = layer, _mean(layer[1])
+        (behind, room), empty = self._empty[key]
+        buffer = self._arms(camera, theta_demo, theta_own)
+        nearer, arms, picture = buffer.inverse_depth > behind, buffer.colours, empty.copy()
         if nearer.any():  # elsewhere the picture is that of the empty room
             rows, columns = (_pixel_range(np.asarray(nearer.any(axis))) for axis in (1, 0))
-            rays = tuple(slice(SAMPLES * part.start, SAMPLES * part.stop) for part in (rows, columns))
-            picture[rows, columns] = _mean(np.where(nearer[rays], arms[rays], room[rays]))
+            part = tuple(slice(SAMPLES * pixels.start, SAMPLES * pixels.stop) for pixels in (rows, columns))
+            picture[rows, columns] = _mean(np.where(nearer[part], arms[part], room[part]))
         return picture
 
-    def depth_m(self, camera: Camera) -> Floats:
-        """Return the depth of the arms without the room, (SAMPLES height, SAMPLES width) m."""
-        _, depth = _render(self.arms, camera)
-        return FAR_M * NEAR_M / (FAR_M - depth.astype(float) * (FAR_M - NEAR_M))
+    def depth_m(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> Floats:
+        """Return the depth of the arms without the room, (SAMPLES height, SAMPLES width) m, inf beside them."""
+        with np.errstate(divide="ignore"):
+            return 1 / self._arms(camera, theta_demo, theta_own).inverse_depth.astype(float)
 
-    def _stand(self, urdf: Path, base: Base) -> int:
-        half = np.radians(base.yaw_deg) / 2
-        with quiet():
-            return self.arms.loadURDF(str(urdf), base.position, (0, 0, np.sin(half), np.cos(half)), useFixedBase=True)
+    def _arms(self, camera: Camera, theta_demo: Floats, theta_own: Floats) -> DepthBuffer:
+        buffer, world = DepthBuffer(camera, SAMPLES), self._world
+        for theta, T_world_base in ((theta_demo, world.T_world_demo), (theta_own, world.T_world_own)):
+            frames = world.link_frames(theta, T_world_base)
+            buffer.add_triangles(self._skin.at(frames))
+            buffer.add_balls(Balls(self._markers.body.at(frames), self._colours, self._markers.radius))
+        return buffer
 
-    def _build_room(self, scene: Scene) -> None:
-        bases = (scene.demonstrator, scene.learner)
-        places = np.array([scene.head.position, *(base.position for base in bases)])
+
+class Skin:
+    """The triangles of an arm, and thin stems that hold its balls."""
+
+    def __init__(self, meshes: Mapping[int, Mesh], markers: Markers):
+        parts = [(link, mesh, ARM_GREY) for link, mesh in meshes.items()]
+        for link, centre in zip(markers.body.link.tolist(), markers.body.local):
+            nearest = np.linalg.norm(meshes[link].vertices - centre, axis=1).argmin()
+            parts.append((link, _rod(centre, meshes[link].vertices[nearest]), STEM_GREY))
+        sizes = [len(mesh.vertices) for _, mesh, _ in parts]
+        first = np.cumsum([0, *sizes[:-1]])
+        self._link = np.repeat([link for link, _, _ in parts], sizes)
+        self._grey = np.repeat([grey for _, _, grey in parts], sizes)
+        self._local = np.concatenate([mesh.vertices for _, mesh, _ in parts])
+        self._normals = np.concatenate([mesh.vertex_normals for _, mesh, _ in parts])
+        self._faces = np.concatenate([mesh.faces + start for (_, mesh, _), start in zip(parts, first)])
+
+    def at(self, T_world_links: Floats) -> Triangles:
+        """Return the triangles in the world, given the frames of all links, (n + 1, 4, 4)."""
+        R, t = T_world_links[self._link, :3, :3], T_world_links[self._link, :3, 3]
+        vertices, normals = ((R @ vectors[..., None])[..., 0] for vectors in (self._local, self._normals))
+        return Triangles(vertices + t, self._faces, normals, self._grey)
+
+
+def _rod(start: Floats, end: Floats) -> Mesh:
+    """A prism without ends between two points, (3,) m each."""
+    along = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(along, np.eye(3)[np.abs(along).argmin()])
+    across *= STEM_RADIUS_M / np.linalg.norm(across)
+    turn = 2 * np.pi * np.arange(STEM_SIDES) / STEM_SIDES
+    ring = np.cos(turn)[:, None] * across + np.sin(turn)[:, None] * np.cross(along, across)
+    here, after = np.arange(STEM_SIDES), (np.arange(STEM_SIDES) + 1) % STEM_SIDES
+    there = here + STEM_SIDES
+    faces = np.concatenate([np.stack([here, after, there], -1), np.stack([after, after + STEM_SIDES, there], -1)])
+    return Mesh(np.concatenate([start + ring, end + ring]), faces)
+
+
+class Room:
+    """A floor, four walls, and a pedestal below each base that is not on the floor."""
+
+    def __init__(self, scene: Scene):
+        bases = np.array([scene.demonstrator.position, scene.learner.position])
+        places = np.array([scene.head.position, *bases])
         low, high = places.min(0) - MARGIN_M, places.max(0) + MARGIN_M
-        (x, y), (half_x, half_y) = (low + high)[:2] / 2, (high - low)[:2] / 2
-        self._box((x, y, -THICK_M), (half_x, half_y, THICK_M), FLOOR_GREY)
-        for side in (-1, 1):
-            wall_x, wall_y = x + side * (half_x + THICK_M), y + side * (half_y + THICK_M)
-            self._box((wall_x, y, HEIGHT_M / 2), (THICK_M, half_y, HEIGHT_M / 2), WALL_GREY)
-            self._box((x, wall_y, HEIGHT_M / 2), (half_x, THICK_M, HEIGHT_M / 2), WALL_GREY)
-        for base in bases:
-            x, y, height = base.position
-            if height > 0:
-                self._box((x, y, height / 2), (PEDESTAL_M, PEDESTAL_M, height / 2), PEDESTAL_GREY)
+        self._inside = np.array([[*low[:2], 0.0], [*high[:2], np.inf]])
+        half = np.array([PEDESTAL_M, PEDESTAL_M, 0.0])
+        self._pedestals = [np.array([base * (1, 1, 0) - half, base + half]) for base in bases if base[2] > 0]
 
-    def _box(self, centre: Sequence[float], half: Sequence[float], grey: float) -> None:
-        colour = (grey, grey, grey, 1)
-        shape = self.room.createVisualShape(self.room.GEOM_BOX, halfExtents=[float(m) for m in half], rgbaColor=colour)
-        self.room.createMultiBody(0, -1, shape, [float(m) for m in centre])
-
-
-def _render(client: BulletClient, camera: Camera) -> tuple[Colours, NDArray[np.float32]]:
-    """Packed RGBA colours and depths in 0 … 1 of all samples, (SAMPLES height, SAMPLES width) each."""
-    view, projection = opengl_matrices(camera, SAMPLES)
-    width, height = SAMPLES * camera.width, SAMPLES * camera.height
-    options = {"renderer": client.ER_TINY_RENDERER, "flags": client.ER_NO_SEGMENTATION_MASK, **LIGHT}
-    _, _, colours, depth, _ = client.getCameraImage(width, height, view, projection, **options)
-    colours = np.ascontiguousarray(colours, np.uint8).view(np.uint32)  # a flat tuple if built without numpy
-    return colours.reshape(height, width), np.asarray(depth, np.float32).reshape(height, width)
+    def seen_by(self, camera: Camera) -> Layer:
+        """Draw it: arrays of (SAMPLES height, SAMPLES width)."""
+        rows, columns = (np.arange(SAMPLES * size) + 0.5 for size in (camera.height, camera.width))
+        ray, eye = camera.ray(np.stack(np.meshgrid(columns, rows), -1) / SAMPLES), camera.T_world_camera[:3, 3]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            depth, axis = _leaves(self._inside, eye, ray)
+            above = (eye + depth[..., None] * ray)[..., 2] > HEIGHT_M
+            greys = np.where(axis == 2, FLOOR_GREY, WALL_GREY)
+            shade = np.where(above, SKY_GREY, greys * _lit(axis, -ray))
+            depth[above] = np.inf
+            for pedestal in self._pedestals:
+                enters, axis = _enters(pedestal, eye, ray)
+                nearer = enters < depth
+                depth = np.where(nearer, enters, depth)
+                shade = np.where(nearer, PEDESTAL_GREY * _lit(axis, -ray), shade)
+        grey = (255 * shade + 0.5).astype(np.uint32)
+        return 1 / depth, grey | grey << 8 | grey << 16
 
 
-def _mean(rays: Colours) -> Picture:
+def _leaves(box: Floats, eye: Floats, ray: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Depth at which rays (..., 3) from inside leave a box, (2, 3) m, and the axis of the face there."""
+    depths = (np.where(ray > 0, box[1], box[0]) - eye) / ray
+    return depths.min(-1), depths.argmin(-1)
+
+
+def _enters(box: Floats, eye: Floats, ray: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Depth at which rays from outside enter a box, inf if they miss it, and the axis of the face there."""
+    first = (np.where(ray > 0, box[0], box[1]) - eye) / ray
+    last, _ = _leaves(box, eye, ray)
+    enters = first.max(-1)
+    return np.where((enters > 0) & (enters < last), enters, np.inf), first.argmax(-1)
+
+
+def _lit(axis: NDArray[np.intp], towards: Floats) -> Floats:
+    """Illumination of faces across an axis, whose normals point `towards` (..., 3)."""
+    return illumination(np.sign(towards) * np.eye(3)[axis])
+
+
+def _mean(samples: Colours) -> Picture:
     """Mean over each pixel, rounded: (SAMPLES h, SAMPLES w) packed colours -> (h, w, 3)."""
-    colours = np.ascontiguousarray(rays)[..., None].view(np.uint8)[..., :3]
-    total = np.full((rays.shape[0] // SAMPLES, rays.shape[1] // SAMPLES, 3), SAMPLES**2 // 2, np.uint16)
+    channels = np.ascontiguousarray(samples)[..., None].view(np.uint8)[..., :3]
+    total = np.full((samples.shape[0] // SAMPLES, samples.shape[1] // SAMPLES, 3), SAMPLES**2 // 2, np.uint16)
     for row in range(SAMPLES):
         for column in range(SAMPLES):
-            total += colours[row::SAMPLES, column::SAMPLES]
+            total += channels[row::SAMPLES, column::SAMPLES]
     return (total // SAMPLES**2).astype(np.uint8)
 
 
 def _pixel_range(hit: NDArray[np.bool_]) -> slice:
-    """Pixels from the first to the last whose rays are hit: (SAMPLES n,) bool -> slice."""
+    """Pixels from the first to the last whose samples are hit: (SAMPLES n,) bool -> slice."""
     where = np.flatnonzero(hit)
     return slice(int(where[0]) // SAMPLES, int(where[-1]) // SAMPLES + 1)
 
 
-def opengl_matrices(camera: Camera, samples: int) -> tuple[list[float], list[float]]:
-    """Return OpenGL's view and projection matrices, column by column, for `samples` rays in each pixel and axis.
-
-    The renderer sends each ray through the upper right corner of its sample instead of the centre. The projection
-    shifts by half a sample, so that points are drawn where `Camera.project` puts them.
-    """
-    width, height, half = camera.width, camera.height, 0.5 / samples
-    view = np.diag([1.0, -1.0, -1.0, 1.0]) @ np.linalg.inv(camera.T_world_camera)
-    projection = np.zeros((4, 4))
-    (fx, fy), (cx, cy) = camera.lens.focal, camera.lens.centre
-    projection[0, 0], projection[1, 1] = 2 * fx / width, 2 * fy / height
-    projection[0, 2] = 1 - 2 * (cx - half) / width
-    projection[1, 2] = 2 * (cy + half) / height - 1
-    projection[2, 2:] = -(FAR_M + NEAR_M) / (FAR_M - NEAR_M), -2 * FAR_M * NEAR_M / (FAR_M - NEAR_M)
-    projection[3, 2] = -1
-    return view.T.ravel().tolist(), projection.T.ravel().tolist()
-
-
 class RenderedEyes:
-    """Detects marked points in rendered pictures, and moves arms with mass. See `SimulatedEyes`.
+    """Detects marked points in rendered pictures. See `SimulatedEyes`.
 
     Attributes
     ----------
@@ -172,9 +195,7 @@ class RenderedEyes:
     def __init__(self, scene: Scene):
         self.markers = load_markers(scene.robot)
         self.world = World(scene, body=self.markers.body)
-        with tempfile.TemporaryDirectory() as folder:
-            urdf = write_urdf(scene, self.markers, Path(folder))
-            self._arm, self._studio = Arm(urdf), Studio(scene, urdf)
+        self._studio = Studio(self.world, self.markers)
         self._cameras: dict[str, Camera] = dict(zip(VIEWS, (*self.world.demo_cameras, *self.world.own_cameras)))
         rest = np.radians(scene.posture_deg)[scene.moving]
         self.rest = {"lr": rest, "LR": rest}
@@ -188,19 +209,9 @@ class RenderedEyes:
     def own_images(self, theta: Angles) -> tuple[Floats, Visible]:
         return self._images("LR", theta)
 
-    def settle(self, theta: Floats) -> Floats:
-        return self._arm.drive(theta, theta)
-
-    def drive(self, settings: ActuatorSettings, theta: Floats, sent: Floats, commanded: Floats) -> Floats:
-        """The disturbed command is the goal of the motors; `sent` is not used."""
-        scene = self.world.scene
-        goal = drive(settings.amounts(ArmDisturbance), settings.start_rad, commanded)
-        return self._arm.drive(theta, np.clip(goal, scene.lower, scene.upper))
-
     def look(self, view: str) -> Picture:
         """Render one view, detect its markers, and return the picture."""
-        self._studio.pose(self.theta["lr"], self.theta["LR"])
-        self.pictures[view] = self._studio.picture(self._cameras[view])
+        self.pictures[view] = self._studio.picture(self._cameras[view], self.theta["lr"], self.theta["LR"])
         self.detections[view] = detect(self.pictures[view], self.markers.hue_deg, SEARCHED_WIDTH)
         return self.pictures[view]
 
@@ -221,8 +232,7 @@ class RenderedEyes:
         camera = self._cameras[view]
         points = self.world.points_world(self.theta[pair], base)
         image, inside = camera.project(points.T)
-        self._studio.pose(self.theta["lr"], self.theta["LR"])
-        surface = self._studio.depth_m(camera)
+        surface = self._studio.depth_m(camera, self.theta["lr"], self.theta["LR"])
         last = np.array(surface.shape) - 1
         row, column = np.clip((SAMPLES * image[::-1]).astype(int), 0, last[:, None])
         depth = (points - camera.T_world_camera[:3, 3]) @ camera.T_world_camera[:3, 2]

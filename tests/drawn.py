@@ -96,9 +96,9 @@ DRAWING = "vi"  # any
 JOINT_NAME = r"(?:Base|Shoulder|Upper arm|Elbow|Forearm|Wrist|Hand|Joint) (?=θ)"
 
 
-def label(words: str) -> str:
+def label(words: str | None) -> str:
     """A widget's label as tests write it: of a joint, the symbol; of a folder, not what it holds."""
-    return re.sub(JOINT_NAME, "", words).split(": ")[0]
+    return re.sub(JOINT_NAME, "", words or "").split(": ")[0]
 
 
 LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style

@@ -10,6 +10,7 @@ from .registry import command
 CLIENT_REPORTED = {
     "dark": "prefers_dark",
     "truth": "truth",
+    "flat": "flat",
 }  # fields of View, by link
 
 

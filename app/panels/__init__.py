@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ..model.page_model import PageModel
 from .actions import actions
 from .arms import demonstrator, learner, start
-from .display import display, enlarge, views
+from .display import display, enlarge, still, views
 from .duel import duel
 from .experiments import experiments
 from .guide import glossary, lessons
@@ -41,6 +41,7 @@ PANELS: list[Callable[[Layout, PageModel], None]] = [
     glossary,
     status,
     share,
+    still,
     views,
     images,
     landscape,

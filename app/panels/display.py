@@ -3,6 +3,7 @@ what a small window shows of it."""
 
 import html
 
+from viewimit.drawing.export.perspective import draw_space
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
@@ -11,7 +12,7 @@ from ..model.choices import NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
 from ..model.view import LARGE
-from .panel import Layout, put, put_disabled, put_html, put_visible
+from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
 
 SWITCHES = (
     ("Goal in L and R", "goal"),
@@ -21,6 +22,7 @@ SWITCHES = (
     ("Whole frames", "whole_frames"),
     ("Raw, rectified", "rectified"),
     ("Shadows", "shadows"),
+    ("Still picture", "flat"),
     ("Dark", "dark"),
 )
 ICONS = {  # 24 x 24, strokes
@@ -84,6 +86,25 @@ def why_no_pictures(scene: Scene) -> str | None:
     except ValueError as reason:
         return str(reason)
     return None
+
+
+def still(layout: Layout, model: PageModel) -> None:
+    """What takes the place of the 3-D view in a browser without WebGL, or too slow for it, or where it is chosen."""
+    picture = layout.gui.add_html("")
+
+    def key(model: PageModel) -> tuple:
+        return (model.displayed.scene_snapshot, model.view.truth, model.view.rays) if model.view.flat else (None,)
+
+    def draw(model: PageModel) -> None:
+        if not model.view.flat:
+            return put_html(picture, "")
+        drawn = draw_space(
+            model.session.world, model.displayed.scene_snapshot, None, model.view.rays, True, model.view.truth
+        )
+        box = f'viewBox="0 0 {drawn.width} {drawn.height:.0f}" role="img" aria-label="{drawn.title}"'
+        put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
+
+    layout.drawing(key, draw, period=SLOWEST)
 
 
 def views(layout: Layout, model: PageModel) -> None:

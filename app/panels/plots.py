@@ -27,9 +27,7 @@ def curves(layout: Layout, model: PageModel) -> None:
             """Made anew only when they change."""
             put_html(over, f'<div class="vi-over">{motion_links(*links_key(model))}</div>')
 
-        layout.drawing(
-            lambda model: (model.snapshot, model.player.cursor, model.player.last, model.landscape.made), draw, SLOW
-        )
+        layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
         layout.drawing(links_key, draw_links, SLOW)
 
 

@@ -1,6 +1,5 @@
 """Fig. 10's imitation in the scene and in the images: what was imitated is seen, and nothing of the session moves."""
 
-
 import numpy as np
 import pytest
 from page_fakes import call, quiet_model

@@ -13,7 +13,7 @@ import viewimit
 
 ROOT = Path(__file__).parent.parent
 LAYERS = (  # folders and modules of viewimit/: each imports only from lines above its own, or itself
-    {"assets"},
+    {"assets", "processes"},
     {"geometry"},
     {"estimation"},
     {"servo", "sensing"},

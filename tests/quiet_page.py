@@ -29,6 +29,9 @@ class Widget(QuietHandle):
         self.callbacks = []
         vars(self).update(fields, label=label)
 
+    def remove(self):
+        self.visible = False
+
     def on_update(self, callback):
         self.callbacks.append(callback)
         return callback
@@ -59,6 +62,9 @@ class Gui(QuietHandle):
     def add_slider(self, label, min, max, step, initial_value, hint=None, **_):
         return self._add(label, min=min, max=max, step=step, value=initial_value, hint=hint)
 
+    def add_number(self, label, initial_value, **_):
+        return self._add(label, value=initial_value)
+
     def add_button_group(self, label, options, **_):
         return self._add(label, options=tuple(options), value=options[0])
 
@@ -78,11 +84,12 @@ class QuietPage:
         landscapes=None,
         shared=None,
         scripts=None,
+        experiments=None,
     ):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
-        workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
+        workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), camera
         clock = lambda: self.now
         how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
         services = Services(*workers, shedding, lambda robot, arm: None, **how)

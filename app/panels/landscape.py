@@ -41,7 +41,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
         def key(model: PageModel) -> tuple:
             on_its_way = model.displayed.interpolated_theta
             theta = model.snapshot.theta if on_its_way is None else on_its_way
-            return model.landscape.made, model.snapshot, theta.tobytes(), model.player.last
+            return model.landscape.made, model.snapshot, theta.tobytes()
 
         def draw(model: PageModel) -> None:
             made, session = model.landscape.made, model.session

@@ -19,7 +19,7 @@ def curves(layout: Layout, model: PageModel) -> None:
         tab, over_tab = gui.add_html(""), gui.add_html("")
 
         def key(model: PageModel) -> tuple:
-            return model.snapshot, model.player.cursor, model.player.last, model.landscape.made, model.view.wide
+            return model.snapshot, len(model.session.history), model.landscape.made, model.view.wide
 
         def draw(model: PageModel) -> None:
             session, wide, made = model.session, model.view.wide, model.landscape.made
@@ -27,7 +27,8 @@ def curves(layout: Layout, model: PageModel) -> None:
             joints, errors = session.scene.moving_joints, model.displayed.errors_deg
             drawn = draw_curves(session.history, session.cursor, E_true, joints, width, errors)
             drawn += hide_later_motions(len(session.history) - 1)
-            put_html(card if wide else tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
+            put_html(card, f'<div class="vi-card">{drawn}</div>' if wide else "")
+            put_html(tab, "" if wide else drawn)
             for handle in (card, over_card):
                 put_visible(handle, wide)
 

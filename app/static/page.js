@@ -82,7 +82,9 @@ window.Worker = class extends Worker {
         page.searchParams.delete("websocket");
         history.replaceState(history.state, "", page);
       }
-      data = {...data, server: location.href.replace(/^http/, "ws").replace(/[^/]*([?#].*)?$/, "")};  // of the sub-path
+      const path = page.pathname.replace(/[^/]*$/, "");  // below which a proxy has the page: the server cannot know it
+      const server = page.origin.replace(/^http/, "ws") + path + (path === "/" ? "" : `?at=${encodeURIComponent(path)}`);
+      data = {...data, server};
       this.addEventListener("message", ({data: {type, messages}}) => {
         if (type === "connected") box = "";
         if (type === "message_batch") messages.forEach(heard);

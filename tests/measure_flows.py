@@ -44,7 +44,7 @@ def slider() -> list[str]:
     page = QuietPage(Settings.paper(), landscapes=QuietLandscapes())
     for _ in range(40):
         page.tick()
-    joint = next(widget for widget in page.gui.widgets if widget.label.startswith("θ"))
+    joint = next(widget for widget in page.gui.widgets if vars(widget).get("step") == 0.5)
 
     def turn() -> None:
         joint.value = 60.0

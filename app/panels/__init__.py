@@ -7,38 +7,39 @@ from collections.abc import Callable
 
 from ..model.page_model import PageModel
 from .actions import actions
-from .display import display, enlarge, points, views
+from .display import display, enlarge, points, still, views
 from .duel import duel
 from .experiments import experiments, motions
 from .guide import glossary, keys, lessons
-from .images import conflict, images
-from .landscape import landscape, law
-from .left import demonstrator, disturbances, history, learner, method, playback
+from .images import images
+from .landscape import landscape
+from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
 from .panel import Layout
 from .plots import curves, equations
 from .share import save, share
 from .status import status
 
 PANELS: list[Callable[[Layout, PageModel], None]] = [
-    playback,
     lessons,
-    history,
+    situation,
     demonstrator,
+    copy,
+    history,
     learner,
+    start,
     method,
     disturbances,
-    display,
     points,
+    display,
     save,
     keys,
     glossary,
     status,
     share,
+    still,
     views,
     images,
-    conflict,
     landscape,
-    law,
     curves,
     equations,
     duel,

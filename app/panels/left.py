@@ -1,8 +1,11 @@
 """Preset, its lesson, and the buttons that move the learner; which motion is shown, and the speed."""
 
+from collections.abc import Sequence
+
 from viser import Icon
 
 from viewimit.drawing.glossary import key_of
+from viewimit.drawing.svg import number
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
@@ -11,6 +14,7 @@ from viewimit.servo import SERVOS
 from ..drawing.joint_bars import draw_learner
 from ..drawing.overlays import beside
 from ..model.choices import (
+    FRAMES,
     OF_ARMS,
     OF_IMAGES,
     SPEEDS,
@@ -26,11 +30,14 @@ from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
 
 MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}  # commands
-LONG = 1000  # motions, whose number leaves no room for another beside the slider
+PLAY, PAUSE = ("Play", Icon.PLAYER_PLAY), ("Pause", Icon.PLAYER_PAUSE)
+FOLLOWING = "Following · pause", Icon.PLAYER_PAUSE
 
 
-def playback(layout: Layout, model: PageModel) -> None:
+def situation(layout: Layout, model: PageModel) -> None:
+    """The preset, with a sentence on what it shows."""
     gui = layout.gui
+    gui.add_html('<span class="vi-situation"></span>')
     preset = gui.add_dropdown("Preset", list(model.presets.offered), initial_value=model.preset.name)
     layout.queue.on_value(preset, "preset")
     more: tuple[str, ...] = ()  # options besides the presets
@@ -47,10 +54,16 @@ def playback(layout: Layout, model: PageModel) -> None:
 
     layout.drawing(lambda model: (_name(model), model.preset.name, model.inputs), show_preset)
     layout.html(lambda model: f'<div class="vi-lesson">{model.preset.lesson}</div>')
-    gui.add_html('<span class="vi-play-row"></span>')
-    layout.button(
-        lambda model: ("Pause", Icon.PLAYER_PAUSE) if model.player.playing else ("Play", Icon.PLAYER_PLAY), "play"
-    )
+
+
+def copy(layout: Layout, model: PageModel) -> None:
+    """The buttons that move the learner."""
+    gui = layout.gui
+    with layout.named["tray"]:
+        gui.add_html('<h3 class="vi-part"><b>2</b> Let the learner copy it</h3>')
+        gui.add_html('<span class="vi-play-row"></span>')
+        layout.button(_play_look, "play")
+    gui.add_html('<span class="vi-steps-row"></span>')
     motion = gui.add_button_group("Motion", list(MOTIONS))
 
     @motion.on_click
@@ -59,16 +72,22 @@ def playback(layout: Layout, model: PageModel) -> None:
             layout.queue.call(MOTIONS[event.target.value])
 
 
+def _play_look(model: PageModel) -> Look:
+    """A learner that rests while the page plays goes on as soon as the demonstrator moves."""
+    if not model.player.playing:
+        return PLAY
+    return FOLLOWING if model.snapshot.status.is_at_rest and not model.snapshot.servo.slow else PAUSE
+
+
 def history(layout: Layout, model: PageModel) -> None:
     count = layout.gui.add_html("")
     slider = layout.slider("History", 0, 1, 1, lambda model: model.player.cursor, "moment", period=SLOW)
 
     def show_length(model: PageModel) -> None:
         cursor, last = model.player.cursor, model.player.last
-        at = f"{cursor} " if last < LONG else ""  # it stands in the slider's box too
         put_max(slider, max(last, 1))
         put(slider, cursor)
-        put_html(count, f'<div class="vi-count"><span>{at}of {last}</span></div>')
+        put_html(count, f'<div class="vi-count"><span>Motion {cursor} of {last}</span></div>')
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
     layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)
@@ -86,13 +105,17 @@ def _speed(model: PageModel) -> str:
 # The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
 
 WATCH, STOP, FORGET = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP), ("Forget", Icon.ERASER)
+MANY = 4  # joints, whose angles are too long for a folder's name
 HINT = f"the learner goes through {DEFAULT_POSTURES} postures, with nobody to imitate, and needs no probes then"
 
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
-    with layout.gui.add_folder("Demonstrator"):
-        layout.gui.add_html('<span class="vi-demonstrator-folder"></span>')
+    """First of what stays in sight on every window: in a folder without a frame, which `playback.copy` goes on with."""
+    layout.named["tray"] = layout.gui.add_folder("Pose and play")
+    with layout.named["tray"]:
+        layout.gui.add_html('<h3 class="vi-part vi-tray"><b>1</b> Pose the demonstrator</h3>')
         inside = layout.gui.add_folder(None)
+        layout.gui.add_html('<div class="vi-or">… or drag its hand in the scene</div>')
     sliders = JointSliders(layout, inside, "{}", "pose_joint")
 
     def show(model: PageModel) -> None:
@@ -103,17 +126,12 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
 
 
 def learner(layout: Layout, model: PageModel) -> None:
-    """Bars beside the demonstrator's, and where it starts, folded: a slider a joint, which asks for the same as a click
-    on the landscape."""
-    with layout.gui.add_folder("Learner"):
-        bars = layout.gui.add_html("")
-        with layout.row(quiet=True):
-            layout.button(
-                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: rehearsal_of(model.session).offered
-            )
-            layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
-        inside = layout.gui.add_folder("Start", expand_by_default=False)
-    start = JointSliders(layout, inside, "Start {}", "start_joint", "degrees; the learner begins anew there")
+    """Bars beside the demonstrator's."""
+    layout.gui.add_html(
+        '<h3 class="vi-part">Learner <span>(<i class="vi-is-now"></i> now, <i class="vi-is-goal vi-tells"></i>'
+        '<span class="vi-tells"> goal</span>)</span></h3>'
+    )
+    bars = layout.gui.add_html("")
 
     def bars_key(model: PageModel) -> tuple:
         shown = model.displayed
@@ -129,11 +147,30 @@ def learner(layout: Layout, model: PageModel) -> None:
         """They move along with the arm; numbers that change with every motion nobody reads faster."""
         return 0.0 if model.displayed.interpolated_theta is not None else SLOW
 
-    def show_start(model: PageModel) -> None:
-        start.show(model, given(model.settings.start_deg))
-
     layout.drawing(bars_key, draw_bars, bars_period)
+
+
+def start(layout: Layout, model: PageModel) -> None:
+    """Where the learner starts: a slider a joint, which asks for the same as a click on the landscape; and what it has
+    seen of itself before."""
+    folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
+    with folder:
+        with layout.row(quiet=True):
+            layout.button(
+                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: rehearsal_of(model.session).offered
+            )
+            layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
+        inside = layout.gui.add_folder(None)
+    sliders = JointSliders(layout, inside, "Start {}", "start_joint", "the learner begins anew there")
+
+    def show_start(model: PageModel) -> None:
+        sliders.show(model, given(model.settings.start_deg))
+
     layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show_start)
+
+
+def _angles(angles_deg: Sequence[float]) -> str:
+    return ", ".join(f"{number(angle, 0)}°" for angle in angles_deg) if len(angles_deg) < MANY else "own"
 
 
 def _rehearsal_look(model: PageModel) -> Look:
@@ -146,7 +183,7 @@ def _rehearsal_look(model: PageModel) -> Look:
 
 def method(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Method"):
+    with layout.folder("Method", _method):
         gui.add_html(beside("transfer"))
         transfers, servos = list(transfer_names().values()), list(servo_names().values())
         layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
@@ -168,7 +205,7 @@ def method(layout: Layout, model: PageModel) -> None:
 
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Disturbances"):
+    with layout.folder("Disturbances", _disturbances):
         for amount in OF_IMAGES:
             _add_amount(layout, amount, model)
         with gui.add_folder("Arm and chance", expand_by_default=False):
@@ -176,6 +213,19 @@ def disturbances(layout: Layout, model: PageModel) -> None:
                 _add_amount(layout, amount, model)
             seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
+
+
+def _method(model: PageModel) -> str:
+    """Transfer and servo, by the first words of their titles."""
+    transfer, servo = TRANSFERS[model.settings.transfer].title, SERVOS[model.settings.servo].title
+    return f"{transfer.split()[0].lower()}, {servo.split(' on ')[0].split(' (')[0]}"
+
+
+def _disturbances(model: PageModel) -> str:
+    """The first two, by their names."""
+    amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
+    there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
+    return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
 def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:

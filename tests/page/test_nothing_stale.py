@@ -35,7 +35,7 @@ SETTINGS = {  # each field, and another value of it, or all fields that change w
     "transfer": "linear",
     "servo": "gradient",
     "noise_px": 0.5,
-    "matched": False,
+    "matched": {"servo": "trust-region", "matched": False},
     "missing": 0.1,
     "outliers": 0.1,
     "swapped": 0.1,
@@ -65,8 +65,7 @@ VIEW = {
     "prefers_dark": True,
     "help": True,
     "fits": 1,
-    "wide": True,
-    "vast": True,
+    "flat": True,
     "look_only": True,
     "share": True,
     "large": "images",
@@ -98,10 +97,6 @@ def rest(page):
         page.tick(3.0)
 
 
-def widen(page):
-    page.page.model.show(wide=True)
-
-
 ACTIONS = {
     "play": [call("play")],
     "step": [call("step")],
@@ -112,8 +107,8 @@ ACTIONS = {
     "speed": [call("speed", "10 a second")],
     "rehearsal": [call("preset", "Beyond the paper"), call("rehearsal")],
     "duel": [call("duel"), call("step"), call("opponent_transfer", "Linear combination")],
-    "duel in a wide window": [call("duel"), call("step"), widen],
-    "narrow again": [call("step"), widen, lambda page: page.page.model.show(wide=False)],
+    "paused duel": [call("duel"), call("step"), call("play"), call("play")],
+    "still picture": [call("switch", "flat", True), call("step")],
     "preview": [call("switch", "look_only", True), call("posture", "70,-100")],
     "construction": [call("construction")],
     "compare": [call("compare")],

@@ -133,7 +133,7 @@ def main() -> int:
     largest, longest = max(len(v.tab.text) for v in visitors), max(v.longest_s for v in visitors)
     print(
         f"{pages} pages, {motions} motions, {cut} connections cut; {len(lost)} sessions lost; {same} of {kept} "
-        f"computed again to the last bit; longest without a page {longest:.0f} s; {largest} characters in the largest tab"
+        f"computed again to the last bit; longest without a page {longest:.0f} s; {largest} characters at most"
     )
     print(*lost, sep="\n")
     print("Traceback in its log" if "Traceback" in server.log else "no traceback in its log")

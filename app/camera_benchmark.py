@@ -17,9 +17,9 @@ from viewimit.loop.settings import Settings
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.threads import LandscapeWorker
-from .model.services import Services
+from .model.services import Services, draw_all
 from .page.page import Page
-from .page.scheduler import Scheduler, draw_all
+from .page.scheduler import Scheduler
 from .quiet_client import quiet_client
 
 SECONDS = 20.0

@@ -1,85 +1,108 @@
-"""How many files of app/ a visitor's doing enters: `python tests/measure_flows.py`.
+"""How many files of app/ three flows enter, from a browser's message to what the page has drawn.
 
-Each flow runs on a page without a browser, and the files are counted whose functions are called meanwhile: "slider",
-from a slider's new value to the arm's new pose; "play", from Play over one motion until all panels are drawn.
+PYTHONPATH=tests python tests/measure_flows.py    # --files names them
 """
 
+import argparse
 import sys
-from collections.abc import Callable
+import threading
 from pathlib import Path
 
-from page_fakes import QuietLandscapes
+import msgspec
 from quiet_page import QuietPage
+from waiting import wait_until
 
 from viewimit.loop.settings import Settings
 
 APP = str(Path(__file__).parent.parent / "app")
-LIMITS = {"slider": 10, "play": 35}  # files
 
 
-STUB = "quiet_client.py"  # stands for viser
+class Files:
+    """The files of app/ that threads enter inside, by functions' calls.
 
+    until: the function, as file:name, whose return ends it.
+    """
 
-def files_entered(flow: Callable[[], None], until: str = "") -> list[str]:
-    """Files of app/ whose functions are called by a flow, in the order in which they are first. until: the function in
-    which the flow ends."""
-    entered: dict[str, None] = {}
+    def __init__(self, until: str = ""):
+        self.found: set[str] = set()
+        self._until, self._ended = until, False
 
-    def on_event(frame, event, _argument):
-        code = frame.f_code
-        if event == "call" and code.co_filename.startswith(APP) and not code.co_filename.endswith(STUB):
-            entered.setdefault(code.co_filename[len(APP) + 1 :])
-            if code.co_name == until:
-                sys.setprofile(None)
+    def __enter__(self):
+        threading.setprofile(self._enter)
+        sys.setprofile(self._enter)
+        return self
 
-    sys.setprofile(on_event)
-    try:
-        flow()
-    finally:
+    def __exit__(self, *_):
         sys.setprofile(None)
-    return list(entered)
+        threading.setprofile(None)
+
+    def _enter(self, frame, event, _):
+        if self._ended or event not in ("call", "return") or not frame.f_code.co_filename.startswith(APP):
+            return
+        file = frame.f_code.co_filename[len(APP) + 1 :]
+        if event == "call" and file != "quiet_client.py":  # which stands for the browser here
+            self.found.add(file)
+        self._ended |= event == "return" and f"{file}:{frame.f_code.co_name}" == self._until
 
 
-def slider() -> list[str]:
-    page = QuietPage(Settings.paper(), landscapes=QuietLandscapes())
-    for _ in range(40):
-        page.tick()
-    joint = next(widget for widget in page.gui.widgets if vars(widget).get("step") == 0.5)
+def page_at_rest() -> QuietPage:
+    page = QuietPage(Settings.paper())
+    page.restore()
+    page.page.queue.call("step")
+    for _ in range(20):
+        page.tick(0.5)
+    return page
 
-    def turn() -> None:
-        joint.value = 60.0
-        page.tell(joint)
+
+def slider_to_pose() -> set[str]:
+    """A slider's value, until the arms are posed."""
+    page = page_at_rest()
+    with Files(until="scene/arms.py:draw") as files:
+        page.change("θ₂", 50.0)
         page.page.tick(page.now + 0.05)
-
-    entered = files_entered(turn, until="push_orientation")
-    assert page.page.model.settings.demonstrator_deg[0] == 60
-    return entered
+    return files.found
 
 
-def play() -> list[str]:
-    page = QuietPage(Settings.paper(), landscapes=QuietLandscapes())
-    for _ in range(40):
-        page.tick()
-
-    def play_on() -> None:
-        page.tell(page.widget("Play"))
-        for _ in range(40):
-            page.tick()
-
-    entered = files_entered(play_on)
-    assert page.page.model.snapshot.motion > 1
-    return entered
+def play_to_panels() -> set[str]:
+    """Play, one motion, and all panels drawn."""
+    page = page_at_rest()
+    made = page.page.model.session.cursor
+    with Files() as files:
+        page.click("Play")
+        wait_until(lambda: page.tick(0.05) or page.page.model.session.cursor > made)
+        page.tick(1.0)
+    return files.found
 
 
-FLOWS = {"slider": slider, "play": play}
+def reload() -> set[str]:
+    """What a tab hands back, until its session is there and the arms are posed. The building and the drawing of a new
+    page, which come before and after, are not counted."""
+    page = page_at_rest()
+    page.page.queue.call("step")
+    kept, again = page.kept, QuietPage(Settings.paper())
+    again.tick(1.0)
+    pieces = [[1, "session", kept]]
+    with Files() as files:
+        following = again.page.model.following
+        again.page.layout.named["actions"].take(msgspec.json.encode({"load": "", "acts": pieces}).decode())
+        again.page.tick(again.now + 0.05)
+        wait_until(lambda: again.page.tick(again.now + 0.1) or not following.goes_on)
+    assert again.page.model.session.cursor == page.page.model.session.cursor
+    return files.found
+
+
+FLOWS = {"slider -> pose": (slider_to_pose, 10), "Play -> panels": (play_to_panels, 35), "reload": (reload, 30)}
 
 
 def main() -> None:
-    for name, flow in FLOWS.items():
-        entered = flow()
-        print(f"{name}: {len(entered)} files (at most {LIMITS[name]})")
-        for file in entered:
-            print(f"  {file}")
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--files", action="store_true", help="name them")
+    names = parser.parse_args().files
+    for flow, (run, most) in FLOWS.items():
+        found = run()
+        print(f"{flow}: {len(found)} files of app/; {most} are the aim")
+        if names:
+            print(*(f"    {file}" for file in sorted(found)), sep="\n")
 
 
 if __name__ == "__main__":

@@ -11,9 +11,9 @@ from protocol import Tab
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.threads import LandscapeWorker
-from viewimit.app.model.services import LoadShedding, Services
+from viewimit.app.model.services import LoadShedding, Services, draw_all
 from viewimit.app.page.page import Page
-from viewimit.app.page.scheduler import TICK, draw_all
+from viewimit.app.page.scheduler import TICK
 from viewimit.app.panels.actions import KEPT_LABEL
 from viewimit.app.panels.panel import ClientInfo
 from viewimit.app.quiet_client import QuietClient, QuietHandle

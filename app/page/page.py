@@ -12,17 +12,16 @@ from viewimit.simulation.world import World
 
 from ..commands import COMMANDS
 from ..model.choices import WINDOW, Message
+from ..model.keeping import Keeper
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
-from ..model.services import Services
+from ..model.services import Redraw, Services, ToDraw, draw_all
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
 from ..panels.status import show_fault
 from ..scene.scene3d import Scene3D, aspect_of, same_shape
-from .keeper import Keeper
 from .loop import CommandLoop, TimeBudget
-from .scheduler import Redraw, ToDraw, draw_all
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone

@@ -188,7 +188,7 @@ APART = """() => ["L", "R", "l", "r"].flatMap(view => {
 def test_in_a_low_window_all_is_seen_and_links_lie_where_their_points_are(page, transfer):
     """However many words tell how a point is recovered."""
     choose(page, "Transfer", transfer)
-    told = "carried" if transfer.startswith("P") else "lines cross"
+    told = "carried" if transfer.startswith("P") else "cross at"
     for size in (*SIDEWAYS, (1024, 620), (1024, 640), (1100, 679), (1280, 680), (1280, 719), (1280, 720)):
         resize(page, *size)
         show(page, "images")

@@ -58,7 +58,7 @@ def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustR
     if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
         return state
     found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
-    if np.array_equal(found.names, naming.names):
+    if np.array_equal(found.used, naming.used):
         return replace(state, naming=found)
     if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
         return state

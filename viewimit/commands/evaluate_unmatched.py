@@ -162,7 +162,7 @@ def _json(found: Naming | None, frame: int, names: Sequence[str], points: Sequen
     """What was found, with names of points instead of indices and in pixels."""
     if found is None:
         return {"accepted": False, "frame": None}
-    said = naming_json(found)
+    said = naming_json(found.per_pixel(unit_px))
     assert said is not None
     partner = [None if row < 0 or not found.accepted else points[row] for row in found.names]
     return said | {
@@ -175,6 +175,4 @@ def _json(found: Naming | None, frame: int, names: Sequence[str], points: Sequen
             "learner": [name for name, row in zip(names, found.names) if row < 0],
             "demonstrator": [points[row] for row in found.unnamed],
         },
-        "E": found.E * unit_px**2,
-        "E_noise": found.E_noise * unit_px**2,
     }

@@ -71,6 +71,10 @@ class Naming:
     certain_from: float = DEFAULTS.naming_certain
     enough: int = DEFAULTS.naming_enough
 
+    def per_pixel(self, unit_px: float) -> "Naming":
+        """Convert E from image units of so many pixels to px²."""
+        return replace(self, E=self.E * unit_px**2, E_noise=self.E_noise * unit_px**2)
+
     @property
     def certain(self) -> NDArray[np.bool_]:
         """(N,): points whose name is hardly another."""

@@ -49,6 +49,7 @@ def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionSta
     if not isinstance(model, KinematicImages) or observation.demo is None:
         return replace(state, naming=None)
     found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    found = None if found is None else found.per_pixel(state.unit_px)
     return replace(state, naming=found, unnamed=observation.demo)
 
 
@@ -58,6 +59,9 @@ def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustR
     if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
         return state
     found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
+    if found is naming:
+        return state
+    found = found.per_pixel(state.unit_px)
     if np.array_equal(found.used, naming.used):
         return replace(state, naming=found)
     if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:

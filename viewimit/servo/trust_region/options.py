@@ -73,6 +73,7 @@ class TrustRegionOptions:
     naming_min_points: int = 7  # named points: of fewer, E says too little
     naming_samples: int = 16  # of the noise, for the E that it explains
     naming_min_std_px: float = 0.07  # px: rms error of learned kinematics far from all visits, without noise
+    naming_rough_noise_px: float = 0.1  # px: of kinematics for a naming, where no exact ones are found
     naming_accept: float = 4.0  # times the E that noise explains: what a naming may leave
     naming_max_noise: float = 2.0  # px²: E by noise, above which wrong names would be accepted too
     naming_distinct: float = _deg(3.0)  # rad: a naming that fits in a posture farther away is another answer

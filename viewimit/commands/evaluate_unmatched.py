@@ -102,7 +102,7 @@ def named(
         wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
         raise BadInput(f"{option}: {len(seen.displacement)} postures do not show how the joints move points: {wanted}")
     model = KinematicImages(kinematics, seen.displacement[0], seen, noise, None)
-    shown = views.visible[..., :2].all(-1)
+    shown = np.asarray(views.visible[..., :2].all(-1))
     found: Naming | None = None
     used = 0
     for frame in np.argsort(-shown.sum(-1), kind="stable")[:N_FRAMES].tolist():
@@ -112,7 +112,7 @@ def named(
             found, used = tried, frame
         if found is not None and found.accepted:
             break
-    names = tuple(points[k] for k in own)
+    names = tuple(points[k] for k in own.tolist())
     rows = found.names if found is not None and found.accepted else np.full(len(own), -1)
     demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
     ordered = FourViews(demo, views.own[:, own], _visible(views, rows, own))
@@ -140,8 +140,8 @@ def _with_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDA
     at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
     if len(at) < MIN_POSTURES:
         raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
-    visible = views.visible[np.ix_(at, own)][..., 2:]
-    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[np.ix_(at, own)], visible.all(-1))
+    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
+    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
 
 
 def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:

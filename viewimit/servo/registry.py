@@ -29,6 +29,7 @@ from .trust_region.convergence import Certificate
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
 from .trust_region.final_adjustment import PostureEstimate
+from .trust_region.misfit import Explanation, LinkChange, Misfit, MisfitKind
 from .trust_region.options import DEFAULTS, TrustRegionOptions
 from .trust_region.state import Destination, Phase, Region, Search, Swaps, TrustRegionState
 
@@ -241,7 +242,8 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         mirror_columns=True,
         stored=(
             *(TrustRegionState, Region, Search, Destination, Swaps, Phase),
-            *(PostureEstimate, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
+            *(PostureEstimate, Explanation, Misfit, MisfitKind, LinkChange),
+            *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
         ),
         equations=trust_region_equations,
         describe_status=partial(describe_trust_region, options=options),

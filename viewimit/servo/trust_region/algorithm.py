@@ -81,6 +81,7 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_explanation,
     with_final_adjustment,
     with_partial_points,
     with_plan,
@@ -149,7 +150,8 @@ def first_phase(state: TrustRegionState) -> Phase:
     """Return the phase that a step begins with: on the way to a destination, the one that sent the arm there."""
     if state.joints_to_probe:
         return Phase.PROBE
-    return Phase.PLAN if state.destination.displacement is None else state.phase
+    travels = state.destination.displacement is not None or state.has_imitated_another_body
+    return state.phase if travels else Phase.PLAN
 
 
 def probe(state: TrustRegionState, context: StepContext) -> Outcome:
@@ -222,8 +224,11 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     """Return to the best posture, and stop there.
 
     On arrival E is measured again. If that makes another posture the best, REST follows once more, but not for ever.
+    Where no posture explains the demonstrator's images, the reason is looked for first. If it is another body, the arm
+    goes to its joint angles, and E is not asked again.
     """
-    if state.destination.displacement is None:
+    if state.destination.displacement is None and not state.has_imitated_another_body:
+        state = with_explanation(state, context)
         has_rested = state.destination.status is not None
         state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))
         if has_rested and is_cycling(state, context):

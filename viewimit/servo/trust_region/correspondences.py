@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
 from ...estimation.views import Pairs, permute
 from ..least_squares import minimise
+from .motions import posture_grid
 from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
@@ -93,7 +94,7 @@ def find_swaps(
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)
 
-    postures = _postures(lower, upper, options.swap_grid)
+    postures = posture_grid(lower, upper, options.swap_grid)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
     E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
     if not objective_floor <= E_none < np.inf:
@@ -105,7 +106,7 @@ def find_swaps(
     E_one = smallest(one, postures, E[order[0]])
     if E_one < objective_floor:
         return one
-    postures = _postures(lower, upper, options.swap_grid_two)
+    postures = posture_grid(lower, upper, options.swap_grid_two)
     first = [single[k] for k in order[: options.swap_first_pairs]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
     E = evaluate(postures, double)
@@ -114,10 +115,3 @@ def find_swaps(
     if E_two < options.swap_gain * min(E_one, E_none):
         return two
     return one if E_one < options.swap_gain * E_none else ()
-
-
-def _postures(lower: Array, upper: Array, count: int) -> Array:
-    """Return a grid of `count` postures per joint; for three joints or more, as many random ones as for two."""
-    if len(lower) > 2:
-        return np.random.default_rng(count).uniform(lower, upper, (count**2, len(lower)))
-    return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))

@@ -36,6 +36,8 @@ def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equat
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
     """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
     search = state.search
+    if state.explanation is not None and status.is_at_rest:
+        return state.explanation.misfit.describe()
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
         return "E rises in every direction, and no motion leads nearer"
     if status == ServoStatus.CONVERGED:

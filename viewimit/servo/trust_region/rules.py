@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from ...estimation.noise import conflict_quantile
 from ...estimation.residuals import ResidualFunction
 from ...estimation.views import Pairs
-from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX, PREDICTION_TOL_PX
 from ..observation import Observation
 from ..status import ServoStatus
-from .convergence import Certificate
+from .convergence import Certificate, certificate_of
 from .correspondences import find_swaps, swapped, with_swaps
 from .final_adjustment import estimate_posture
 from .image_models import ImageData
 from .local_model import degrees_of_freedom
+from .misfit import MisfitKind, explain
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
@@ -219,6 +220,33 @@ def with_final_adjustment(state: TrustRegionState, context: StepContext) -> Trus
         certificate = context.plan.certify(place).per_pixel(state.unit_px)
     context.place, context.status = place, certificate.status
     return replace(state, estimate=estimate, certificate=certificate.with_std_error(estimate.std_error))
+
+
+def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Find out why no posture explains the demonstrator's images; imitate the joint angles of another body.
+
+    A claim about another body rests on the adjustment alone: noise explains what it leaves, no other reason is nearly
+    as good, and the expected error is small.
+    """
+    observation, options = context.observation, context.options
+    if context.status is not ServoStatus.NO_PROGRESS or state.kinematics is None:
+        return state
+    found = state.explanation
+    if found is None:
+        found = explain(state.kinematics, state.known, observation, context.place, options)
+    if found is None:
+        return state
+    estimate = found.estimate
+    state = replace(state, explanation=found, estimate=estimate)
+    place = np.clip(estimate.theta, observation.lower, observation.upper)
+    known = found.is_clear and estimate.std_error.max() < options.max_claimed_std
+    inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
+    if found.misfit.kind is MisfitKind.ANOTHER_BODY and known and inside and estimate.sigmas < options.max_body_sigmas:
+        context.place = place
+        certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
+        context.status = certificate.status
+        state = replace(state, certificate=certificate)
+    return state
 
 
 def may_verify(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:

@@ -15,6 +15,7 @@ from .convergence import Certificate
 from .final_adjustment import PostureEstimate
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
+from .misfit import Explanation, Misfit, MisfitKind
 from .options import TrustRegionOptions
 
 
@@ -82,6 +83,9 @@ class TrustRegionState:
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
+    explanation: Explanation | None = (
+        None  # why no posture explains the demonstrator's images; None: no need, or not yet
+    )
     target_moved: tuple[bool, bool] = (
         False,
         False,
@@ -100,6 +104,18 @@ class TrustRegionState:
     def exchanged(self) -> Pairs:
         """Pairs of swapped points, as `ServoState.exchanged`."""
         return self.swaps.pairs
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Why the demonstrator is no body like the own one, or the arm not where it was sent; None: no such sign."""
+        if self.explanation is not None:
+            return self.explanation.misfit
+        return None if self.mismatch is None else Misfit(MisfitKind.ARM)
+
+    @property
+    def has_imitated_another_body(self) -> bool:
+        """Whether the arm is on its way to, or at, the joint angles of another body: E says nothing there."""
+        return self.explanation is not None and self.destination.status is ServoStatus.CONVERGED
 
     @property
     def known(self) -> tuple[Visit, ...]:

@@ -12,8 +12,8 @@ from viser import ClientHandle, ImageHandle, ViserServer, _assignable_props_api
 from viser._messages import GuiUpdateMessage, SceneNodeUpdateMessage, SetOrientationMessage
 from viser.infra._messages import get_type_hints_cached
 
-# The one change of viser for the whole process: every scene node and every widget would look up the types of its kind
-# anew, a quarter of what it takes to open a page. Offer: the same, as viser does for its messages.
+# The one change of viser for the whole process: each scene node and widget would look up the types of its kind again,
+# a quarter of the time to open a page. Offer: the same, as viser does for its messages.
 _assignable_props_api.get_type_hints = get_type_hints_cached  # type: ignore[assignment]
 
 
@@ -46,12 +46,12 @@ def own(client: ClientHandle) -> Own:
 
 
 def drop_upload(client: ClientHandle, transfer: str) -> None:
-    """Forget what has come of an unfinished upload. Offer: to refuse one."""
+    """Forget the parts of an unfinished upload. Offer: to refuse one."""
     client.gui._current_file_upload_states.pop(transfer, None)
 
 
 def push_value(client: ClientHandle, widget) -> None:
-    """Show what the widget's value is, whatever the browser has made of it. Offer: `widget.resend()`."""
+    """Send the widget's value again, though it has not changed here. Offer: `widget.resend()`."""
     client.gui._websock_interface.queue_message(GuiUpdateMessage(widget._impl.uuid, {"value": widget.value}))
 
 
@@ -68,7 +68,7 @@ class LoopEvent(asyncio.Event):
 
 
 def send_at_once(source: ViserServer | ClientHandle) -> None:
-    """Send what is pushed without waiting for more, and wake the sender in the event loop's own thread alone.
+    """Send each message without waiting for more, and wake the sender in the event loop's own thread alone.
 
     viser waits 17 ms by a timer before and after each window; a page pushes all of a tick before anything can be sent.
     viser's event is set in the pushing thread too, where now and then a push failed with "deque mutated during
@@ -99,7 +99,7 @@ def push_property(handle, name: str, value: str | float) -> None:
 
 
 def push_input(widget, value: float | str) -> None:
-    """Show a value in place of the widget's, without its callbacks, which hear only of what a person does."""
+    """Show a value in place of the widget's, without its callbacks, which are for a person's changes."""
     widget._impl.value = value
     widget._impl.gui_api._websock_interface.queue_message(GuiUpdateMessage(widget._impl.uuid, {"value": value}))
 

@@ -94,7 +94,7 @@ def _hash(script: bytes) -> str:
 
 
 def _from_base_88(text: str) -> bytes:
-    """Five digits are four bytes, the most significant first; what is left over are one byte less than digits."""
+    """Decode: five digits are four bytes, the most significant first; n digits at the end are n - 1 bytes."""
     values = np.full(128, 0, np.uint64)
     values[np.frombuffer(DIGITS.encode(), np.uint8)] = np.arange(len(DIGITS))
     digits = values[np.frombuffer(text.encode(), np.uint8)]

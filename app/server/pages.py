@@ -29,7 +29,7 @@ from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, Page
 from ..page.scheduler import Scheduler
-from ..panels.panel import Reach
+from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..static import stylesheet
@@ -54,7 +54,7 @@ def serving(
 ) -> Iterator[int]:
     """Pages are served inside, on the port that it yields.
 
-    process: which of them this one is; listening: a socket in place of host and port.
+    process: number of this one; listening: a socket to serve on, None: host and port.
     """
     own_names()  # begins to ask for them
     # What is drawn for a client before it is known that it has gone is no fault on a server
@@ -70,7 +70,7 @@ def serving(
     app = App(server, options, scheduler, lab.lessons)
     access.guard(server)
     gc.collect()
-    gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
+    gc.freeze()  # permanent objects are not searched whenever a tab closes
     try:
         yield server.get_port()
     finally:
@@ -115,7 +115,7 @@ class App:
         self._scheduler.start(server.get_event_loop())
 
     def stop(self) -> None:
-        """Nothing moves any more."""
+        """Stop all pages and jobs."""
         self._scheduler.stop()
         self._camera.stop()
         until = time.monotonic() + LEAVES_WITHIN
@@ -151,18 +151,18 @@ class App:
             self._retire(client.client_id)
 
     def _send_back(self, client: viser.ClientHandle, connection: GuardedConnection, error: Exception) -> None:
-        """Who cannot be shown a page is told why. A browser whose connection is closed comes back by itself."""
+        """Show why there is no page, then close the connection: the browser connects again by itself."""
         log.error(in_a_line("a page cannot be shown", error))
         asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
-        client.gui.reset()  # of what there is of it
+        client.gui.reset()  # of its parts
         why = html.escape(str(error) or type(error).__name__)
         client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
 
     def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:
         origin = None if connection.request is None else connection.request.headers.get("Origin")
-        reach = Reach(origin, origin_for_others(self._host, origin), self._lessons)
+        info = ClientInfo(origin, origin_for_others(self._host, origin), self._lessons)
         cameras = VisitorsCameras(self._camera, connection.network)
-        return Page(client, replace(self.services, camera=cameras), self._settings, reach)
+        return Page(client, replace(self.services, camera=cameras), self._settings, info)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)
@@ -174,7 +174,7 @@ class App:
                 self._collecting.release()
 
     def _retire(self, client_id: int, within: float = LEAVES_WITHIN) -> None:
-        """Forget a page, whose last turn has so many s to end."""
+        """Forget a page. within: s for its last turn to end."""
         with self._retiring:
             with self._lock:
                 page = self._pages.pop(client_id, None)

@@ -11,6 +11,7 @@ import viser
 from page_fakes import quiet_model
 from protocol import Client
 from viewed_scene import ViewedScene
+from viewimit.app.commands import COMMANDS
 from viewimit.app.model.presets import PRESETS
 from viewimit.app.model.queue import CommandQueue
 from viewimit.app.quiet_client import quiet_client
@@ -46,7 +47,7 @@ class Stage:
         (client_id,) = wait_until(lambda: set(server.get_clients()) - before)
         self._client = server.get_clients()[client_id]
         send_at_once(self._client)
-        self._scene = Scene3D(self._client, CommandQueue(), partial(share_meshes, server))
+        self._scene = Scene3D(self._client, CommandQueue(COMMANDS), partial(share_meshes, server))
         self._shown = 0
 
     def show(self, model, theta_opponent=None) -> dict:
@@ -54,7 +55,8 @@ class Stage:
         with self._client.atomic():
             self._scene.build(model.session.world)
             self._scene.arms.draw(*model.poses(0.0), theta_opponent)
-            self._scene.show(model.state(0.0))
+            model.refresh(0.0)
+            self._scene.show(model)
         self._shown += 1
         self._client.gui.add_html(f"{self._shown}")
         wait_until(lambda: f"{self._shown}" in self.viewer.html.values())

@@ -3,6 +3,7 @@
 import argparse
 import csv
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS
+from ..servo import SERVOS, Misfit
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -25,9 +26,12 @@ from .options import (
     SIGHT,
     add_json_option,
     add_settings,
+    add_unmatched_option,
     between,
     figure,
     naming,
+    naming_json,
+    naming_words,
     posture,
     settings_from,
 )
@@ -39,6 +43,7 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 def add_options(parser: argparse.ArgumentParser) -> None:
     seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor", "dynamics")
     add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
+    add_unmatched_option(parser)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(
@@ -97,9 +102,13 @@ def _report(result: dict) -> None:
     unobservable = [escape(joint["name"], MAX_NAME_CHARS) for joint in result["joints"] if joint["observable"] is False]
     if unobservable:
         print(f"unobservable  {', '.join(unobservable)}: the points do not determine these joints")
+    if result.get("naming"):
+        print(f"names         {naming_words(result['naming'])}")
     if result["exchanged"]:
         named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
         print(f"swapped       points {named} of the demonstrator, probably")
+    if result["misfit"]:
+        print(f"misfit        {result['misfit']['text']}")
     print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
 
 
@@ -159,6 +168,17 @@ def _observable(known: Assessment | None, joint: int) -> tuple[bool | None, str 
     return None, "needs-more-data" if known.certificate.needs_more_data else "unexplored-direction"
 
 
+def _misfit(misfit: Misfit | None, joints: Sequence[int]) -> dict | None:
+    """The JSON object of a misfit; joints: numbers of the moving joints."""
+    if misfit is None:
+        return None
+    links = [
+        {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
+        for link in misfit.links
+    ]
+    return {"kind": misfit.kind, "points": misfit.points, "links": links, "text": misfit.describe(joints)}
+
+
 def outcome(session: Session, ended: RunResult) -> dict:
     """The JSON object of a run.
 
@@ -167,9 +187,9 @@ def outcome(session: Session, ended: RunResult) -> dict:
     """
     last, known = session.snapshot, assess(session)
     std_error = None if known is None else known.certificate.std_error
-    rehearsed = {}
+    rehearsed: dict = {} if last.settings.matched else {"naming": naming_json(last.naming)}
     if last.calibration is not None:
-        rehearsed = {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
+        rehearsed |= {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),
@@ -186,6 +206,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
             for k, joint in enumerate(session.scene.moving_joints)
         ],
         "exchanged": last.exchanged,
+        "misfit": _misfit(last.misfit, session.scene.moving_joints),
         "E": last.E,
         "motions": last.motion,
         "travel_deg": ended.travel_deg,

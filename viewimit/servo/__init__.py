@@ -22,6 +22,7 @@ from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
 from .trust_region.misfit import Misfit, MisfitKind
+from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
 
 EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
@@ -36,6 +37,7 @@ __all__ = [
     "LastMotion",
     "Misfit",
     "MisfitKind",
+    "Naming",
     "NoiseReference",
     "Observation",
     "ResidualFunction",

@@ -189,8 +189,22 @@ def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) 
     return None if reassigned is initial else problem.solve(reassigned)
 
 
-def _reassigned(kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment) -> ProjectiveKinematics:
-    """Let these points, (N,) bool, be moved by the joints that fit all their images, where one choice fits best."""
+def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observations) -> ProjectiveKinematics:
+    """Place the unknown points, too: let those be moved by the joints that fit their images best, without a test."""
+    images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
+    images = images if kinematics.rectification is None else kinematics.rectification.apply(images)
+    problem = BundleAdjustment(observations, kinematics.frame.coordinates(images), 0.0)
+    doubtful = kinematics.unknown & observations.visible_in_both.any(0)
+    return _reassigned(kinematics, doubtful, problem, required=False)
+
+
+def _reassigned(
+    kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment, required: bool = True
+) -> ProjectiveKinematics:
+    """Let these points, (N,) bool, be moved by the joints that fit all their images.
+
+    required: only where they fit within the noise, and one choice fits best.
+    """
     known = kinematics.moved_by[~kinematics.unknown]
     one_changed = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
     patterns = np.unique([*known, *one_changed.reshape(-1, known.shape[1])], axis=0)
@@ -204,8 +218,8 @@ def _reassigned(kinematics: ProjectiveKinematics, points: NDArray, problem: Bund
         trials = [trial.with_points(is_point, problem.observations, problem.coordinates) for trial in trials]
         squares = [float(problem.mean_squares(trial)[point]) for trial in trials]
         best, *others = np.argsort(squares)
-        required = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
-        if squares[best] < max_square and all(squares[other] > required for other in others):
+        least = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
+        if not required or (squares[best] < max_square and all(squares[other] > least for other in others)):
             kinematics = trials[best]
     return kinematics
 

@@ -138,6 +138,16 @@ class ProjectiveKinematics:
         """Coordinates (..., 3) in the stereo frame of images (..., 4) px."""
         return self.frame.coordinates(images if self.rectification is None else self.rectification.apply(images))
 
+    def affine_coordinates(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Reconstruct points from stereo images of any body in front of the head, up to an affine map.
+
+        The joints' motions determine the plane at infinity of the stereo frame. The head is rigid, so it is the same
+        for every body that it sees. images: (..., 4) px → (..., 3).
+        """
+        images = images if self.rectification is None else self.rectification.apply(images)
+        coordinates = self.frame.coordinates(images)
+        return coordinates / (1 + coordinates @ self.parameters[5:N_FRAME])[..., None]
+
     def with_points(
         self, points: NDArray[np.bool_], observations: Observations, coordinates: NDArray[np.float64]
     ) -> "ProjectiveKinematics":

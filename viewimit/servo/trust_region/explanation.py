@@ -35,9 +35,13 @@ def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equat
 
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
     """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
-    search = state.search
+    search, naming = state.search, state.naming
     if state.explanation is not None and status.is_at_rest:
         return state.explanation.misfit.describe()
+    if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
+        return "no naming of the demonstrator's points explains its images"
+    if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:
+        return "two answers: other names of the points explain the images as well, in another posture"
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
         return "E rises in every direction, and no motion leads nearer"
     if status == ServoStatus.CONVERGED:
@@ -56,6 +60,8 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
         return f"looks where more than {search.min_points - 1} points are visible, as these leave a joint undetermined"
     if search.n_restarts:
         return f"looks for a smaller E, as noise does not explain this one: search {search.n_restarts}"
+    if state.phase is Phase.MATCH:
+        return "learns more of its images, as no naming of the demonstrator's points explains its own yet"
     if state.probe:
         return "a probe, to learn how the images move"
     if state.mismatch is not None:
@@ -77,6 +83,8 @@ def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
         return "Neither another transfer nor a restart led further: the servo rests."
     if state.phase is Phase.PROBE:
         return f"{made}is a probe: it shows how the joint moves the images."
+    if state.phase is Phase.MATCH:
+        return f"{made}is to predict images better: the demonstrator's points could not be named yet."
     if state.phase is Phase.VERIFY:
         return f"{made}is a verification: it tests whether E rises where no visit shows that."
     if state.region.predicted_reduction is not None:

@@ -18,10 +18,11 @@ from ..status import ServoStatus
 from .convergence import Certificate, certificate_of
 from .correspondences import find_swaps, swapped, with_swaps
 from .final_adjustment import estimate_posture
-from .image_models import ImageData
+from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
 from .misfit import MisfitKind, explain
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
+from .naming import find_naming, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -41,6 +42,50 @@ class StepContext:
     plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
+
+
+def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Search for the names of the demonstrator's points, if kinematics predict the own images everywhere."""
+    model, observation = context.images.fit(), context.observation
+    if not isinstance(model, KinematicImages) or observation.demo is None:
+        return replace(state, naming=None)
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    return replace(state, naming=found, unnamed=observation.demo)
+
+
+def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Review names that are not settled: later visits predict the images better."""
+    naming, model, observation = state.naming, context.images.fit(), context.observation
+    if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
+        return state
+    found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
+    if np.array_equal(found.names, naming.names):
+        return replace(state, naming=found)
+    if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
+        return state
+    return replace(state, naming=found, n_renamings=state.n_renamings + 1)
+
+
+def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Move to improve the predictions: to the posture of the last naming, or far from all visits.
+
+    Kinematics are found from visits near each other, and then extended: the arm goes farther from motion to motion.
+    """
+    observation, options = context.observation, context.options
+    first, reach = state.known[0].displacement, options.first_radius
+    if state.kinematics is not None:
+        reach = reach * (1 + state.n_naming_motions)
+    within = lambda theta: np.clip(theta, first - reach, first + reach)
+    target = None if state.naming is None else within(state.naming.displacement)
+    if target is None or distance_to_visits(state.known, target[None])[0] < options.naming_grid_step:
+        target = maximin(state.known, within(sample_box(observation, options.restart_candidates)))
+    return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
+
+
+def status_at_rest(status: ServoStatus, state: TrustRegionState) -> ServoStatus:
+    """Return the status to report; where other names explain the images as well, nothing is claimed."""
+    ambiguous = state.naming is not None and state.naming.is_ambiguous
+    return ServoStatus.SETTLED if ambiguous and status.is_claim else status
 
 
 def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -244,7 +289,7 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
     if found.misfit.kind is MisfitKind.ANOTHER_BODY and known and inside and estimate.sigmas < options.max_body_sigmas:
         context.place = place
         certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
-        context.status = certificate.status
+        context.status = status_at_rest(certificate.status, state)
         state = replace(state, certificate=certificate)
     return state
 

@@ -27,9 +27,20 @@ def swapped(images: Array, pairs: Pairs) -> Array:
     return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
+def transpositions(order: NDArray[np.int_]) -> Pairs:
+    """Return swaps that, one after the other, bring (N,) indices into this order, as `permute` makes them."""
+    now, pairs = np.arange(len(order)), []
+    for i, wanted in enumerate(order):
+        j = int(np.flatnonzero(now == wanted)[0])
+        if i != j:
+            now[[i, j]] = now[[j, i]]
+            pairs.append((i, j))
+    return tuple(pairs)
+
+
 @dataclass(frozen=True)
 class SwappedResiduals:
-    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped instead."""
+    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped back instead."""
 
     residuals: ResidualFunction
     pairs: Pairs
@@ -39,8 +50,8 @@ class SwappedResiduals:
     ) -> Array:
         """Compute residuals, as `ResidualFunction`."""
         if noise_reference is not None and noise_reference.own is not None:
-            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs))
-        return self.residuals(swapped(own, self.pairs), transfer, noise_reference, rig)
+            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs[::-1]))
+        return self.residuals(swapped(own, self.pairs[::-1]), transfer, noise_reference, rig)
 
     def with_partially_visible(self) -> ResidualFunction:
         """Include points that only one camera sees."""

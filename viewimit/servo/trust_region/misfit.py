@@ -43,7 +43,7 @@ class MisfitKind(str, Enum):
     POINT = "point"
     """One point sits elsewhere."""
     MIXED_UP = "mixed-up"
-    """More points are mixed up than two pairs."""
+    """More than two points of the demonstrator are mixed up; they were put right."""
     TWO_HEADS = "two-heads"
     """Other cameras see the demonstrator than the own body."""
     MIRRORED = "mirrored"
@@ -87,7 +87,7 @@ class Misfit:
         return {
             MisfitKind.LINK_POINTS: f"points {points}, of one link, sit elsewhere on the demonstrator",
             MisfitKind.POINT: f"point {points} sits elsewhere on the demonstrator",
-            MisfitKind.MIXED_UP: f"the demonstrator's points {points} are mixed up",
+            MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up, and are put right",
             MisfitKind.TWO_HEADS: "other cameras see the demonstrator than the own body",
             MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
             MisfitKind.ARM: "the arm is not where it was sent",

@@ -16,7 +16,7 @@ from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX, PREDICTION_TOL_PX
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate, certificate_of
-from .correspondences import find_swaps, swapped, with_swaps
+from .correspondences import find_swaps, swapped, transpositions, with_swaps
 from .final_adjustment import estimate_posture
 from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
@@ -177,11 +177,24 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
     observation, options = context.observation, context.options
     predict, floor = context.images.fit().predict, objective_floor(context)
     pairs = find_swaps(predict, context.residuals, observation.lower, observation.upper, floor, options)
+    if len(pairs) != 1:  # none, or two that may be a part of what is mixed up
+        pairs = mixed_up_points(context) or pairs
     state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
         return state
     swap_points(context, pairs)
     return replace(state, search=replace(state.search, rung=0), region=first_region(state.calibration, options))
+
+
+def mixed_up_points(context: StepContext) -> Pairs:
+    """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images."""
+    model, observation = context.images.fit(), context.observation
+    if not isinstance(model, KinematicImages) or observation.demo is None:
+        return ()
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
+        return ()
+    return transpositions(found.names)
 
 
 def swap_points(context: StepContext, pairs: Pairs) -> None:
@@ -369,7 +382,7 @@ def on_rung(state: TrustRegionState, context: StepContext, rung: int) -> TrustRe
 
     The demonstrator counts as moving again only after it has moved before two more motions.
     """
-    swap_points(context, state.swaps.pairs)
+    swap_points(context, state.swaps.pairs[::-1])
     return replace(
         state,
         search=replace(state.search, rung=rung),

@@ -19,6 +19,8 @@ from .misfit import Explanation, Misfit, MisfitKind
 from .naming import Naming
 from .options import TrustRegionOptions
 
+MAX_SWAPPED = 2  # points of a single pair, which is no misfit
+
 
 class Phase(str, Enum):
     """What the trust region does before a motion: see `algorithm`."""
@@ -116,6 +118,8 @@ class TrustRegionState:
         """Why the demonstrator is no body like the own one, or the arm not where it was sent; None: no such sign."""
         if self.explanation is not None:
             return self.explanation.misfit
+        if len(mixed_up := {point for pair in self.swaps.pairs for point in pair}) > MAX_SWAPPED:
+            return Misfit(MisfitKind.MIXED_UP, tuple(sorted(mixed_up)))
         return None if self.mismatch is None else Misfit(MisfitKind.ARM)
 
     @property

@@ -162,7 +162,7 @@ def first_phase(state: TrustRegionState, observation: Observation) -> Phase:
         return Phase.PROBE
     if not observation.matched:
         return Phase.MATCH
-    travels = state.destination.displacement is not None or state.has_imitated_another_body
+    travels = state.destination.displacement is not None or state.trusts_explanation
     return state.phase if travels else Phase.PLAN
 
 
@@ -255,7 +255,7 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     Where no posture explains the demonstrator's images, the reason is looked for first. If it is another body, the arm
     goes to its joint angles, and E is not asked again.
     """
-    if state.destination.displacement is None and not state.has_imitated_another_body:
+    if state.destination.displacement is None and not state.trusts_explanation:
         state = with_explanation(state, context)
         has_rested = state.destination.status is not None
         state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))

@@ -42,6 +42,7 @@ class StepContext:
     plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
+    certified: bool = False  # whether E allows a claim that the final adjustment refuses
 
 
 def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -271,7 +272,7 @@ def with_final_adjustment(state: TrustRegionState, context: StepContext) -> Trus
     if estimate is None:
         return state
     if estimate.sigmas >= options.max_body_sigmas:
-        context.status = ServoStatus.NO_PROGRESS
+        context.status, context.certified = ServoStatus.NO_PROGRESS, certificate.status.is_claim
         return replace(state, estimate=estimate)
     place = np.clip(estimate.theta, observation.lower, observation.upper)
     if (np.abs(place - context.place) > options.same_minimum * certificate.std_error).any():
@@ -284,7 +285,7 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
     """Find out why no posture explains the demonstrator's images; imitate the joint angles of another body.
 
     A claim about another body rests on the adjustment alone: noise explains what it leaves, no other reason is nearly
-    as good, and the expected error is small.
+    as good, and the expected error is small. Other cameras leave E as it is, so with them E must allow the claim, too.
     """
     observation, options = context.observation, context.options
     if context.status is not ServoStatus.NO_PROGRESS or state.kinematics is None:
@@ -294,12 +295,13 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
         found = explain(state.kinematics, state.known, observation, context.place, options)
     if found is None:
         return state
-    estimate = found.estimate
-    state = replace(state, explanation=found, estimate=estimate)
+    state, kind, estimate = replace(state, explanation=found), found.misfit.kind, found.estimate
     place = np.clip(estimate.theta, observation.lower, observation.upper)
-    known = found.is_clear and estimate.std_error.max() < options.max_claimed_std
+    explained = found.is_clear and estimate.sigmas < options.max_body_sigmas
+    exact = estimate.std_error.max() < options.max_claimed_std
     inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
-    if found.misfit.kind is MisfitKind.ANOTHER_BODY and known and inside and estimate.sigmas < options.max_body_sigmas:
+    claimable = kind is MisfitKind.ANOTHER_BODY or (kind is MisfitKind.TWO_HEADS and context.certified)
+    if claimable and explained and exact and inside:
         context.place = place
         certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
         context.status = status_at_rest(certificate.status, state)

@@ -123,8 +123,8 @@ class TrustRegionState:
         return None if self.mismatch is None else Misfit(MisfitKind.ARM)
 
     @property
-    def has_imitated_another_body(self) -> bool:
-        """Whether the arm is on its way to, or at, the joint angles of another body: E says nothing there."""
+    def trusts_explanation(self) -> bool:
+        """Whether the arm is on its way to, or at, a posture that an explanation claims: E is not asked there."""
         return self.explanation is not None and self.destination.status is ServoStatus.CONVERGED
 
     @property

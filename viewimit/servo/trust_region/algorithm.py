@@ -11,7 +11,8 @@ PLAN      Measure E at all visits, update the radius by what the last step achie
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
-          a verification motion if no visit shows that yet.
+          a verification motion if no visit shows that yet. With noise, one adjustment of both bodies' images then gives
+          the posture to rest at, and refuses a claim about another body (`final_adjustment`).
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits.
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
 

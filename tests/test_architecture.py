@@ -13,7 +13,7 @@ import viewimit
 
 ROOT = Path(__file__).parent.parent
 LAYERS = (  # folders and modules of viewimit/: each imports only from lines above its own, or itself
-    {"assets"},
+    {"assets", "processes"},
     {"geometry"},
     {"estimation"},
     {"servo", "sensing"},
@@ -217,7 +217,7 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
         for module, node in imports_of(path):
             if module[:2] == ("viewimit", "app"):
                 assert module_of(path) in {
-                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam")
+                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam", "markers")
                 }
                 assert node.col_offset > 0, "at the top of the module"
 
@@ -233,6 +233,7 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
         ("distributed", {"experiments"}),
         ("pandas", set()),
         ("resvg_py", {"drawing"}),
+        ("typst", {"drawing"}),
         ("ziamath", {"drawing"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Protocol
+from typing import Any, Protocol
 
 from viewimit.simulation.scene import Scene
 
@@ -77,7 +77,7 @@ class CameraProcess:
         self._given_away: set[int] = set()  # keys whose sessions do not know it yet
         self._next_key = itertools.count()
         self._process: multiprocessing.process.BaseProcess | None = None
-        self._connection: Connection | None = None
+        self._connection: Any = None  # a Connection; on Windows a PipeConnection
         self._stopped = False
 
     @property
@@ -177,7 +177,7 @@ class CameraProcess:
             self._process = context.Process(target=self._work, args=(theirs,), name="viewimit-camera", daemon=True)
             self._process.start()
 
-    def _send(self, *message) -> Connection:
+    def _send(self, *message) -> Any:
         """→ where the answer comes from"""
         with self._sending:
             if self._connection is None:

@@ -80,7 +80,7 @@ def content_policy(host: str) -> str:
 def script_hashes() -> tuple[str, ...]:
     """SHA-256 of the page's own script and of those of viser's page, in base 64. Raises RuntimeError for a page that is
     built otherwise."""
-    page = PAGE.read_text()
+    page = PAGE.read_text("utf-8")
     loader = _LOADER.search(page)
     if loader is None or page.count("<script") != 1:
         raise RuntimeError("viser's page is built in a way that its content security policy is not known for")

@@ -18,7 +18,7 @@ from ..residuals import warn_renamed
 from ..views import FourViews
 from . import epipolar, linear, projective, rank3
 from .epipolar import EpipolarTransfer
-from .linear import AffineTransfer, LinearTransfer
+from .linear import AffineTransfer
 from .projective import ProjectiveTransfer
 from .rank3 import Rank3Transfer
 from .transfer import FittedTransfer, TransferFunction, fit_function
@@ -39,7 +39,6 @@ class TransferMethod:
     title: str = ""  #: in dropdowns; by default the name of `fit`
     assumes: str = ""  #: one sentence: when it is exact
     limitations: str = ""  #: one sentence: where it fails
-    stored: tuple[type, ...] = ()  #: dataclasses of a fitted transfer, nested ones too, of arrays, scalars and strings
     equations: Equations = (
         lambda fitted, demo, own, name: ()
     )  #: how one point, (4,) px in [l r] and [L R], is recovered
@@ -166,7 +165,6 @@ TRANSFERS = Transfers(
             assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
             limitations="Lines nearly parallel, and depth in the views: E is least degrees off, and no claim is made.",
             fit=epipolar.fit,
-            stored=(EpipolarTransfer,),
             equations=_epipolar_equations,
             crosses_lines=True,
             condition_name="cond A",
@@ -177,7 +175,6 @@ TRANSFERS = Transfers(
             assumes="Affine cameras: each own image is an affine function of the demonstrator's shape.",
             limitations="Depth in the views: E is least degrees off, and no claim is made. No lines are crossed.",
             fit=linear.fit,
-            stored=(LinearTransfer,),
             equations=_affine_equations,
         ),
         "rank3": TransferMethod(
@@ -185,7 +182,6 @@ TRANSFERS = Transfers(
             assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
             limitations="Depth in the views: the largest bias without noise, so no claim; steady under much noise.",
             fit=rank3.fit,
-            stored=(Rank3Transfer,),
             equations=_affine_equations,
             conflict_equation=_rank3_conflict,
         ),
@@ -194,7 +190,6 @@ TRANSFERS = Transfers(
             assumes="Parallel optical axes, or rectified images: both of a pair have one depth. Then it is exact.",
             limitations="Lenses that distort, and much noise: the demonstrator's is amplified, so average its frames.",
             fit=projective.fit,
-            stored=(ProjectiveTransfer,),
             equations=_projective_equations,
             homography_of_space=True,
         ),

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.noise import f_test_sigmas
-from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX, NOISE_SLACK
+from ...geometry.kinematics.adjustment import NOISE_SLACK
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
 from ..observation import Observation, Visit
@@ -68,7 +68,6 @@ class FinalAdjustment:
         kinematics: explain all visits; demo: (T, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of
         an image coordinate.
         """
-        noise_px = max(noise_px, NOISE_FLOOR_PX)
         problem = PairAdjustment.of(kinematics, observations_of(visits), demo, noise_px)
         if problem.degrees_of_freedom < 1 or problem.own.degrees_of_freedom < 1:
             return None

@@ -20,6 +20,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography
 from ..observation import Observation, Visit
@@ -145,7 +146,8 @@ def explain(
     """
     if observation.demo is None:
         return None
-    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], observation.noise_px)
+    noise_px = max(observation.noise_px, NOISE_FLOOR_PX)
+    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], noise_px)
     if adjustment is None:
         return None
     same = adjustment.best_fit(adjustment.problem.starts(kinematics, theta), options.max_body_sigmas)

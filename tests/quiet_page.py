@@ -5,6 +5,7 @@ import re
 import time
 from types import SimpleNamespace
 
+import drawn
 import msgspec
 from protocol import Tab
 from viewimit.app.jobs.camera_images import CameraProcess
@@ -49,7 +50,7 @@ class Gui(QuietHandle):
         self.widgets.append(Widget(label, **fields))
         return self.widgets[-1]
 
-    def add_html(self, content, visible=True):
+    def add_html(self, content, visible=True, order=None):
         return self._add("", content=content, visible=visible)
 
     def add_text(self, label, initial_value, **_):
@@ -97,7 +98,7 @@ class QuietPage:
         self.page = Page(self.client, services, settings or Settings.paper(), info)
 
     def widget(self, label):
-        return next(widget for widget in self.gui.widgets if widget.label == label)
+        return next(widget for widget in self.gui.widgets if drawn.label(widget.label) == label)
 
     def choose(self, label, value):
         """Change a widget as a person does: a dropdown offers the value."""

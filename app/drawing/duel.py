@@ -151,7 +151,7 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
         return f"A tie: both were {aim} after {svg.count_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = f"The {ROLES[first]} was first {aim}, after {svg.count_motions(soonest)}."
+    won = f"The {ROLES[first]} was first within {ARRIVED_DEG:g}°, after {svg.count_motions(soonest)}."
     late = standings[1 - first].arrived
     return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
         standings, (1 - first,), playing

@@ -110,7 +110,7 @@ class TestDuel:
             (9, 6, "converged converged", "The opponent was first within 1°", "The learner was, after 9."),
             (None, 1, "ready converged", "demonstrator, after 1 motion.", "The learner is at the start, 3.00° off."),
             (7, 7, "converged moving", "A tie: both were within 1° of the demonstrator after 7 motions.", ""),
-            (0, None, "ready moving", "The learner was first within 1° of the demonstrator, after 0 motions.", "opp"),
+            (0, None, "ready moving", "The learner was first within 1°, after 0 motions.", "opp"),
         ],
     )
     def test_the_verdict_names_who_arrived_first(self, race, own, other, states, first, second):

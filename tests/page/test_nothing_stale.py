@@ -64,8 +64,7 @@ VIEW = {
     "prefers_dark": True,
     "help": True,
     "fits": 1,
-    "wide": True,
-    "vast": True,
+    "flat": True,
     "look_only": True,
     "share": True,
     "large": "images",
@@ -97,10 +96,6 @@ def rest(page):
         page.tick(3.0)
 
 
-def widen(page):
-    page.page.model.show(wide=True)
-
-
 ACTIONS = {
     "play": [call("play")],
     "step": [call("step")],
@@ -111,8 +106,8 @@ ACTIONS = {
     "speed": [call("speed", "10 a second")],
     "rehearsal": [call("preset", "Beyond the paper"), call("rehearsal")],
     "duel": [call("duel"), call("step"), call("opponent_transfer", "Linear combination")],
-    "duel in a wide window": [call("duel"), call("step"), widen],
-    "narrow again": [call("step"), widen, lambda page: page.page.model.show(wide=False)],
+    "paused duel": [call("duel"), call("step"), call("play"), call("play")],
+    "still picture": [call("switch", "flat", True), call("step")],
     "preview": [call("switch", "look_only", True), call("posture", "70,-100")],
     "construction": [call("construction")],
     "compare": [call("compare")],

@@ -101,6 +101,12 @@ PRESETS = (
         "A point counts only if all four views see it; below five the arm holds still.",
     ),
     Preset(
+        "Points without names",
+        Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
+        2,
+        "The demonstrator's points come in any order: after two probes it names them.",
+    ),
+    Preset(
         "KUKA iiwa",
         Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,

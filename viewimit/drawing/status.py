@@ -133,9 +133,11 @@ def describe(
         left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence)
+    if snapshot.awaits_names:
+        return _without_names(snapshot, playing)
     if snapshot.transfer is None:
         return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _ill_conditioned(snapshot)
+    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
         advice = "; reset to go on" if advises else ""
         return StatusMessage(
@@ -205,6 +207,29 @@ def _swapped(snapshot: Snapshot) -> str:
     """Say which of the demonstrator's points seem to be swapped; "" for none."""
     pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
     return f"The demonstrator's points {pairs} seem to be exchanged." if pairs else ""
+
+
+def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
+    """Describe a snapshot in which the demonstrator's points have no names yet."""
+    if snapshot.status.is_at_rest:
+        return StatusMessage(snapshot.status, f"{_says(snapshot)}.")
+    state = ServoStatus.READY if snapshot.motion == 0 else ServoStatus.MOVING if playing else "paused"
+    sentence = "which of the demonstrator's points is which is not known yet, nor is E."
+    return StatusMessage(state, sentence, probe=snapshot.probe)
+
+
+def _named(snapshot: Snapshot) -> str:
+    """Say how sure the names are that the learner found; "" for points that came with names."""
+    naming = snapshot.naming
+    if naming is None or snapshot.settings.matched:
+        return ""
+    if naming.is_ambiguous:
+        return "Two answers: with other names of the points, another pose explains the images as well."
+    found = naming.names >= 0
+    uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
+    named = f"{found.sum()} points named"
+    sure = f", {', '.join(map(str, uncertain))} uncertainly" if uncertain else " with certainty"
+    return f"{named}{sure}{f'; {alone} have no partner' if alone else ''}."
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from viewimit.drawing import svg
 from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
+from viewimit.language import _
 
 from .overlays import link
 
@@ -22,7 +23,7 @@ def beside(key: str) -> str:
 
 def linked_cards() -> str:
     """Build all cards with links to their examples."""
-    back = link("restore/0", "Give it back: what was here before", "Give it back")
+    back = link("restore/0", _("Back to what was here before"), _("Back to before"))
     restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
     return cards(lambda key: _show(key) + restore)
 
@@ -51,5 +52,5 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
 def _show(key: str) -> str:
     """Build the link to an entry's example."""
     entry = glossary()[key]
-    words = "Show me a bad one" if entry.bad else "Show me"
+    words = _("Show me a bad one") if entry.bad else _("Show me")
     return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

@@ -1,11 +1,12 @@
-"""What pyproject.toml cannot say: app/ and assets/ stand at the top and install inside viewimit; wheels hold the built
-documentation; and what README is on a package index, which has neither its picture nor the files that it links to."""
+"""What pyproject.toml cannot say: app/ and assets/ stand at the top and install inside viewimit; a release's wheel
+holds the built documentation; and what README is on a package index, which has neither its picture nor the files that
+it links to.
+"""
 
 import os
 import re
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 from setuptools import find_packages, setup
@@ -24,15 +25,11 @@ readme = re.sub(r"\[([^\]]*)\]\((?!https:)[^)]*\)", r"\1", readme)
 
 
 class BuildWithDocumentation(build_py):
-    """As viewimit/site, made by the modules that are being installed; not for an editable install, nor where docs/ or
-    its generator is not there."""
+    """As viewimit/site, with VIEWIMIT_DOCS=1, made by the modules that are being installed."""
 
     def run(self):
         super().run()
-        if self.editable_mode or not (HERE / "docs" / "conf.py").is_file():
-            return
-        if find_spec("sphinx") is None:
-            self.warn("the documentation is left out: Sphinx is not there")
+        if self.editable_mode or os.environ.get("VIEWIMIT_DOCS") != "1":
             return
         built = Path(self.build_lib).resolve()
         command = [sys.executable, str(HERE / "docs" / "build.py"), str(built / "viewimit" / "site")]

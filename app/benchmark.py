@@ -13,56 +13,57 @@ from viewimit.drawing.export.panels import make_landscape
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
-from .commands.display import ChoosePoint
+from .commands import COMMANDS
+from .commands.display import choose_point
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
 from .model.page_model import PageModel
 from .model.queue import CommandQueue
 from .model.services import LoadShedding, Services
-from .panels.images import ImagesPanel
-from .panels.landscape import LandscapePanel
+from .panels.images import images
+from .panels.landscape import landscape
 from .panels.panel import Layout
-from .panels.status import StatusPanel
+from .panels.status import status
 from .quiet_client import quiet_client
 from .scene.scene3d import Scene3D
 
 RUNS = 25
-SHOWN = (ImagesPanel, LandscapePanel, StatusPanel)
+SHOWN = images, landscape, status
 
 
 def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, float]:
     """Median ms of CPU of the loop's pass, of its drawings, and of both together. runs: starts."""
-    client, queue = quiet_client(0), CommandQueue()
+    client, queue = quiet_client(0), CommandQueue(COMMANDS)
     services = Services(
         LandscapeWorker(), ExperimentWorker(), CameraProcess(), LoadShedding(0.05), lambda robot, arm: None
     )
     model = PageModel(0, settings, services, queue, lambda name, data: None)
-    layout, panels = Layout(client, queue), [panel() for panel in SHOWN]
+    layout = Layout(client, queue)
     scene = Scene3D(client, queue, services.share)
-    for panel in panels:
-        panel.build(layout, model.state(0.0))
+    layout.build(SHOWN, model)
     session: Session = model.session
     costs: dict[str, list[float]] = {"loop": [], "drawings": [], "whole": []}
     low, high = np.transpose(session.scene.range_deg)
     for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
         session.begin(Settings.paper(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
         model.undoable.begin_anew()
-        ChoosePoint(chosen).apply(model, 0.0)
+        choose_point(model, chosen)
         scene.build(session.world)
         model.landscape.begin(session.world, session.snapshot)
         model.landscape.take(make_landscape(session.world, session.snapshot))
-        for panel in panels:
-            panel.show(model.state(0.0))
+        model.refresh(0.0)
+        for drawing in layout.drawings:
+            drawing.draw(model)
         while session.snapshot.motion < 30:
             began = time.process_time()
             moved = session.step()
             stepped = time.process_time()
-            state = model.state(0.0)
+            model.refresh(0.0)
             scene.arms.draw(*model.poses(0.0))
-            scene.show(state)
-            for panel in panels:
-                panel.show(state)
+            scene.show(model)
+            for drawing in layout.drawings:
+                drawing.draw(model)
             done = time.process_time()
             if not moved:
                 break

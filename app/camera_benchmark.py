@@ -14,8 +14,6 @@ import numpy as np
 
 from viewimit.loop.settings import Settings
 
-from .commands.method import switch_camera
-from .commands.session import ChooseSpeed, Play
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
 from .jobs.landscapes import LandscapeWorker
@@ -23,7 +21,6 @@ from .model.services import Services
 from .page.page import Page
 from .page.redraw import draw_all
 from .page.scheduler import Scheduler
-from .panels.status import StatusPanel
 from .quiet_client import quiet_client
 
 SECONDS = 20.0
@@ -45,16 +42,16 @@ class TimedPage(Page):
         self.ticks.append(time.perf_counter() - began)
 
     def play(self, speed: str) -> None:
-        self.put(ChooseSpeed.parse(speed))
-        self.put(Play())
+        self.queue.call("speed", speed)
+        self.queue.call("play")
 
     def switch_on(self) -> None:
         """Raises TimeoutError if no pictures come."""
-        self.put(switch_camera(True))
+        self.queue.call("camera", True)
         until = time.monotonic() + WAITS_S
         while self.busy or self.model.session.settings.sensor == "projected":
             if time.monotonic() > until:
-                raise TimeoutError(f"no pictures after {WAITS_S:g} s: {self.panel(StatusPanel).html}")
+                raise TimeoutError(f"no pictures after {WAITS_S:g} s: {self.layout.named['status'].content}")
             time.sleep(0.05)
 
     @property

@@ -10,6 +10,7 @@ import webbrowser
 from dataclasses import replace
 
 from viewimit.loop.session import Session
+from viewimit.processes import stop_signals, usable_cores
 
 from .server.address import address, invite, is_loopback, listen, require_free
 from .server.limits import ServerOptions
@@ -26,7 +27,7 @@ log = logging.getLogger(__name__)
 def serve(
     host: str = "127.0.0.1", port: int = 8080, options: ServerOptions | None = None, open_browser: bool = False
 ) -> None:
-    """Serve the page until SIGINT, SIGTERM, or SIGHUP, as of a terminal that is closed. port 0 takes a free one.
+    """Serve the page until SIGINT, SIGTERM, or until its terminal is closed. port 0 takes a free one.
 
     Raises ValueError for settings that cannot be, PortInUse for a port that is taken, RuntimeError if the
     processes of the server do not begin.
@@ -38,7 +39,7 @@ def serve(
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)
     stopped = Termination()
-    for number in _signals():
+    for number in stop_signals():
         signal.signal(number, lambda *_: stopped.set())
     ending = threading.Timer(STOPS_WITHIN, _end)
     ending.daemon = True
@@ -63,14 +64,6 @@ def serve(
         ending.start()
 
 
-def _signals() -> list[signal.Signals]:
-    """By which the server is stopped; nohup's wish not to hear of the terminal is kept."""
-    stops = [signal.SIGINT, signal.SIGTERM]
-    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-        stops.append(signal.SIGHUP)
-    return stops
-
-
 def _end() -> None:
     log.warning("the server does not end by itself, and is ended")
     os._exit(1)
@@ -80,8 +73,7 @@ def usual_workers(host: str) -> int:
     """One process where only this machine comes, else one a core, up to MOST_WORKERS."""
     if is_loopback(host) or not can_share_a_port():
         return 1
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(cores, MOST_WORKERS)
+    return min(usable_cores(), MOST_WORKERS)
 
 
 def usual_per_address(host: str, max_clients: int) -> int:

@@ -2,7 +2,8 @@
 
 The lab is written beside it, lab.html.
 
-It needs `pip install -e '.[docs]'`. Without a folder it goes to build/site, where `viewimit docs` finds it.
+It needs `pip install -e . --group docs`, of pip 25.1 or newer. Without a folder it goes to build/site, where
+`viewimit docs` finds it.
 """
 
 import shutil

@@ -3,62 +3,19 @@
 import threading
 import time
 from dataclasses import replace
-from functools import partial
 
 from drawn import view_name
-from viewimit.app.commands.display import ChoosePoint, FitView, NextPoint, Switch, ToggleComparison, ToggleHelp
-from viewimit.app.commands.method import (
-    FreeJoints,
-    change_disturbance,
-    change_seed,
-    change_servo,
-    change_transfer,
-    switch_camera,
-    switch_rectify,
-)
-from viewimit.app.commands.session import (
-    ChoosePreset,
-    ChooseSpeed,
-    Play,
-    PoseHand,
-    PoseJoint,
-    Reset,
-    Scrub,
-    Step,
-    ToggleRehearsal,
-    Undo,
-)
-from viewimit.app.commands.tools import (
-    BestNext,
-    ChooseExperiment,
-    ChooseLayout,
-    ChooseMotion,
-    ChooseOpponent,
-    Download,
-    EditPoints,
-    LoadMotion,
-    Record,
-    RemovePoint,
-    Replay,
-    RunOrCancel,
-    SaveMotion,
-    SaveScene,
-    ShowMoment,
-    ToggleDuel,
-)
+from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.model.choices import OF_ARMS, OF_IMAGES
+from viewimit.app.model.choices import AMOUNTS
 from viewimit.app.model.page_model import PageModel
 from viewimit.app.model.queue import CommandQueue
 from viewimit.app.model.services import LoadShedding, Services
 from viewimit.app.page.page import Page
 from viewimit.app.page.redraw import draw_all
 from viewimit.app.page.scheduler import TICK
-from viewimit.app.panels.display import DisplayPanel
-from viewimit.app.panels.images import ImagesPanel
-from viewimit.app.panels.status import StatusPanel
 from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until
 
@@ -66,53 +23,62 @@ from viewimit.loop.settings import Settings
 from viewimit.simulation.robot import load_markers
 from viewimit.simulation.world import World
 
-CONTROLS = {  # what a browser's values become
-    **{f"joint{k}": partial(PoseJoint.parse, k) for k in range(7)},
-    **{amount.name: partial(change_disturbance, amount) for amount in (*OF_IMAGES, *OF_ARMS)},
-    **{
-        name: partial(Switch.parse, name)
-        for name in ("rays", "residuals", "gizmo", "whole_frames", "rectified", "dark")
-    },
-    "joints": FreeJoints.parse,
-    "seed": change_seed,
-    "points": ChooseLayout.parse,
-    "rectify": switch_rectify,
-    "camera": switch_camera,
-    "transfer": change_transfer,
-    "servo": change_servo,
-    "hand": PoseHand.parse,
-    "preset": ChoosePreset.parse,
-    "speed": ChooseSpeed.parse,
-    "history": Scrub.parse,
-    "chosen": ChoosePoint.parse,
-    "opponent's transfer": ChooseOpponent.transfer,
-    "opponent's servo": ChooseOpponent.servo,
-    "experiment": ChooseExperiment.parse,
-    "motion": ChooseMotion.parse,
-    "moment": ShowMoment.parse,
-    "motion file": LoadMotion.parse,
+CONTROLS = {  # what a browser's values become: a command, and its arguments before the value
+    **{f"joint{k}": ("pose_joint", k) for k in range(7)},
+    **{name: ("disturbance", name) for name in AMOUNTS},
+    **{name: ("switch", name) for name in ("rays", "residuals", "gizmo", "whole_frames", "rectified", "dark")},
+    "joints": ("joints",),
+    "seed": ("seed",),
+    "points": ("points",),
+    "rectify": ("rectify",),
+    "camera": ("camera",),
+    "transfer": ("transfer",),
+    "servo": ("servo",),
+    "hand": ("pose_hand",),
+    "preset": ("preset",),
+    "speed": ("speed",),
+    "history": ("moment",),
+    "chosen": ("choose_point",),
+    "opponent's transfer": ("opponent_transfer",),
+    "opponent's servo": ("opponent_servo",),
+    "experiment": ("experiment",),
+    "motion": ("motion",),
+    "moment": ("motion_time",),
+    "motion file": ("load_motion",),
 }
-BUTTONS = {
-    "play": Play(),
-    "step": Step(),
-    "undo": Undo(),
-    "reset": Reset(),
-    "next point": NextPoint(),
-    "view": FitView(),
-    "help": ToggleHelp(),
-    "transfers": ToggleComparison(),
-    "duel": ToggleDuel(),
-    "rehearse": ToggleRehearsal(),
-    "run": RunOrCancel(),
-    "download": Download(),
-    "record": Record(),
-    "replay": Replay(),
-    "save motion": SaveMotion(),
-    "edit points": EditPoints(),
-    "remove point": RemovePoint(),
-    "best next": BestNext(),
-    "save scene": SaveScene(),
+BUTTONS = {  # commands
+    "play": "play",
+    "step": "step",
+    "undo": "undo",
+    "reset": "reset",
+    "next point": "next_point",
+    "view": "fit_view",
+    "help": "help",
+    "transfers": "compare",
+    "duel": "duel",
+    "rehearse": "rehearsal",
+    "run": "run",
+    "download": "download",
+    "record": "record",
+    "replay": "replay",
+    "save motion": "save_motion",
+    "edit points": "edit_points",
+    "remove point": "remove",
+    "best next": "best",
+    "save scene": "scene",
 }
+
+
+def call(name, *values):
+    """A command with what a browser sends."""
+    return COMMANDS[name](*values)
+
+
+def link(name, value):
+    """A command as a link of the drawings calls it."""
+    command = COMMANDS[name]
+    assert command.link
+    return command(*(value for _ in command.parsers))
 
 
 class Hands:
@@ -122,10 +88,10 @@ class Hands:
         self.model, self.queue = model, queue
 
     def set(self, name, value):
-        CONTROLS[name](value).apply(self.model, 0.0)
+        call(*CONTROLS[name], value).apply(self.model, 0.0)
 
     def act(self, name, now=0.0):
-        BUTTONS[name].apply(self.model, now)
+        call(BUTTONS[name]).apply(self.model, now)
 
     def set_view(self, **fields):
         self.model.view = replace(self.model.view, **fields)
@@ -162,7 +128,7 @@ def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=
     workers = landscapes or QuietLandscapes(), experiments or QuietExperiments()
     others = {} if basins is None else {"basins": basins}
     services = Services(*workers, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None, **others)
-    queue = CommandQueue()
+    queue = CommandQueue(COMMANDS)
     return PageModel(1, settings, services, queue, send), queue
 
 
@@ -206,10 +172,10 @@ class Visit:
         )
 
     def put(self, name, value):
-        self.page.queue.put_value(CONTROLS[name], value)
+        self.page.queue.call(*CONTROLS[name], value)
 
     def act(self, name):
-        self.page.put(BUTTONS[name])
+        self.page.queue.call(BUTTONS[name])
 
     def tick(self, count=1):
         for _ in range(count):
@@ -228,16 +194,16 @@ class Visit:
 
     @property
     def said(self):
-        return self.page.panel(StatusPanel).html
+        return self.page.layout.named["status"].content
 
     @property
     def images(self):
-        return self.page.panel(ImagesPanel).html
+        return self.page.layout.named["images"].content
 
     @property
     def camera_on(self):
         """As the box shows it."""
-        return self.page.panel(DisplayPanel).camera_on
+        return self.page.layout.named["camera"].value
 
     @property
     def photographs(self):

@@ -39,16 +39,18 @@ class Tab:
     def text(self):
         return ".".join(self.blocks)
 
-    def take(self, part):
-        """Raises AssertionError if a part is missing before it."""
+    def take(self, part) -> bool:
+        """Whether no part is missing before it."""
         if part == self.last:
-            return
+            return True
         self.last = part
         part = msgspec.json.decode(part)
-        assert part["at"] == 0 or part["number"] == self.number + 1
+        if part["at"] != 0 and part["number"] != self.number + 1:
+            return False  # of two that wait to be sent the newer one is
         self.number, self.acted = part["number"], part["acted"]
         if part["at"] >= 0:
             self.blocks = self.blocks[: part["at"]] + part["blocks"]
+        return True
 
 
 class Client:
@@ -165,7 +167,8 @@ class Client:
             if "value" in message["updates"]:
                 self.values[uuid] = message["updates"]["value"]
                 if uuid == self.widgets.get("vi-session"):
-                    self.tab.take(self.values[uuid])
+                    if not self.tab.take(self.values[uuid]):
+                        self.act("resend", 0)  # as the page's script does
             if "content" in message["updates"]:
                 self.html[uuid] = message["updates"]["content"]
         elif kind == "GuiRemoveMessage":

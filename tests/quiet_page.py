@@ -14,8 +14,8 @@ from viewimit.app.model.services import LoadShedding, Services
 from viewimit.app.page.page import Page
 from viewimit.app.page.redraw import draw_all
 from viewimit.app.page.scheduler import TICK
-from viewimit.app.panels.actions import KEPT_LABEL, ActionsPanel
-from viewimit.app.panels.panel import Reach
+from viewimit.app.panels.actions import KEPT_LABEL
+from viewimit.app.panels.panel import ClientInfo
 from viewimit.app.quiet_client import QuietClient, QuietHandle
 from waiting import wait_until
 
@@ -65,8 +65,8 @@ class Gui(QuietHandle):
     def add_checkbox(self, label, initial_value, **_):
         return self._add(label, value=initial_value)
 
-    def add_button(self, label, icon=None, disabled=False, **_):
-        return self._add(label, icon=icon, disabled=disabled)
+    def add_button(self, label, icon=None, disabled=False, visible=True, **_):
+        return self._add(label, icon=icon, disabled=disabled, visible=visible)
 
 
 class QuietPage:
@@ -86,8 +86,8 @@ class QuietPage:
         clock = lambda: self.now
         how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
         services = Services(*workers, shedding, lambda robot, arm: None, **how)
-        reach = Reach(shared=shared)
-        self.page = Page(self.client, services, settings or Settings.paper(), reach)
+        info = ClientInfo(public_url=shared)
+        self.page = Page(self.client, services, settings or Settings.paper(), info)
 
     def widget(self, label):
         return next(widget for widget in self.gui.widgets if widget.label == label)
@@ -108,7 +108,7 @@ class QuietPage:
         """What a link of its drawings asks for, as the page's script sends it."""
         self.acted += 1
         message = {"load": "", "acts": [[self.acted, control, value]]}
-        self.page.panel(ActionsPanel).actions.take(msgspec.json.encode(message).decode())
+        self.page.layout.named["actions"].take(msgspec.json.encode(message).decode())
 
     def restore(self, text=""):
         """What the tab of an earlier page has kept; "" for a new tab."""

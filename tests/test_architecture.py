@@ -13,7 +13,7 @@ import viewimit
 
 ROOT = Path(__file__).parent.parent
 LAYERS = (  # folders and modules of viewimit/: each imports only from lines above its own, or itself
-    {"assets"},
+    {"assets", "processes"},
     {"language"},
     {"geometry"},
     {"estimation"},
@@ -32,9 +32,7 @@ APP_ORDER = (
     {"viser_private", "quiet_client", "static", "drawing", "lab"},
     {"jobs", "sessions", "classroom"},
     {"model"},
-    {"commands"},
-    {"scene"},
-    {"panels"},
+    {"commands", "panels", "scene"},
     {"page"},
     {"benchmark", "camera_benchmark", "server"},
     {"serve"},

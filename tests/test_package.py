@@ -8,8 +8,10 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import venv
 import zipfile
 from email import message_from_string
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import parse_qsl
@@ -42,18 +44,28 @@ FILES = (
 )  # fmt: skip
 
 
+def copied(folder):
+    """What a wheel is made of, in a folder that may keep what a build leaves behind."""
+    for part in (*FOLDERS, *BESIDE):
+        shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in FILES:
+        shutil.copy(ROOT / name, folder)
+    return folder
+
+
 @pytest.fixture(scope="session")
 def wheel(tmp_path_factory):
     """Built from a copy, so that no build folder is left behind, and with what is installed, if the generator is: to
     install all that once more takes longer than to build."""
     source, made = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("made")
-    for folder in (*FOLDERS, *BESIDE):
-        shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in FILES:
-        shutil.copy(ROOT / name, source)
+    copied(source)
     here = [] if find_spec("sphinx") is None else ["--no-build-isolation", "--check-build-dependencies"]
     command = [sys.executable, "-m", "pip", "wheel", "-v", "--no-deps", *here, "--wheel-dir", str(made), str(source)]
-    there = os.environ | {"PYTHONWARNINGS": "", "PIP_NO_COMPILE": "1"}  # most of what the build takes is never imported
+    there = os.environ | {
+        "VIEWIMIT_DOCS": "1",
+        "PYTHONWARNINGS": "",
+        "PIP_NO_COMPILE": "1",
+    }  # most of what the build takes is never imported
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, env=there)
     if "No matching distribution found for" in done.stdout + done.stderr:
         pytest.skip("no package index")
@@ -80,11 +92,9 @@ def test_the_wheel_holds_every_file_of_the_package(wheel):
 
 
 def test_an_sdist_holds_what_the_wheel_is_made_of_and_is_built_without_a_warning(tmp_path):
-    for folder in (*FOLDERS, *BESIDE):
-        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    copied(tmp_path)
     (tmp_path / "tests").mkdir()
-    for name in (*FILES, "tests/test_package.py"):
-        shutil.copy(ROOT / name, tmp_path / name)
+    shutil.copy(ROOT / "tests/test_package.py", tmp_path / "tests")
     code = "import sys; from setuptools import build_meta; print(build_meta.build_sdist('made'), file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -110,7 +120,10 @@ def test_the_wheel_runs(wheel, tmp_path):
 def test_its_metadata_hold_on_an_index(wheel):
     (path,) = wheel.glob("*.dist-info/METADATA")
     metadata = message_from_string(path.read_text("utf-8"))
-    assert metadata["License-Expression"] == "MIT" and len(metadata.get_all("License-File")) == 4
+    licences = metadata["License-Expression"].split(" AND ")
+    assert licences == ["MIT", "Apache-2.0", "BSD-2-Clause", "OFL-1.1"]
+    assert len(metadata.get_all("License-File")) == len(licences)
+    assert metadata["Version"] == viewimit.__version__
     assert any(name == "Typing :: Typed" for name in metadata.get_all("Classifier"))
     text = metadata.get_payload()
     assert (
@@ -239,7 +252,7 @@ def test_the_documentation_works_from_a_file_in_a_browser(wheel, browser):
 def test_a_clone_without_it_says_what_builds_it(tmp_path, capsys):
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs/build.py").touch()
-    with pytest.raises(BadInput, match=r"pip install -e '.*\[docs\]' && .*build\.py"):
+    with pytest.raises(BadInput, match=r"pip install --group '.*pyproject.toml:docs' && .*build\.py"):
         first_page(tmp_path / "viewimit")
     (tmp_path / "build/site").mkdir(parents=True)
     (tmp_path / "build/site/index.html").touch()
@@ -248,12 +261,67 @@ def test_a_clone_without_it_says_what_builds_it(tmp_path, capsys):
         first_page(tmp_path / "elsewhere/viewimit")
 
 
+MINE = """from viewimit import Session, Settings
+from viewimit.app.jobs.camera_images import CameraProcess
+from viewimit.assets import ROOT
+
+reveal_type(Session(Settings()).run())
+reveal_type(ROOT)
+reveal_type(CameraProcess())
+"""
+
+
+def test_an_editable_install_shows_its_types_in_another_folder_and_runs_the_files_themselves(tmp_path):
+    pytest.importorskip("basedpyright")
+    clone, site, elsewhere = copied(tmp_path / "clone"), tmp_path / "venv", tmp_path / "elsewhere"
+    code = "import sys, build_backend; print(build_backend.build_editable(sys.argv[1]), file=sys.stderr)"
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    done = subprocess.run(command, cwd=clone, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    venv.create(site)
+    python = site / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
+    where = [python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
+    packages = subprocess.run(where, capture_output=True, text=True, check=True).stdout.strip()
+    with zipfile.ZipFile(tmp_path / done.stderr.splitlines()[-1]) as archive:
+        assert archive.testzip() is None
+        archive.extractall(packages)
+    elsewhere.mkdir()
+    (elsewhere / "mine.py").write_text(MINE)
+    command = [sys.executable, "-m", "basedpyright", "--pythonpath", str(python), "mine.py"]
+    said = subprocess.run(command, cwd=elsewhere, capture_output=True, text=True).stdout
+    types = re.findall(r'Type of ".*" is "(\w+)"', said)
+    assert types == ["RunResult", "Path", "CameraProcess"] and "\n0 errors" in said, said
+    code = "import importlib; importlib.invalidate_caches(); import viewimit.assets"
+    code += "; print(viewimit.__file__, viewimit.assets.ROOT)"
+    ran = subprocess.run([python, "-c", code], cwd=elsewhere, capture_output=True, text=True, check=True).stdout
+    assert ran.split() == [str(clone / "viewimit/__init__.py"), str(clone / "assets")]
+
+
+def test_an_install_from_source_builds_no_documentation_and_asks_for_nothing_of_it(tmp_path, monkeypatch):
+    """With an example that fails, too."""
+    clone = copied(tmp_path / "clone")
+    (clone / "docs/index.md").write_text("```{no-such-directive}\n```\n")
+    code = """import sys, build_backend as b
+asked = [need for need in b.get_requires_for_build_wheel() if "sphinx" in need]
+print(asked, b.build_wheel("made"), file=sys.stderr)"""
+    bare = {name: value for name, value in os.environ.items() if name != "VIEWIMIT_DOCS"}
+    build = partial(subprocess.run, [sys.executable, "-c", code], cwd=clone, capture_output=True, text=True)
+    done = build(env=bare)
+    assert done.returncode == 0 and done.stderr.splitlines()[-1].startswith("[] viewimit"), done.stderr
+    (wheel,) = (clone / "made").glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    assert "viewimit/app/serve.py" in names and not [name for name in names if name.startswith("viewimit/site")]
+    asked = build(env=bare | {"VIEWIMIT_DOCS": "1"})
+    assert asked.returncode != 0 and "docs/build.py" in asked.stderr
+
+
 def test_the_default_install_has_nothing_that_only_some_can_use():
     """PyBullet and OpenCV are extras; the tests take PyBullet where it has wheels."""
     markers = pytest.importorskip("packaging.markers")
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    said = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    project, tests = said["project"], said["dependency-groups"]["test"]
     assert not [need for need in project["dependencies"] if need.startswith(("pybullet", "opencv"))]
-    (needed,) = (need for need in project["optional-dependencies"]["test"] if need.startswith("pybullet"))
+    (needed,) = (need for need in tests if "pybullet" in need)
     marker = needed.partition("; ")[2]
     assert markers.Marker(marker).evaluate() == pybullet_has_wheel()
     here = {"python_version": "3.11", "platform_python_implementation": "CPython", "sys_platform": "linux"}

@@ -1,1 +1,6 @@
-"""What a visitor can do, a class each: parsed once, then carried out on the page's model. No widgets, no waiting."""
+"""What a visitor can do: one decorated function a command, called by its name from keys, buttons, sliders and links."""
+
+from . import display, links, method, session, tools
+from .registry import COMMANDS
+
+__all__ = ["COMMANDS", "display", "links", "method", "session", "tools"]

@@ -1,80 +1,68 @@
 """Commands that make a page what a link holds, or what its own tab has kept."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar
 
+from ..model.choices import text
 from ..model.following import Played
 from ..model.keeping import become
 from ..model.page_model import PageModel
-from ..model.queue import Command, Value
+from ..model.queue import Queued
 from ..sessions.link import decode
+from .registry import command
 
-
-@dataclass(frozen=True)
-class FollowLink(Value):
-    """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
-
-    text: str
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.following.begin(decode(self.text, model.begun), Arrived)
-
-
-@dataclass(frozen=True)
-class Restore(Value):
-    """Become what the tab has kept; an empty text of a new tab."""
-
-    text: str
-
-    def apply(self, model: PageModel, now: float) -> None:
-        if model.is_kept:
-            return
-        model.is_kept = True
-        if self.text:
-            try:
-                page = decode(self.text, model.begun)
-            except ValueError as error:
-                why = str(error).removeprefix("the link ")
-                raise ValueError(f"what this tab has kept {why}, so the session begins again") from None
-            model.following.begin(page, Arrived, is_own=True)
+Text = Annotated[str, text("text")]
 
 
 @dataclass(frozen=True, eq=False)
-class Arrived(Command):
-    """Take what was played."""
+class Arrived(Queued):
+    """What was played beside the page, which becomes it."""
 
     played: Played
     moves: ClassVar[bool] = True
     cancels: ClassVar[bool] = True
 
     @property
-    def control(self) -> Hashable:
+    def coalesce_key(self) -> Hashable:
         return Arrived
 
-    def opens_pictures(self, model: PageModel) -> bool:
+    def needs_camera(self, model: Any) -> bool:
         return self.played.page.uses_pictures
 
-    def apply(self, model: PageModel, now: float) -> None:
+    def apply(self, model: Any, now: float) -> None:
         if model.following.finish(self.played):
             become(model, self.played, now)
 
 
-class ResendAll(Value):
-    """The tab has missed a part of what it is to keep."""
+@command("link", latest=True, moves=True, link=True)
+def follow_link(model: PageModel, address: Text) -> None:
+    """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
+    model.following.begin(decode(address, model.begun), Arrived)
 
-    def apply(self, model: PageModel, now: float) -> None:
-        model.resends_all = True
+
+@command("session", latest=True, link=True)
+def restore_session(model: PageModel, kept: Text) -> None:
+    """Become what the tab has kept; an empty text of a new tab."""
+    if model.is_kept:
+        return
+    model.is_kept = True
+    if kept:
+        try:
+            page = decode(kept, model.begun)
+        except ValueError as error:
+            why = str(error).removeprefix("the link ")
+            raise ValueError(f"what this tab has kept {why}, so the session begins again") from None
+        model.following.begin(page, Arrived, is_own=True)
 
 
-@dataclass(frozen=True)
-class TellUnsaved(Value):
-    """Why the browser cannot keep the session; empty where it can."""
+@command("resend", latest=True, link=True)
+def resend_all(model: PageModel) -> None:
+    """Send again all that the tab is to keep, of which it has missed a part."""
+    model.resends_all = True
 
-    why: str
 
-    def apply(self, model: PageModel, now: float) -> None:
-        model.unsaved = self.why[:200] or None
+@command("unsaved", latest=True, link=True)
+def tell_unsaved(model: PageModel, why: Text) -> None:
+    """Take why the browser cannot keep the session; empty where it can."""
+    model.unsaved = why[:200] or None

@@ -1,77 +1,80 @@
-"""Commands that change settings: method, joints that move, disturbances, what the learner looks with."""
+"""Commands that change settings: method, joints that move, disturbances, what the learner observes with."""
 
-from __future__ import annotations
-
-from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
-from ..model.choices import Amount, choice, joint_choices, named, number, switch, words
+from ..model.choices import AMOUNTS, choice, joint_choices, named, one_of, text
 from ..model.page_model import PageModel
-from ..model.queue import Value
+from ..model.points import layout_choices
+from .registry import command
+
+Transfer = Annotated[str, lambda value: named(value, TRANSFERS, "transfer")]
+Servo = Annotated[str, lambda value: named(value, SERVOS, "servo")]
 
 
-@dataclass(frozen=True)
-class Change(Value):
-    """One field of `Settings`, whose range the session checks."""
-
-    field: str
-    value: str | int | float
-    moves: ClassVar[bool] = True
-
-    @property
-    def control(self) -> Hashable:
-        return Change, self.field
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        return self.value == "rendered"
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.undoable.change(**{self.field: self.value})
+@command("transfer", latest=True, moves=True)
+def change_transfer(model: PageModel, name: Transfer) -> None:
+    model.undoable.change(transfer=name)
 
 
-def change_transfer(value: object) -> Change:
-    return Change("transfer", named(value, TRANSFERS, "transfer"))
+@command("servo", latest=True, moves=True)
+def change_servo(model: PageModel, name: Servo) -> None:
+    model.undoable.change(servo=name)
 
 
-def change_servo(value: object) -> Change:
-    return Change("servo", named(value, SERVOS, "servo"))
+@command("disturbance", latest=True, moves=True)
+def change_disturbance(
+    model: PageModel, name: Annotated[str, one_of({name: name for name in AMOUNTS}, "disturbance")], value: float
+) -> None:
+    """Change a disturbance. value: in the units of its slider."""
+    model.undoable.change(**{name: AMOUNTS[name].asked(value)})
 
 
-def change_disturbance(amount: Amount, value: object) -> Change:
-    """value: in the units of the slider"""
-    return Change(amount.name, amount.asked(value))
+@command("seed", latest=True, moves=True)
+def change_seed(model: PageModel, seed: int) -> None:
+    model.undoable.change(seed=seed)
 
 
-def change_seed(value: object) -> Change:
-    return Change("seed", round(number(value)))
+@command("rectify", latest=True, moves=True)
+def switch_rectify(model: PageModel, on: bool) -> None:
+    model.undoable.change(rectify="auto" if on else "off")
 
 
-def switch_rectify(value: object) -> Change:
-    return Change("rectify", "auto" if switch(value) else "off")
+@command("camera", latest=True, moves=True, camera=lambda model, on: on)
+def switch_camera(model: PageModel, on: bool) -> None:
+    """Observe with camera images, or by projected points."""
+    model.undoable.change(sensor="rendered" if on else "projected")
 
 
-def switch_camera(value: object) -> Change:
-    return Change("sensor", "rendered" if switch(value) else "projected")
-
-
-@dataclass(frozen=True)
-class FreeJoints(Value):
+@command("joints", latest=True, moves=True)
+def free_joints(model: PageModel, name: Annotated[str, text("joints")]) -> None:
     """Let other joints move, by the name of the choice; which there are depends on the scene."""
+    settings = model.session.settings
+    joints = choice(name, joint_choices(settings), "joints")
+    if joints != settings.joints:  # what the page has now may be meant by it
+        model.undoable.change(**model.freedom.fields(settings, model.session.scene, joints))
 
-    name: str
-    moves: ClassVar[bool] = True
 
-    @classmethod
-    def parse(cls, value: object) -> FreeJoints:
-        return cls(words(value, "joints"))
+@command("points", latest=True, moves=True)
+def choose_layout(model: PageModel, name: Annotated[str, text("layout")]) -> None:
+    """Choose a layout of body points by its name; which there are depends on the scene."""
+    fields = choice(name, layout_choices(model.session.settings), "layout")
+    if fields:
+        model.undoable.change(**fields)
 
-    def apply(self, model: PageModel, now: float) -> None:
-        """What the page has now may be meant by it, which changes nothing."""
-        settings = model.session.settings
-        joints = choice(self.name, joint_choices(settings), "joints")
-        if joints != settings.joints:
-            model.undoable.change(**model.freedom.fields(settings, model.session.scene, joints))
+
+@command("duel", moves=True)
+def toggle_duel(model: PageModel) -> None:
+    model.duel.toggle()
+
+
+@command("opponent_transfer", latest=True, moves=True)
+def choose_opponent_transfer(model: PageModel, name: Transfer) -> None:
+    model.duel.choose(transfer=name)
+
+
+@command("opponent_servo", latest=True, moves=True)
+def choose_opponent_servo(model: PageModel, name: Servo) -> None:
+    model.duel.choose(servo=name)

@@ -1,216 +1,169 @@
-"""Commands to the session: play, step, go back, move the demonstrator, begin with a preset, come back."""
+"""Commands to the session: play, step, undo, pose the demonstrator, begin with a preset, follow a link."""
 
-from __future__ import annotations
-
-from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.drawing.svg import count_motions
+from viewimit.drawing.glossary import glossary
+from viewimit.drawing.svg import count_motions, escape
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
-from ..model.choices import SPEEDS, choice, modified, number, words
+from ..model.choices import SPEEDS, choice, modified, number, one_of, text
 from ..model.displayed import rehearsal_of
 from ..model.page_model import PageModel
-from ..model.queue import Command, Value
+from ..model.presets import Preset
+from .registry import command
 
-BACK_STAYS = 6.0  # s that it is said
-
-
-class Play(Command):
-    """Play or pause, which need not wait. A duel's opponent gets what has changed for the learner before both go on."""
-
-    moves: ClassVar[bool] = True
-    commutes: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        if not model.player.playing:
-            model.past.keep_branch()
-            model.duel.follow()
-        model.player.toggle()
+MESSAGE_S = 6.0  # s that a message stays
+Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "entry of the glossary")]
+Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
+Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 
 
-class Step(Command):
-    """One motion."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.player.pause()
+@command("play", moves=True, order_independent=True)
+def play(model: PageModel) -> None:
+    """Play, or pause. A duel's opponent first gets what has changed for the learner."""
+    if not model.player.playing:
         model.past.keep_branch()
         model.duel.follow()
-        model.player.step(now)
+    model.player.toggle()
 
 
-class Undo(Command):
-    """One motion back; where a reset, a preset, a start or other motions began, to what they took the place of. A
-    link that is still followed is let go."""
+@command("step", moves=True)
+def step(model: PageModel, *, now: float) -> None:
+    """Make one motion."""
+    model.player.pause()
+    model.past.keep_branch()
+    model.duel.follow()
+    model.player.step(now)
 
-    moves: ClassVar[bool] = True
-    cancels: ClassVar[bool] = True
 
-    def opens_pictures(self, model: PageModel) -> bool:
-        left = model.past.here
-        return left is not None and left.sensor == "rendered" != model.session.settings.sensor
+def _undo_needs_camera(model: PageModel) -> bool:
+    left = model.past.here
+    return left is not None and left.sensor == "rendered" != model.session.settings.sensor
 
-    def apply(self, model: PageModel, now: float) -> None:
-        if model.following.let_go():
-            return
+
+@command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
+def undo(model: PageModel, *, now: float) -> None:
+    """Go one motion back; where a reset, a preset or a start began, back to what was there before. A link that is
+    being followed is abandoned instead."""
+    if model.following.let_go():
+        return
+    model.player.pause()
+    left = model.past.here
+    if left is None:
+        model.player.undo(now)
+    else:
+        model.undoable.bring_back(left)
+        points = f", {len(model.session.world.body)} points" if model.points.on else ""
+        what = f"{left.preset.name}, {count_motions(left.motions)}{points}"
+        model.say(f"Back is what was here before: {what}.", now + MESSAGE_S)
+
+
+@command("reset", moves=True)
+def reset(model: PageModel) -> None:
+    """Go back to the start; an error that the page has met is over."""
+    model.undoable.reset()
+    model.message = None
+
+
+@command("rehearsal", moves=True)
+def toggle_rehearsal(model: PageModel) -> None:
+    """Let the learner watch itself first, or forget what it has seen of itself."""
+    if rehearsal_of(model.session).held:
+        model.undoable.forget_rehearsal()
+    else:
+        model.undoable.rehearse()
+
+
+@command("moment", latest=True, moves=True, link=True)
+def scrub(model: PageModel, motion: int) -> None:
+    """Show the moment after so many motions."""
+    model.player.pause()
+    model.player.scrub(motion)
+
+
+@command("speed", latest=True)
+def choose_speed(model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, "speed")]) -> None:
+    """Choose the speed by its name; 0 is as fast as it computes."""
+    model.player.speed = motions_per_second
+
+
+def _preset_needs_camera(model: PageModel, name: str) -> bool:
+    return name in model.presets.offered and model.presets.offered[name].settings.sensor == "rendered"
+
+
+@command("preset", latest=True, moves=True, camera=_preset_needs_camera)
+def choose_preset(model: PageModel, name: Annotated[str, text("preset")]) -> None:
+    """Begin with a preset of the page's list."""
+    if name != modified(model.preset.name):  # which it is already
+        offered = {**model.presets.offered, model.preset.name: model.preset}
+        model.undoable.begin_preset(choice(name, offered, "preset"))
+
+
+@command("pose_joint", latest=True, moves=True)
+def pose_joint(model: PageModel, k: int, angle_deg: float) -> None:
+    """Turn one of the demonstrator's joints, counted among those that move."""
+    theta = model.session.snapshot.theta_demo.copy()
+    if k < len(theta):  # a slider of the scene before may still have sent
+        theta[k] = np.radians(angle_deg)
+        model.undoable.pose(theta)
+
+
+@command("pose_hand", latest=True, moves=True)
+def pose_hand(model: PageModel, position: Position) -> None:
+    """Bring the demonstrator's hand to a place, as near as its joints can."""
+    model.undoable.pose(pose_for_hand(model.session.world, position, model.session.snapshot.theta_demo))
+
+
+@command("start_joint", latest=True, moves=True)
+def start_joint(model: PageModel, k: int, angle_deg: float) -> None:
+    """Turn one joint of the learner's start, counted among those that move."""
+    start = list(given(model.session.settings.start_deg))
+    if k < len(start):  # a slider of the scene before may still have sent
+        start[k] = angle_deg
+        model.undoable.start_at(tuple(start))
+
+
+@command("posture", moves=True, link=True)
+def choose_posture(model: PageModel, angles_deg: Angles) -> None:
+    """Take a posture of the landscape: the learner starts there, or a see-through arm shows it."""
+    if not model.view.look_only:
+        model.undoable.start_at(angles_deg)
+    else:
         model.player.pause()
-        left = model.past.here
-        if left is None:
-            model.player.undo(now)
-        else:
-            model.undoable.bring_back(left)
-            points = f", {len(model.session.world.body)} points" if model.points.on else ""
-            what = f"{left.preset.name}, {count_motions(left.motions)}{points}"
-            model.say(f"Back is what was here before: {what}.", now + BACK_STAYS)
+        model.display.preview.look(np.radians(angles_deg))
 
 
-class Reset(Command):
-    """Back to the start; an error that the page has met is over."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.undoable.reset()
-        model.message = None
-
-
-class ToggleRehearsal(Command):
-    """The learner watches itself first; or it forgets what it has seen of itself."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        if rehearsal_of(model.session).held:
-            model.undoable.forget_rehearsal()
-        else:
-            model.undoable.rehearse()
+@command("start", moves=True, link=True)
+def start_there(model: PageModel) -> None:
+    """Start where the see-through arm is."""
+    moment = model.display.preview.moment
+    if moment is None:
+        raise ValueError("there is no see-through arm to start from")
+    model.undoable.start_at(tuple(np.degrees(moment.theta).tolist()))
 
 
-@dataclass(frozen=True)
-class Scrub(Value):
-    """To the moment after so many motions."""
-
-    motion: int
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> Scrub:
-        return cls(round(number(value)))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.player.pause()
-        model.player.scrub(self.motion)
+@command("show", moves=True, link=True)
+def show_word(model: PageModel, key: Word) -> None:
+    """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
+    entry = glossary()[key]
+    speed = 0.0 if entry.plays else model.player.speed
+    lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
+    model.word.show(key, Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)), model.view)
+    model.show(help=False)
+    if entry.plays:
+        play(model)
 
 
-@dataclass(frozen=True)
-class ChooseSpeed(Value):
-    """motions_per_second: 0 as fast as it computes."""
-
-    motions_per_second: float
-
-    @classmethod
-    def parse(cls, value: object) -> ChooseSpeed:
-        return cls(choice(value, SPEEDS, "speed"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.player.speed = self.motions_per_second
+def _restore_needs_camera(model: PageModel) -> bool:
+    before = model.word.before
+    return before is not None and before.left.sensor == "rendered" != model.session.settings.sensor
 
 
-@dataclass(frozen=True)
-class ChoosePreset(Value):
-    """By its name; which there are differs from page to page."""
-
-    name: str
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> ChoosePreset:
-        return cls(words(value, "preset"))
-
-    def opens_pictures(self, model: PageModel) -> bool:
-        return self.name in model.presets.offered and model.presets.offered[self.name].settings.sensor == "rendered"
-
-    def apply(self, model: PageModel, now: float) -> None:
-        if self.name != modified(model.preset.name):  # which it is already
-            offered = {**model.presets.offered, model.preset.name: model.preset}
-            model.undoable.begin_preset(choice(self.name, offered, "preset"))
-
-
-@dataclass(frozen=True)
-class PoseJoint(Value):
-    """One of the demonstrator's joints, counted among those that move, to an angle in rad."""
-
-    k: int
-    angle: float
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, k: int, value: object) -> PoseJoint:
-        """value: degrees"""
-        return cls(k, float(np.radians(number(value))))
-
-    @property
-    def control(self) -> Hashable:
-        return PoseJoint, self.k
-
-    def apply(self, model: PageModel, now: float) -> None:
-        theta = model.session.snapshot.theta_demo.copy()
-        if self.k < len(theta):  # a slider of the scene before may still have sent
-            theta[self.k] = self.angle
-            model.undoable.pose(theta)
-
-
-@dataclass(frozen=True)
-class StartAt(Command):
-    """The learner begins anew there. angles_deg: (m,)"""
-
-    angles_deg: tuple[float, ...]
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.undoable.start_at(self.angles_deg)
-
-
-@dataclass(frozen=True)
-class StartJoint(Value):
-    """One joint of the learner's start, counted among those that move; degrees."""
-
-    k: int
-    angle_deg: float
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, k: int, value: object) -> StartJoint:
-        return cls(k, number(value))
-
-    @property
-    def control(self) -> Hashable:
-        return StartJoint, self.k
-
-    def apply(self, model: PageModel, now: float) -> None:
-        start = list(given(model.session.settings.start_deg))
-        if self.k < len(start):  # a slider of the scene before may still have sent
-            start[self.k] = self.angle_deg
-            model.undoable.start_at(tuple(start))
-
-
-@dataclass(frozen=True, eq=False)
-class PoseHand(Value):
-    """The demonstrator's hand to a place, (3,) m in the world, as near as its joints can bring it."""
-
-    position: NDArray
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> PoseHand:
-        return cls(np.array(value, float))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.undoable.pose(pose_for_hand(model.session.world, self.position, model.session.snapshot.theta_demo))
+@command("restore", moves=True, link=True, camera=_restore_needs_camera)
+def restore(model: PageModel) -> None:
+    """Give back what was there before an entry of the glossary was shown."""
+    model.view = model.word.give_back(model.view)

@@ -1,280 +1,155 @@
-"""Commands to the duel."""
+"""Commands to the page's tools: experiments, motions of the demonstrator, body points, files."""
 
-from __future__ import annotations
+from typing import Annotated
 
-from collections.abc import Hashable
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
-
-from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.servo import SERVOS
 
-from ..model.choices import choice, named, number, words
+from ..model import pictures
+from ..model.choices import named, one_of
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
-from ..model.points import layout_choices
-from ..model.queue import Command, Value
-from ..model.saving import FORMATS, PICTURES
+from ..model.pictures import FORMATS, PICTURES
+from .registry import command
+
+MESSAGE_S = 6.0  # s that a message stays
 
 
-class ToggleDuel(Command):
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.duel.toggle()
-
-
-@dataclass(frozen=True)
-class ChooseOpponent(Value):
-    """part: "transfer" or "servo"; name: of the opponent's."""
-
-    part: str
-    name: str
-    moves: ClassVar[bool] = True
-
-    @property
-    def control(self) -> Hashable:
-        return ChooseOpponent, self.part
-
-    @classmethod
-    def transfer(cls, value: object) -> ChooseOpponent:
-        return cls("transfer", named(value, TRANSFERS, "transfer"))
-
-    @classmethod
-    def servo(cls, value: object) -> ChooseOpponent:
-        return cls("servo", named(value, SERVOS, "servo"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.duel.choose(**{self.part: self.name})
+@command("experiment", latest=True)
+def choose_experiment(
+    model: PageModel, name: Annotated[str, lambda value: named(value, EXPERIMENTS, "experiment")]
+) -> None:
+    model.experiments.chosen = name
 
 
-# Commands to the experiments and to the demonstrator's motions.
+@command("run")
+def run_or_cancel(model: PageModel) -> None:
+    """Run the chosen experiment, or cancel the one that goes on."""
+    model.experiments.run_or_cancel()
 
 
-@dataclass(frozen=True)
-class ChooseExperiment(Value):
-    name: str
-
-    @classmethod
-    def parse(cls, value: object) -> ChooseExperiment:
-        return cls(named(value, EXPERIMENTS, "experiment"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.experiments.chosen = self.name
+@command("download")
+def download(model: PageModel) -> None:
+    """Send the visitor the figure and the data of the chosen experiment."""
+    model.experiments.download()
 
 
-class RunOrCancel(Command):
-    def apply(self, model: PageModel, now: float) -> None:
-        model.experiments.run_or_cancel()
+@command("imitation", moves=True)
+def show_imitation(model: PageModel, *, now: float) -> None:
+    """Show what was imitated, or stop showing it."""
+    run = model.experiments.shown
+    if model.display.playback.playing:
+        model.display.playback.stop()
+    elif run is None or run.imitation is None:
+        raise ValueError("there is no imitation to be seen before the experiment is done")
+    else:
+        model.player.pause()
+        model.display.playback.play(run.imitation, now)
 
 
-class Download(Command):
-    def apply(self, model: PageModel, now: float) -> None:
-        model.experiments.download()
+@command("motion", latest=True, moves=True)
+def choose_motion(
+    model: PageModel, name: Annotated[str, one_of({title: name for name, title in NAMES.items()}, "motion")]
+) -> None:
+    """Choose one of the demonstrator's motions by its title."""
+    model.motions.choose(name)
 
 
-class ShowImitation(Command):
-    """See what was imitated, or see it no more."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        run = model.experiments.shown
-        if model.moments.imitated.playing:
-            model.moments.imitated.stop()
-        elif run is None or run.imitation is None:
-            raise ValueError("there is no imitation to be seen before the experiment is done")
-        else:
-            model.player.pause()
-            model.moments.imitated.play(run.imitation, now)
-
-
-@dataclass(frozen=True)
-class ChooseMotion(Value):
-    name: str
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> ChooseMotion:
-        return cls(choice(value, {title: name for name, title in NAMES.items()}, "motion"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.choose(self.name)
-
-
-class Record(Command):
+@command("record", moves=True)
+def record(model: PageModel) -> None:
     """Begin to record the demonstrator, or end it."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.record()
+    model.motions.record()
 
 
-class Replay(Command):
+@command("replay", moves=True)
+def replay(model: PageModel) -> None:
     """Play the chosen motion on, or stop."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.replay()
+    model.motions.replay()
 
 
-@dataclass(frozen=True)
-class ShowMoment(Value):
-    """A moment of the chosen motion."""
-
-    seconds: float
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> ShowMoment:
-        return cls(number(value))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.scrub(self.seconds)
+@command("motion_time", latest=True, moves=True)
+def show_motion_at(model: PageModel, seconds: float) -> None:
+    """Show a moment of the chosen motion."""
+    model.motions.scrub(seconds)
 
 
-class SaveMotion(Command):
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.save()
+@command("save_motion", moves=True)
+def save_motion(model: PageModel) -> None:
+    model.motions.save()
 
 
-@dataclass(frozen=True)
-class LoadMotion(Value):
-    """data: what a file holds, or its size if that is too large."""
-
-    data: bytes | int
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, data: bytes) -> LoadMotion:
-        return cls(data if len(data) <= MOST_BYTES else len(data))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.motions.load(self.data)
+@command("load_motion", latest=True, moves=True)
+def load_motion(
+    model: PageModel, data: Annotated[bytes | int, lambda data: data if len(data) <= MOST_BYTES else len(data)]
+) -> None:
+    """Take a motion from a file. data: what the file holds, or its size if that is too large."""
+    model.motions.load(data)
 
 
-# Commands to the body points: edit them, place and remove one, take the best next, save the scene.
+@command("edit_points", moves=True)
+def edit_points(model: PageModel) -> None:
+    """Begin to edit the body points, or end it; nothing moves meanwhile."""
+    model.points.toggle()
+    if model.points.on:
+        model.player.pause()
+        model.display.preview.let_go()
+        model.display.playback.stop()
 
 
-@dataclass(frozen=True)
-class ChooseLayout(Value):
-    """By its name; which there are depends on the scene."""
-
-    name: str
-    moves: ClassVar[bool] = True
-
-    @classmethod
-    def parse(cls, value: object) -> ChooseLayout:
-        return cls(words(value, "layout"))
-
-    def apply(self, model: PageModel, now: float) -> None:
-        fields = choice(self.name, layout_choices(model.session.settings), "layout")
-        if fields:
-            model.undoable.change(**fields)
+@command("place_point", moves=True)
+def place_point(
+    model: PageModel, link: int, local: Annotated[tuple[float, float, float], lambda value: tuple(map(float, value))]
+) -> None:
+    """Place a point on both arms, and choose it. link: 0 = base; local: (3,) m in its frame."""
+    model.points.place(link, local)
+    _choose_last(model)
 
 
-class EditPoints(Command):
-    """Begin, or end; nothing moves meanwhile."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.points.toggle()
-        if model.points.on:
-            model.player.pause()
-            model.moments.see_through.let_go()
-            model.moments.imitated.stop()
+@command("remove", moves=True, link=True)
+def remove_point(model: PageModel) -> None:
+    """Remove the chosen point."""
+    model.points.remove(model.view.chosen)
+    model.show(chosen=None)
 
 
-@dataclass(frozen=True)
-class PlacePoint(Command):
-    """On both arms, and choose it. link: 0 = base; local: (3,) m in its frame."""
-
-    link: int
-    local: tuple[float, float, float]
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.points.place(self.link, self.local)
+@command("best", moves=True, link=True)
+def best_next(model: PageModel) -> None:
+    """Propose the point that would tell most; or place the one that is proposed."""
+    if model.points.propose_or_take():
         _choose_last(model)
 
 
-class RemovePoint(Command):
-    """The chosen one."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.points.remove(model.view.chosen)
-        model.view = replace(model.view, chosen=None)
-
-
-class BestNext(Command):
-    """Propose the point that would tell most; or take the one that is proposed."""
-
-    moves: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        if model.points.propose_or_take():
-            _choose_last(model)
-
-
-class SaveScene(Command):
-    def apply(self, model: PageModel, now: float) -> None:
-        model.points.save()
+@command("scene", link=True)
+def save_scene(model: PageModel) -> None:
+    """Send the visitor a file of the scene with its points."""
+    model.points.save()
 
 
 def _choose_last(model: PageModel) -> None:
-    model.view = replace(model.view, chosen=len(model.session.world.body) - 1)
+    model.show(chosen=len(model.session.world.body) - 1)
 
 
-# Commands that hand the visitor files: a replay, pictures.
-
-WRITES = 6.0  # s that it is said
-
-
-class SaveReplay(Command):
-    """The session as one page that needs no server."""
-
-    commutes: ClassVar[bool] = True
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.saving.replay(model.session, model.view.chosen)
-        model.say("writing the replay: one file that opens anywhere, without a server …", now + WRITES)
+@command("save_replay", order_independent=True)
+def save_replay(model: PageModel, *, now: float) -> None:
+    """Send the visitor the session as one page that needs no server."""
+    pictures.save_replay(model)
+    model.say("writing the replay: one file that opens anywhere, without a server …", now + MESSAGE_S)
 
 
-@dataclass(frozen=True)
-class PictureChoice(Value):
-    """Which panel is saved, or in which format: a field of `View`, and what it becomes."""
-
-    field: str
-    value: str
-
-    @property
-    def control(self) -> Hashable:
-        return PictureChoice, self.field
-
-    def apply(self, model: PageModel, now: float) -> None:
-        changed: dict[str, Any] = {self.field: self.value}
-        model.view = replace(model.view, **changed)
+@command("picture", latest=True)
+def choose_picture(
+    model: PageModel, name: Annotated[str, one_of({name: name for name in PICTURES}, "picture")]
+) -> None:
+    """Choose which panel is saved as a picture."""
+    model.show(picture=name)
 
 
-def choose_picture(value: object) -> PictureChoice:
-    return PictureChoice("picture", choice(value, {name: name for name in PICTURES}, "picture"))
+@command("picture_format", latest=True)
+def choose_format(model: PageModel, name: Annotated[str, one_of({name: name for name in FORMATS}, "format")]) -> None:
+    model.show(picture_as=name)
 
 
-def choose_format(value: object) -> PictureChoice:
-    return PictureChoice("picture_as", choice(value, {name: name for name in FORMATS}, "format"))
-
-
-class SavePicture(Command):
-    """Of the panel that is chosen."""
-
-    def apply(self, model: PageModel, now: float) -> None:
-        model.save_picture(now)
-        model.say("drawing the picture, in colours of print and with its caption …", now + WRITES)
+@command("save_picture")
+def save_picture(model: PageModel, *, now: float) -> None:
+    """Send the visitor a picture of the chosen panel."""
+    pictures.save_picture(model, now)
+    model.say("drawing the picture, in colours of print and with its caption …", now + MESSAGE_S)

@@ -7,8 +7,12 @@ import contextlib
 import itertools
 import multiprocessing
 import threading
-from collections.abc import Callable
+import time
+from collections import Counter
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from typing import Any, Protocol
 
 from viewimit.simulation.scene import Scene
 
@@ -17,16 +21,46 @@ from . import camera_child
 MOST_SESSIONS = 8  # that share the seven motions a second of one process
 UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
 ANSWERS_WITHIN_S = 30.0  # else it hangs
+IDLE_S = 60.0  # without a look, after which a place may go to who asks for one
 
 
 class CameraLost(Exception):
-    """The process has ended, and with it the eyes that it had."""
+    """The process has ended, and with it the eyes that it had; or a place went to another visitor."""
+
+
+class Cameras(Protocol):
+    """What the pages of one visitor look with; as `CameraProcess`."""
+
+    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]: ...
+
+    def ask(self, key: int, what: str, *arguments) -> tuple: ...
+
+    def close(self, key: int) -> None: ...
+
+
+class VisitorsCameras:
+    """The camera process as the pages of one visitor have it."""
+
+    def __init__(self, process: "CameraProcess", visitor: Hashable):
+        self._process, self._visitor = process, visitor
+        self.ask, self.close = process.ask, process.close
+
+    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
+        return self._process.open(scene, key, self._visitor)
+
+
+@dataclass
+class _Place:
+    visitor: Hashable
+    used: float  # s, when it last looked
 
 
 class CameraProcess:
     """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered.
 
-    most: sessions; unused_s: without any, after which the process ends; work: what runs in it.
+    When all places are taken, who has fewer of them gets one of who has most, else one that has not looked for a while.
+
+    most: sessions; unused_s: without any, after which the process ends; work: what runs in it; clock: s.
     """
 
     def __init__(
@@ -34,14 +68,16 @@ class CameraProcess:
         most: int = MOST_SESSIONS,
         unused_s: float = UNUSED_S,
         work: Callable[[Connection], None] = camera_child.work,
+        clock: Callable[[], float] = time.monotonic,
     ):
-        self._most, self._unused_s, self._work = most, unused_s, work
+        self._most, self._unused_s, self._work, self._clock = most, unused_s, work, clock
         self._turn = threading.RLock()  # held until an answer is there
         self._sending = threading.Lock()
-        self._keys: set[int] = set()
+        self._places: dict[int, _Place] = {}
+        self._given_away: set[int] = set()  # keys whose sessions do not know it yet
         self._next_key = itertools.count()
         self._process: multiprocessing.process.BaseProcess | None = None
-        self._connection: Connection | None = None
+        self._connection: Any = None  # a Connection; on Windows a PipeConnection
         self._stopped = False
 
     @property
@@ -49,19 +85,21 @@ class CameraProcess:
         process = self._process
         return process is not None and process.is_alive()
 
-    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
-        """Eyes for a scene, in place of those that a key has → key, noise_px.
+    def open(self, scene: Scene, key: int | None = None, visitor: Hashable = None) -> tuple[int, float]:
+        """Eyes for a scene, in place of those that a key has → key, noise_px. visitor: whose they are.
 
-        Raises ValueError if as many sessions as there may be have some, CameraLost.
+        Raises ValueError if there is no place for this visitor, CameraLost.
         """
         with self._turn:
-            new = key is None or key not in self._keys
+            new = key is None or key not in self._places
             if key is None or new:
-                if len(self._keys) >= self._most:
-                    raise ValueError(f"camera images are in use by {len(self._keys)} others: try again later")
+                if len(self._places) >= self._most:
+                    given = self._place_for(visitor)
+                    self.close(given)
+                    self._given_away.add(given)
                 key = next(self._next_key)
                 self._start_if_ended()
-                self._keys.add(key)
+                self._places[key] = _Place(visitor, self._clock())
             try:
                 return key, self.ask(key, "open", scene)[0]
             except BaseException:
@@ -69,14 +107,31 @@ class CameraProcess:
                     self.close(key)
                 raise
 
+    def _place_for(self, visitor: Hashable) -> int:
+        """Of all that are taken, the one that this visitor may have: the one that has looked least lately of who has
+        most, or of all. Raises ValueError if there is none."""
+        taken = Counter(place.visitor for place in self._places.values())
+        fullest, most = taken.most_common(1)[0]
+        may = [key for key, place in self._places.items() if place.visitor == fullest]
+        if most <= taken[visitor] + 1:
+            now = self._clock()
+            may = [key for key, place in self._places.items() if now - place.used > IDLE_S]
+        if not may:
+            raise ValueError(f"camera images are in use by {len(self._places)} others: try again later")
+        return min(may, key=lambda key: self._places[key].used)
+
     def ask(self, key: int, what: str, *arguments) -> tuple:
         """What the eyes of this key answer, and the pictures that they took for it, as JPEG.
 
         Raises ValueError, RuntimeError as they do, CameraLost.
         """
         with self._turn:
-            if key not in self._keys or self._stopped:
+            if key in self._given_away:
+                self._given_away.discard(key)
+                raise CameraLost("another visitor has the place for camera images now")
+            if key not in self._places or self._stopped:
                 raise CameraLost("the process of the camera images has ended")
+            self._places[key].used = self._clock()
             try:
                 connection = self._send(key, what, *arguments)
                 if not connection.poll(ANSWERS_WITHIN_S):
@@ -93,12 +148,12 @@ class CameraProcess:
 
     def close(self, key: int) -> None:
         """Give up what the key has; returns at once."""
-        if key not in self._keys:
+        self._given_away.discard(key)
+        if self._places.pop(key, None) is None:
             return
-        self._keys.discard(key)
         with contextlib.suppress(OSError):  # it has ended meanwhile
             self._send(key, "close")
-        if not self._keys:
+        if not self._places:
             timer = threading.Timer(self._unused_s, self._end_if_unused)
             timer.daemon = True
             timer.start()
@@ -122,7 +177,7 @@ class CameraProcess:
             self._process = context.Process(target=self._work, args=(theirs,), name="viewimit-camera", daemon=True)
             self._process.start()
 
-    def _send(self, *message) -> Connection:
+    def _send(self, *message) -> Any:
         """→ where the answer comes from"""
         with self._sending:
             if self._connection is None:
@@ -132,12 +187,12 @@ class CameraProcess:
 
     def _end_if_unused(self) -> None:
         with self._turn:
-            if not self._keys:
+            if not self._places:
                 self._end()
 
     def _end(self) -> None:
         """It has nothing to put in order."""
-        self._keys.clear()
+        self._places.clear()
         with self._sending:
             if self._connection is not None:
                 self._connection.close()

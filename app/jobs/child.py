@@ -1,9 +1,7 @@
 """How a process beside the server begins."""
 
-import os
-import signal
-
 from viewimit.geometry import limit_blas_threads
+from viewimit.processes import ignore_interrupts, lower_priority
 
 
 def stand_back(niceness: int) -> None:
@@ -11,9 +9,6 @@ def stand_back(niceness: int) -> None:
 
     To be called before numpy is loaded.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "SIGHUP"):
-        signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    if hasattr(os, "nice"):
-        os.nice(niceness)
+    ignore_interrupts()
+    lower_priority(niceness)
     limit_blas_threads(override=True)

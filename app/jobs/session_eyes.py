@@ -13,7 +13,7 @@ from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
 
-from .camera_images import CameraProcess
+from .camera_images import Cameras
 
 MOST_PX = 1280 * 720  # of an image: a look takes 6 s then, for which all others wait
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
@@ -64,12 +64,12 @@ class RemoteEyes:
 class SessionEyes:
     """Opens the eyes of one session, one after the other; close() when the session is gone."""
 
-    def __init__(self, process: CameraProcess):
+    def __init__(self, process: Cameras):
         self._process = process
         self._key: int | None = None
 
     def __call__(self, sensor: str, scene: Scene, points: int) -> SimulatedEyes:
-        """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, and for images of more than
+        """As `open_eyes`. Raises ValueError as `require_eyes` and `Cameras.open`, and for images of more than
         MOST_PX; CameraLost."""
         if sensor == "projected":
             eyes = open_eyes(sensor, scene, points)

@@ -1,8 +1,8 @@
 """Checks of what a browser sent: anything may come."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -49,14 +49,23 @@ def switch(value) -> bool:
     return value
 
 
-def words(value, what: str) -> str:
-    """Raises ValueError."""
-    if not isinstance(value, str):
-        raise ValueError(f"no {what} {str(value)[:40]!r}")
-    return value
+def text(what: str) -> Callable[[object], str]:
+    """Return a parser that takes any text."""
+
+    def parse(value: object) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"no {what} {str(value)[:40]!r}")
+        return value
+
+    return parse
 
 
-# What dropdowns call what they offer.
+def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], what: str) -> Callable[[object], Any]:
+    """Return a parser that takes a name of `options`, and returns the option."""
+    return lambda value: choice(value, options() if callable(options) else options, what)
+
+
+FLAGS = {"0": False, "1": True}  # as links have them
 
 SPEEDS = {
     "1 in 2 s": 0.5,
@@ -131,6 +140,7 @@ assert isinstance(_FRAMES, Setting)
 FRAMES = Count("frames", _FRAMES.label, *_FRAMES.slider_range, 1, _FRAMES.description)
 OF_IMAGES: tuple[Amount, ...] = (*_amounts(SightDisturbance), FRAMES)
 OF_ARMS: tuple[Amount, ...] = (*_amounts(ArmDisturbance),)
+AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 
 
 # Which joints imitate: those of the scene, as the paper's two, or all of the robot's.

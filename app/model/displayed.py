@@ -1,91 +1,197 @@
-"""What is seen of a page's session at one time: where its arms are, and which moment the images and all else show."""
+"""What a page displays of its session at one time: its arms, and the snapshots of the images and of all else."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
 
 from numpy.typing import NDArray
 
+from viewimit.analysis.construction import Construction, construct
+from viewimit.analysis.convergence import recent_errors_deg
+from viewimit.analysis.self_assessment import Assessment, assess
 from viewimit.drawing.export.panels import Appearance
+from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
 from viewimit.drawing.svg import count_motions
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
-from viewimit.servo import SERVOS
+from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
+from viewimit.simulation.camera import triangulate
 
 from ..jobs.session_eyes import RemoteEyes
 from .overlays import BuildingUp, Imitated, OnTheWay, SeeThrough
 from .player import Player
+from .view import View
 
 
-class Seen(NamedTuple):
-    """As `PageState` has them."""
+@dataclass(frozen=True, eq=False)
+class Displayed:
+    """What is displayed at one time. Drawings read it and change nothing; what they have in common is computed once.
 
-    looked: Snapshot
-    shown: Snapshot
+    Attributes
+    ----------
+    present
+        The session's snapshot.
+    image_snapshot, scene_snapshot
+        What the four images show, and what all else does.
+    pictures
+        JPEGs by view, of those that were taken.
+    interpolated_theta
+        (m,) rad, where the arm is shown while it moves; None where it rests.
+    preview
+        What would be seen at another posture, which then is displayed too.
+    playback
+        A sentence on an imitation that is displayed in place of the session.
+    stage
+        Up to which the chosen point's construction is shown; None for all of it.
+    """
+
+    session: Session
+    present: Snapshot
+    image_snapshot: Snapshot
+    scene_snapshot: Snapshot
     pictures: Mapping[str, bytes]
-    on_its_way: NDArray | None
-    see_through: Snapshot | None
-    imitated: str | None
+    interpolated_theta: NDArray | None
+    preview: Snapshot | None
+    playback: str | None
     stage: int | None
+    view: View
+    playing: bool
+    look_at: Callable[[Snapshot], tuple[Bodies, Windows]]
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The session's snapshot, or the imitation's that is displayed in its place."""
+        return self.present if self.playback is None else self.scene_snapshot
+
+    @property
+    def moving_snapshot(self) -> Snapshot | None:
+        """What the images show of the arm on its way; None where it rests, or another is displayed."""
+        if self.interpolated_theta is None or self.playback is not None or self.preview is not None:
+            return None
+        now = self.image_snapshot
+        return now if now.transfer is None else now.with_fields(status=ServoStatus.MOVING)
+
+    @property
+    def learner_theta(self) -> NDArray:
+        """(m,) rad, where the learner's own arm is displayed; a previewed one is another."""
+        on_its_way = self.interpolated_theta is not None and self.playback is None
+        return self.interpolated_theta if on_its_way else self.snapshot.theta  # type: ignore[return-value]
+
+    @cached_property
+    def arms_in_images(self) -> tuple[Bodies, Windows]:
+        """What the arms look like in the four images, and the windows of these."""
+        return self.look_at(self.image_snapshot)
+
+    @cached_property
+    def errors_deg(self) -> list[float]:
+        """Largest joint errors of the last motions: the truth, for the viewer."""
+        return recent_errors_deg(self.session.history, self.session.cursor)
+
+    @cached_property
+    def assessment(self) -> Assessment | None:
+        """What the learner can tell of the posture in which it rests; None unless it does. Laws that move on although
+        they have stalled rest when they are paused."""
+        moves_on = self.playing and SERVOS[self.present.settings.servo].slow
+        return assess(self.session) if self.present.status.is_at_rest and not moves_on else None
+
+    @cached_property
+    def recovered_world(self) -> NDArray:
+        """(N, 3) m: where the learner's cameras would see the recovered points in space, NaN where there is none."""
+        return triangulate(*self.session.world.own_cameras, self.scene_snapshot.recovered)
+
+    def draw_images(self, stage: int | None = None, standing: Bodies | None = None, print_size: bool = False) -> str:
+        """Draw the four images, as HTML.
+
+        Parameters
+        ----------
+        stage
+            Up to which the construction of the chosen point is shown.
+        standing
+            The arms where they are, while a preview is displayed.
+        print_size
+            As in `viewimit.drawing.images.panel.draw_images`.
+        """
+        view, now, session, construction = self.view, self.image_snapshot, self.session, None
+        if view.chosen is not None:
+            construction: Construction | None = construct(now, view.chosen)
+        before = session.history[max(session.cursor + 1 - SPARK_MOTIONS, 0) : session.cursor + 1]
+        return draw_images(
+            now,
+            *self.arms_in_images,
+            view.chosen,
+            view.whole_frames,
+            pictures=self.pictures,
+            construction=construction,
+            stage=stage,
+            standing=standing,
+            goal=view.goal and view.truth,
+            course=[moment.E for moment in before if moment.motion <= now.motion],
+            print_size=print_size,
+        )
 
 
-class SeenMoments:
-    """Of one session and its player. now: s"""
+class Display:
+    """What is displayed of one session and its player, and what may be displayed in its place. now: s"""
 
     def __init__(self, session: Session, player: Player):
         self._session, self._player = session, player
         self._on_the_way = OnTheWay()
-        self.see_through, self.imitated, self.building = SeeThrough(session), Imitated(session), BuildingUp()
+        self.preview, self.playback, self.construction = SeeThrough(session), Imitated(session), BuildingUp()
         self._appearance: Appearance | None = None  # made when it is first shown
 
-    def let_go(self) -> None:
-        """Of all that is shown beside the session's own: the world is another."""
+    def reset(self) -> None:
+        """End all that is displayed beside the session's own: the world is another."""
         self._on_the_way, self._appearance = OnTheWay(), None
-        self.see_through.let_go()
-        self.building.end()
-        self.imitated.stop()
+        self.preview.let_go()
+        self.construction.end()
+        self.playback.stop()
 
     def poses(self, now: float) -> tuple[NDArray, ...]:
-        """(m,) rad each: where the learner is seen, the demonstrator, and the opponent or the see-through arm if there
-        is one."""
-        if (seen := self.imitated.moment(now)) is not None:
-            return seen.theta, seen.theta_demo
+        """Return (m,) rad each: where the learner is displayed, the demonstrator, and the opponent or the previewed arm
+        if there is one."""
+        if (played := self.playback.moment(now)) is not None:
+            return played.theta, played.theta_demo
         learner, *others = [runner.theta(now)[0] for runner in self._player.runners]
-        if not others and (moment := self.see_through.moment) is not None:
+        if not others and (moment := self.preview.moment) is not None:
             others = [moment.theta]
         return learner, self._session.snapshot.theta_demo, *others
 
-    def at(self, now: float, shortest_motion: float, chosen: int | None) -> Seen:
-        """shortest_motion: s; an arm on a shorter way is shown where it arrives. chosen: a point."""
+    def at(self, now: float, shortest_motion: float, view: View) -> Displayed:
+        """Return what is displayed. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
         session, eyes = self._session, self._session.eyes
         theta, moving = self._player.theta(now)
         if self._player.runners[0].duration < shortest_motion:
             theta, moving = session.snapshot.theta, False
         looked, shown = self._on_the_way.of(session, theta, moving)
-        imitated, see_through = self.imitated.moment(now), self.see_through.moment
+        played, preview = self.playback.moment(now), self.preview.moment
         last = last_stage(TRANSFERS[session.settings.transfer].crosses_lines)
-        return Seen(
-            looked=imitated or see_through or looked,
-            shown=imitated or see_through or shown,
+        return Displayed(
+            session=session,
+            present=session.snapshot,
+            image_snapshot=played or preview or looked,
+            scene_snapshot=played or preview or shown,
             pictures=eyes.pictures(looked) if isinstance(eyes, RemoteEyes) else {},
-            on_its_way=theta if moving else None,
-            see_through=None if imitated else see_through,
-            imitated=self.imitated.describe() if imitated else None,
-            stage=None if chosen is None else self.building.stage(now, last),
+            interpolated_theta=theta if moving else None,
+            preview=None if played else preview,
+            playback=self.playback.describe() if played else None,
+            stage=None if view.chosen is None else self.construction.stage(now, last),
+            view=view,
+            playing=self._player.playing,
+            look_at=self._look_at,
         )
 
-    def look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
-        """Both arms in the images at a moment of the session's, and the windows that show them."""
+    def _look_at(self, moment: Snapshot) -> tuple[Bodies, Windows]:
+        """Return both arms in the images at a moment of the session's, and the windows that show them."""
         if self._appearance is None:
             self._appearance = Appearance(self._session.world)
         return self._appearance.of(moment)
 
 
-# What a learner has seen of itself before it imitates, and what is said of that.
+# What a learner has seen of itself before it imitates, and what is said of that
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 
-from ..jobs.camera_images import CameraProcess
+from ..jobs.camera_images import Cameras
 from ..jobs.session_eyes import SessionEyes
 from .displayed import require_use
 from .duel import Duel
@@ -23,7 +23,7 @@ METHOD = {"transfer", "servo"}
 class UndoableSession:
     """settings: what it begins with; in_new_world(): the world has become another, or the session has begun anew."""
 
-    def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
+    def __init__(self, settings: Settings, camera: Cameras, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._in_new_world = in_new_world
         self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)

@@ -9,7 +9,7 @@ from viewimit.loop.session import Session
 
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from .motions import Motions
-from .queue import Arrival, CommandQueue
+from .queue import CommandQueue, JobResult
 
 
 def titles() -> dict[str, str]:
@@ -59,7 +59,7 @@ class Experiments:
         offered = {"motion": self._motions.asked_for}
         options = {name: offered[name]() for name in EXPERIMENTS[self.chosen].options if name in offered}
         settings = msgspec.structs.replace(self._session.settings, sensor="projected")
-        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._take_later)
+        self._worker.ask(self._page_id, Request(self.chosen, settings, options), self._on_result)
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
@@ -72,5 +72,5 @@ class Experiments:
             raise ValueError("there is nothing to download before the experiment is done")
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
 
-    def _take_later(self, run: Run) -> None:
-        self._queue.put(Arrival(("run", run.name), self.take, run))
+    def _on_result(self, run: Run) -> None:
+        self._queue.put(JobResult(("run", run.name), self.take, run))

@@ -8,7 +8,7 @@ from viewimit.loop.session import Session
 from ..jobs.session_eyes import SessionEyes
 from ..sessions.link import Branch, SavedPage
 from .player import DENSE
-from .queue import Command, CommandQueue
+from .queue import CommandQueue, Queued
 from .services import Services
 
 
@@ -65,8 +65,8 @@ class Following:
         """Whether it is what the page's own tab has kept, before which nothing else counts."""
         return self._played is not None and self._played.is_own
 
-    def begin(self, page: SavedPage, arrival: Callable[[Played], Command], is_own: bool = False) -> None:
-        """Play a saved page, in place of the one that is played now. arrival: the command that then takes it."""
+    def begin(self, page: SavedPage, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
+        """Play a saved page, in place of the one that is played now. arrival: the entry that then takes it."""
         self.let_go()
         played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
 

@@ -15,7 +15,7 @@ from .following import Played
 from .page_model import PageModel
 from .past import Left
 from .presets import AS_STARTED, Preset
-from .state import SWITCHES, switched
+from .view import SWITCHES, switched
 
 MESSAGE_STAYS = 30.0  # s
 

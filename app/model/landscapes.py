@@ -17,7 +17,7 @@ from ..drawing import duel as drawing
 from ..drawing.landscapes import draw_together, waiting
 from ..jobs.experiments import ExperimentWorker, Request, Run
 from ..jobs.landscapes import ComparedTransfer, Ground, LandscapeWorker, make_compared, make_ground
-from .queue import Arrival, CommandQueue
+from .queue import CommandQueue, JobResult
 
 
 class OwnLandscape:
@@ -27,7 +27,7 @@ class OwnLandscape:
     """
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("landscape", self.take)
+        self._page_id, self._worker, self._on_result = page_id, worker, queue.result_callback("landscape", self.take)
         self._asked: tuple | None = None
         self._seen: tuple | None = None  # what the key of the last moment was made of
         self._begun: Snapshot | None = None  # the first moment in the world
@@ -45,7 +45,7 @@ class OwnLandscape:
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present
-            self._worker.ask(self._page_id, partial(make_landscape, world, present, COARSE_DEG), self._take_later)
+            self._worker.ask(self._page_id, partial(make_landscape, world, present, COARSE_DEG), self._on_result)
 
     def begin(self, world: World, present: Snapshot) -> None:
         """With an empty one."""
@@ -63,14 +63,14 @@ class OwnLandscape:
         if made.world is self.made.world:
             self.made = made
             if made.to_refine is not None and made.to_refine is self._about:
-                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.to_refine), self._take_later)
+                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.to_refine), self._on_result)
 
 
 class DuelLandscapes:
     """Of both learners. html: what lies under their paths."""
 
     def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._take_later = page_id, worker, queue.taker("duel", self.take)
+        self._page_id, self._worker, self._on_result = page_id, worker, queue.result_callback("duel", self.take)
         self._asked: tuple | None = None
         self._world: World | None = None  # of the duel that goes on
         self.html = drawing.draw_empty()
@@ -87,7 +87,7 @@ class DuelLandscapes:
         asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
-            self._worker.ask(self._page_id, partial(make_ground, world, both), self._take_later, kind="duel")
+            self._worker.ask(self._page_id, partial(make_ground, world, both), self._on_result, kind="duel")
 
     def take(self, made: Ground | Exception) -> None:
         if isinstance(made, Exception):
@@ -124,7 +124,7 @@ class Basins:
             self._asked, self._count = _without_start(session.settings), self._count + 1
             request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
             self.run = Run(request.name)
-            self._worker.ask(self._page_id, request, self._take_later)
+            self._worker.ask(self._page_id, request, self._on_result)
 
     def follow(self, session: Session) -> None:
         """End it if it would differ now."""
@@ -145,8 +145,8 @@ class Basins:
             self._worker.cancel(self._page_id)
         self.run = None
 
-    def _take_later(self, run: Run) -> None:
-        self._queue.put(Arrival(("basin", run.name), self.take, run))
+    def _on_result(self, run: Run) -> None:
+        self._queue.put(JobResult(("basin", run.name), self.take, run))
 
 
 def _without_start(settings: Settings) -> Settings:
@@ -188,7 +188,7 @@ class Comparison:
         self._asked = asked
         for transfer in TRANSFERS:
             make = partial(make_compared, asked, world, snapshot, transfer)
-            done = self._queue.taker(("compared", transfer), partial(self.take, transfer))
+            done = self._queue.result_callback(("compared", transfer), partial(self.take, transfer))
             self._worker.ask(self._page_id, make, done, kind=f"compared: {transfer}")
 
     def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:

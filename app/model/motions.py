@@ -18,7 +18,7 @@ from viewimit.analysis.trajectory import (
 )
 from viewimit.loop.session import Session
 
-from .queue import Aside
+from .queue import RunInBackground
 from .recorder import NAME as RECORDED
 from .recorder import Playback, Recorder
 
@@ -30,19 +30,25 @@ FILE = "viewimit-motion.json"
 class Motions:
     """A made-up motion goes about the posture that the demonstrator has.
 
-    pose(theta): moves the demonstrator; aside(make, take): makes what takes long beside the sessions, and hands it
-    over in the page's own time; send(name, data): a file for the visitor.
+    pose(theta): moves the demonstrator; run_in_background(make, take): make what takes long, then take it in the page's
+    own time; send(name, data): a file for the visitor.
     """
 
     def __init__(
         self,
         session: Session,
         pose: Callable[[NDArray], None],
-        aside: Aside,
+        run_in_background: RunInBackground,
         send: Callable[[str, bytes], None],
         clock: Callable[[], float] = time.monotonic,
     ):
-        self._session, self._pose, self._aside, self._send, self._clock = session, pose, aside, send, clock
+        self._session, self._pose, self._run_in_background, self._send, self._clock = (
+            session,
+            pose,
+            run_in_background,
+            send,
+            clock,
+        )
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
         self._encoded: tuple[Motion, bytes] | None = None
@@ -170,7 +176,7 @@ class Motions:
         self._keep(decode_motion(data, self._session.scene))
 
     def _take(self, made: tuple | Exception) -> None:
-        """A motion that was made aside, if it still goes about the demonstrator's posture in this scene."""
+        """A motion that was made in the background, if it still goes about the demonstrator's posture in this scene."""
         then, self._then = self._then, None
         if isinstance(made, Exception):
             raise ValueError(f"there is no such motion here: {made}")
@@ -193,7 +199,7 @@ class Motions:
             self._forget_shown()
             self._then = then
             name, world, scene = self.name, session.world, session.scene
-            self._aside(lambda: (name, scene, here, MOTIONS[name](world, here)), self._take)
+            self._run_in_background(lambda: (name, scene, here, MOTIONS[name](world, here)), self._take)
 
     def _show(self, shown: Playback) -> None:
         self._pose(shown.theta)

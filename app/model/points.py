@@ -22,7 +22,7 @@ from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_writing import saved_scene
 from viewimit.simulation.world import World
 
-from .queue import Aside
+from .queue import RunInBackground
 
 MOST_POINTS = 64
 DIGITS = 4  # of a metre
@@ -42,17 +42,17 @@ class EditedPoints:
 
 
 class PointEditing:
-    """Of one session. lay(points): makes it begin anew with these; aside(make, take): makes what takes long beside
-    the sessions, and hands it over in the page's own time; send(name, data): a file for the visitor."""
+    """Of one session. lay(points): makes it begin anew with these; run_in_background(make, take): make what takes
+    long, then take it in the page's own time; send(name, data): a file for the visitor."""
 
     def __init__(
         self,
         session: Session,
         lay: Callable[[tuple[BodyPoint, ...]], None],
-        aside: Aside,
+        run_in_background: RunInBackground,
         send: Callable[[str, bytes], None],
     ):
-        self._session, self._lay, self._aside, self._send = session, lay, aside, send
+        self._session, self._lay, self._run_in_background, self._send = session, lay, run_in_background, send
         self._on = False
         self._asked: tuple[World, NDArray] | None = None  # for what a proposal is being made
         self._made: tuple[World, NDArray, Proposal] | None = None
@@ -109,11 +109,11 @@ class PointEditing:
         if not self._searching:
             world, moment = self._session.world, self._session.snapshot
             self._asked = world, moment.theta_demo
-            self._aside(lambda: _search(world, moment), self._take)
+            self._run_in_background(lambda: _search(world, moment), self._take)
         return False
 
     def _take(self, made: tuple[World, Snapshot, Proposal] | Exception) -> None:
-        """A proposal that was made aside, if it is still of these points in this posture."""
+        """A proposal that was made in the background, if it is still of these points in this posture."""
         searching, self._asked = self._searching, None
         if isinstance(made, Exception):
             raise ValueError(f"no point to propose: {made}")

@@ -1,97 +1,156 @@
-"""What all commands have in common: how they wait, whether they need the session to themselves, what they do."""
-
-from __future__ import annotations
+"""What a visitor did and what workers have made, in order, until the page's loop takes it."""
 
 import threading
 import time
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+PENDING_LIMIT = 200  # actions that wait, per page
+MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
+JITTER_ALLOWANCE = 0.2  # s by which a network may delay one, so that several come at once
+RunInBackground = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): take(make()), later
 
-class Command:
-    """An action, of which none is lost.
 
-    moves: it moves, poses or looks, which takes long with camera images. commutes: it makes no difference whether it
-    comes before or after any other, so that it need not wait. cancels: it ends the computation that others wait for.
+class Queued:
+    """An entry of a page's queue: a user action, none of which is lost.
+
+    Attributes
+    ----------
+    moves
+        It moves, poses or observes, which takes long with camera images.
+    order_independent
+        It may be carried out before or after any other entry, so that it need not wait.
+    cancels
+        It ends the computation that others wait for.
+    coalesce_key
+        Of entries with the same key the newest is enough. None: each counts.
     """
 
-    moves: ClassVar[bool] = False
-    commutes: ClassVar[bool] = False
-    cancels: ClassVar[bool] = False
+    moves: bool = False
+    order_independent: bool = False
+    cancels: bool = False
 
     @property
-    def control(self) -> Hashable | None:
-        """Of commands with the same control the newest is enough; None: each counts."""
+    def coalesce_key(self) -> Hashable | None:
         return None
 
-    def opens_pictures(self, model: Any) -> bool:
-        """Whether it asks for camera images."""
+    def needs_camera(self, model: Any) -> bool:
+        """Return whether it asks for camera images."""
         return False
 
     def apply(self, model: Any, now: float) -> None:
-        """Carry it out. model: `PageModel`, which imports what commands are made for; now: s. Raises ValueError."""
+        """Carry it out on a `PageModel` at a time, s. Raises ValueError, in words for the visitor."""
         raise NotImplementedError
 
 
-class Value(Command):
-    """A control's value."""
+@dataclass(frozen=True, eq=False)
+class Command:
+    """A command of the page, as `commands.registry.command` declares it.
 
-    @property
-    def control(self) -> Hashable | None:
-        return type(self).__qualname__
+    Attributes
+    ----------
+    name
+        By which panels, keys and links call it.
+    function
+        Called with the model and the parsed arguments; also with `now`, s, if `takes_now`.
+    parsers
+        By parameter: the argument that a browser's value stands for. Each raises ValueError for a value that stands
+        for none.
+    latest
+        Calls that differ in their last argument alone are values of one control, of which the newest is enough.
+    moves, order_independent, cancels
+        As of `Queued`.
+    link
+        Links of the drawings and the page's script may call it.
+    camera
+        Called as `function`: whether it will ask for camera images.
+    """
 
+    name: str
+    function: Callable[..., None]
+    parsers: tuple[Callable[[Any], Any], ...] = ()
+    takes_now: bool = False
+    latest: bool = False
+    moves: bool = False
+    order_independent: bool = False
+    cancels: bool = False
+    link: bool = False
+    camera: Callable[..., bool] | None = None
 
-class OfView(Command):
-    """What changes how the session is shown, and nothing of it."""
-
-    commutes: ClassVar[bool] = True
+    def __call__(self, *values: Any, sender: Hashable = None) -> "Call":
+        """Parse a browser's values. Raises ValueError for values that no visitor could have chosen."""
+        return Call(self, tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True)), sender)
 
 
 @dataclass(frozen=True)
-class Refused(Command):
-    """What a browser sent cannot be. sender: the control that it came from; of one the newest is enough."""
+class Call(Queued):
+    """A command with its arguments. sender: the control that it came from."""
+
+    command: Command
+    arguments: tuple[Any, ...] = ()
+    sender: Hashable = field(default=None, compare=False)
+
+    @property
+    def moves(self) -> bool:  # type: ignore[override]
+        return self.command.moves
+
+    @property
+    def order_independent(self) -> bool:  # type: ignore[override]
+        return self.command.order_independent
+
+    @property
+    def cancels(self) -> bool:  # type: ignore[override]
+        return self.command.cancels
+
+    @property
+    def coalesce_key(self) -> Hashable | None:
+        return (self.command.name, *self.arguments[:-1]) if self.command.latest else None
+
+    def needs_camera(self, model: Any) -> bool:
+        return self.command.camera is not None and self.command.camera(model, *self.arguments)
+
+    def apply(self, model: Any, now: float) -> None:
+        times = {"now": now} if self.command.takes_now else {}
+        self.command.function(model, *self.arguments, **times)
+
+
+@dataclass(frozen=True)
+class Rejected(Queued):
+    """An input that cannot be. sender: the control that it came from, of which the newest is enough."""
 
     why: str
     sender: Hashable = None
 
     @property
-    def control(self) -> Hashable | None:
-        return None if self.sender is None else (Refused, self.sender)
+    def coalesce_key(self) -> Hashable | None:
+        return None if self.sender is None else (Rejected, self.sender)
 
     def apply(self, model: Any, now: float) -> None:
         raise ValueError(self.why)
 
 
 @dataclass(frozen=True, eq=False)
-class Arrival(Command):
-    """What a worker has made, handed to whoever asked for it: take(made). kind: of one kind the newest is enough."""
+class JobResult(Queued):
+    """What a worker has made, handed to the code that asked for it: take(made). Of one kind the newest is enough."""
 
     kind: Hashable
     take: Callable[[Any], None]
     made: Any
 
     @property
-    def control(self) -> Hashable:
-        return Arrival, self.kind
+    def coalesce_key(self) -> Hashable:
+        return JobResult, self.kind
 
     def apply(self, model: Any, now: float) -> None:
         self.take(self.made)
 
 
 @dataclass(frozen=True, eq=False)
-class MovingArrival(Arrival):
-    """One that moves the demonstrator."""
+class DemonstratorJobResult(JobResult):
+    """A result that moves the demonstrator, or the whole session."""
 
     moves: ClassVar[bool] = True
-
-
-# What a person did and what workers have made, in order, until the page's loop takes it.
-
-PENDING_LIMIT = 200  # actions that wait, per page
-APART = 0.05  # s on average between two equal actions; a held key repeats itself that fast
-Aside = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): make beside, then take what is made
-HELD_UP = 0.2  # s by which a network may bring one late, so that several come at once
 
 
 class CommandQueue:
@@ -99,92 +158,110 @@ class CommandQueue:
     action that comes again and again is one, where no person is that fast.
 
     "Slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
+
+    Parameters
+    ----------
+    commands
+        By name, those that may be called.
+    clock
+        s, monotonic.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
+    def __init__(self, commands: Mapping[str, Command], clock: Callable[[], float] = time.monotonic):
+        self.commands = commands
         self._lock, self._clock = threading.Lock(), clock
-        self._waiting: list[Command] = []
-        self._last: Command | None = None  # action that was put
+        self._waiting: list[Queued] = []
+        self._last: Queued | None = None  # action that was put
         self._due = 0.0  # s, when the next one that equals it is
 
-    def put(self, command: Command) -> None:
+    def put(self, entry: Queued) -> None:
         with self._lock:
             full = len(self._waiting) >= PENDING_LIMIT
-            if command.control is not None:
-                self._drop_older(command, beyond_actions=full)
-            elif full or self._repeats(command):
+            if entry.coalesce_key is not None:
+                self._drop_older(entry, beyond_actions=full)
+            elif full or self._repeats(entry):
                 return
-            self._waiting.append(command)
+            self._waiting.append(entry)
 
-    def put_back(self, commands: list[Command]) -> None:
-        """What was taken and not carried out, before all that has come since."""
-        with self._lock:
-            self._waiting = commands + self._waiting
-
-    def put_value(self, parse: Callable[[Any], Command], value: Any, sender: Hashable = None) -> None:
-        """The command that a browser's value stands for: parse may raise ValueError. sender: the control it is of."""
+    def call(self, name: str, *values: Any, sender: Hashable = None) -> None:
+        """Put a command with a browser's values, or its rejection. Raises KeyError for an unknown name."""
+        command = self.commands[name]
         try:
-            command = parse(value)
-        except ValueError as refusal:
-            command = Refused(str(refusal), sender)
-        self.put(command)
+            entry: Queued = command(*values, sender=sender)
+        except ValueError as why:
+            entry = Rejected(str(why), sender or name)
+        self.put(entry)
 
-    def taker(
-        self, kind: Hashable, take: Callable[[Any], None], arrival: type[Arrival] = Arrival
+    def put_back(self, entries: list[Queued]) -> None:
+        """Put back what was taken and not carried out, before all that has come since."""
+        with self._lock:
+            self._waiting = entries + self._waiting
+
+    def result_callback(
+        self, kind: Hashable, take: Callable[[Any], None], result: type[JobResult] = JobResult
     ) -> Callable[[Any], None]:
-        """What a worker hands over from its own thread: take(made) follows in the page's time. kind: as `Arrival`."""
-        return lambda made: self.put(arrival(kind, take, made))
+        """Return what a worker calls from its own thread: take(made) follows in the page's time."""
+        return lambda made: self.put(result(kind, take, made))
 
-    def on_value(self, widget: Any, parse: Callable[[Any], Command]) -> None:
-        """A person's changes of a widget are put as what `parse` makes of them."""
+    def on_value(self, widget: Any, name: str, *first: Any) -> None:
+        """Call a command with `first` and the value of a widget, whenever a person changes that."""
+        self.commands[name]  # a name that is none fails as the page is built
 
         @widget.on_update
         async def _(event) -> None:
             if event.client_id is not None:  # None: the page itself wrote it
-                self.put_value(parse, event.target.value, id(widget))
+                self.call(name, *first, event.target.value, sender=id(widget))
 
-    def on_click(self, widget: Any, command: Command) -> None:
+    def on_click(self, widget: Any, name: str, *values: Any) -> None:
+        """Call a command whenever a person presses a button."""
+        call = self.commands[name](*values)
+
         @widget.on_click
         async def _(_event) -> None:
-            self.put(command)
+            self.put(call)
 
-    def take(self) -> list[Command]:
-        """All of it, in order."""
+    def take(self) -> list[Queued]:
+        """Take all of it, in order."""
         with self._lock:
             taken, self._waiting = self._waiting, []
         return taken
 
-    def take_what_need_not_wait(self, cancelling: bool = False) -> list[Command]:
-        """While nothing may move: what comes before all that moves, and what commutes with it; the rest waits.
+    def take_order_independent(self, cancelling: bool = False) -> list[Queued]:
+        """While nothing may move: take what comes before all that moves, and what is order-independent.
 
         cancelling: also what ends the computation that the rest waits for.
         """
-        taken: list[Command] = []
-        waiting: list[Command] = []
+        taken: list[Queued] = []
+        waiting: list[Queued] = []
         blocked = False
         with self._lock:
-            for command in self._waiting:
-                passes = command.commutes or (cancelling and command.cancels)
-                blocked = blocked or (command.moves and not passes)
-                (waiting if blocked and not passes else taken).append(command)
+            for entry in self._waiting:
+                passes = entry.order_independent or (cancelling and entry.cancels)
+                blocked = blocked or (entry.moves and not passes)
+                (waiting if blocked and not passes else taken).append(entry)
             self._waiting = waiting
         return taken
 
-    def _repeats(self, action: Command) -> bool:
+    def waiting_senders(self) -> set[Hashable]:
+        """Return the controls whose newest values have not been carried out."""
+        with self._lock:
+            return {entry.sender for entry in self._waiting if isinstance(entry, Call)}
+
+    def _repeats(self, action: Queued) -> bool:
         """Whether it is the action before it once more, and too soon."""
         now = self._clock()
         if action != self._last:
             self._last, self._due = action, now
-        elif now < self._due - HELD_UP:
+        elif now < self._due - JITTER_ALLOWANCE:
             return True
-        self._due = max(self._due, now) + APART
+        self._due = max(self._due, now) + MIN_REPEAT_INTERVAL
         return False
 
-    def _drop_older(self, command: Command, beyond_actions: bool) -> None:
+    def _drop_older(self, entry: Queued, beyond_actions: bool) -> None:
         for k in reversed(range(len(self._waiting))):
             other = self._waiting[k]
-            if other.control == command.control:
+            if other.coalesce_key == entry.coalesce_key:
                 del self._waiting[k]
                 return
-            if other.control is None and not beyond_actions:
+            if other.coalesce_key is None and not beyond_actions:
                 return

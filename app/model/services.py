@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..jobs import basin_child
-from ..jobs.camera_images import CameraProcess
+from ..jobs.camera_images import Cameras
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..jobs.scripts import ScriptPlayer
@@ -81,7 +81,7 @@ class Services:
 
     landscapes: LandscapeWorker
     experiments: ExperimentWorker
-    camera: CameraProcess
+    camera: Cameras
     shedding: LoadShedding
     share: Callable[[str, str], None]
     basins: ExperimentWorker = field(default_factory=lambda: ExperimentWorker(basin_child.work))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from .editing import UndoableSession
 from .past import Left
 from .presets import Preset
-from .state import TOLD, View
+from .view import CLIENT_REPORTED, View
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,4 +59,4 @@ class ShownWord:
         self._undoable.past.go_back_to(before.past)
         if before.playing:
             player.play()
-        return replace(before.view, help=False, **{name: getattr(view, name) for name in TOLD})
+        return replace(before.view, help=False, **{name: getattr(view, name) for name in CLIENT_REPORTED})

@@ -9,7 +9,7 @@ import msgspec
 from ..model.keeping import saved_page
 from ..model.page_model import PageModel
 from ..model.past import Left
-from ..model.state import SWITCHES
+from ..model.view import SWITCHES
 from ..sessions.link import MAX_TEXT, Branch, SavedPage, described, encode_blocks
 from .redraw import Redraw
 
@@ -52,9 +52,9 @@ class Keeper:
         model = self._model
         if not model.is_kept or model.following.restores:
             return
-        has_changed = self._redraw.changed("state", *self._state())
+        has_changed = self._redraw.changed("state", self._state())
         self._has_changed |= has_changed and self._begun  # the tab has what was there at first, or needs it not
-        self._has_acted |= self._redraw.changed("acted", acted)
+        self._has_acted |= self._redraw.changed("acted", (acted,))
         self._begun = True
         if model.resends_all:
             self._sent, self._has_changed, model.resends_all = [], True, False

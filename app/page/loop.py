@@ -10,7 +10,7 @@ from functools import partial
 from ..jobs.camera_images import CameraLost
 from ..jobs.session_eyes import RemoteEyes
 from ..model.page_model import PageModel
-from ..model.queue import Arrival, Command, CommandQueue
+from ..model.queue import CommandQueue, JobResult, Queued
 from ..model.services import LoadShedding, TimeBudget
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
@@ -70,13 +70,13 @@ class CommandLoop:
         """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
         images or long, at once if not."""
         model, restores = self._model, self._model.following.restores
-        commands = self._queue.take_what_need_not_wait(cancelling=True) if restores else self._queue.take()
-        opens = any(command.opens_pictures(model) for command in commands)
+        commands = self._queue.take_order_independent(cancelling=True) if restores else self._queue.take()
+        opens = any(entry.needs_camera(model) for entry in commands)
         if not opens and model.session.settings.sensor == "projected":
             self._apply_within_budget(commands, now)
             self._move_on(now, self._shedding.step_budget)
             return
-        first = next((k for k, command in enumerate(commands) if command.moves), len(commands))
+        first = next((k for k, entry in enumerate(commands) if entry.moves), len(commands))
         if not self._apply_within_budget(commands[:first], now, commands[first:]):
             return
         rest = commands[first:]  # in their order: what comes after a motion may depend on it
@@ -90,9 +90,9 @@ class CommandLoop:
         if model.player.due(now):
             self._background.begin(lambda: model.player.advance(now, _beside), alone=False)
 
-    def _carry_out(self, commands: list[Command], now: float, budget: Callable[[], float]) -> None:
-        for command in commands:
-            self._apply(command, now)
+    def _carry_out(self, commands: list[Queued], now: float, budget: Callable[[], float]) -> None:
+        for entry in commands:
+            self._apply(entry, now)
         self._move_on(now, budget)
 
     def _move_on(self, now: float, budget: Callable[[], float]) -> None:
@@ -105,15 +105,15 @@ class CommandLoop:
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
         if not self._background.alone:
-            self._apply_within_budget(self._queue.take_what_need_not_wait(), now)
+            self._apply_within_budget(self._queue.take_order_independent(), now)
 
-    def _apply_within_budget(self, commands: list[Command], now: float, rest: list[Command] | None = None) -> bool:
+    def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
-        for k, command in enumerate(commands):
+        for k, entry in enumerate(commands):
             if not self._budget.left:
                 self._queue.put_back(commands[k:] + (rest or []))
                 return False
-            self._budget.spend(partial(self._apply, command, now))
+            self._budget.spend(partial(self._apply, entry, now))
         return True
 
     def _end_turn(self, now: float) -> None:
@@ -124,15 +124,17 @@ class CommandLoop:
             self._model.undoable.leave_pictures()
             self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
 
-    def _apply(self, command: Command, now: float) -> None:
+    def _apply(self, entry: Queued, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
         try:
-            command.apply(self._model, now)
+            entry.apply(self._model, now)
         except ValueError as refusal:
             self._model.refuse(str(refusal), now + MESSAGE_STAYS)
             return
-        if not command.commutes and not isinstance(command, Arrival):  # what the page's own controls do
-            self._model.accept()
+        if not isinstance(entry, JobResult):
+            self._model.inputs += 1
+            if not entry.order_independent:
+                self._model.accept()
 
 
 # What takes long for one page goes on in a thread of its own while the page is ticked, one turn after the other.

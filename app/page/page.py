@@ -2,7 +2,6 @@
 
 import threading
 from contextlib import AbstractContextManager
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,19 +9,20 @@ from viser import ClientHandle
 
 from viewimit.loop.settings import Settings
 
+from ..commands import COMMANDS
 from ..model.page_model import PageModel
-from ..model.queue import Command, CommandQueue
+from ..model.queue import CommandQueue
 from ..model.services import Services, TimeBudget
-from ..model.state import WINDOW, PageState
+from ..model.view import WINDOW, Message
 from ..panels import PANELS
-from ..panels.actions import ActionsPanel
-from ..panels.panel import NOWHERE, Layout, Reach
-from ..panels.status import StatusPanel
+from ..panels.actions import Actions
+from ..panels.panel import ClientInfo, Layout
+from ..panels.status import show_fault
 from ..scene.scene3d import Scene3D
 from ..scene.view import Docking
 from .keeper import Keeper
 from .loop import CommandLoop
-from .redraw import Drawing, Redraw, draw_all
+from .redraw import Redraw, ToDraw, draw_all
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
@@ -38,30 +38,22 @@ class Page:
         client: ClientHandle,
         services: Services,
         settings: Settings,
-        reach: Reach = NOWHERE,
+        info: ClientInfo | None = None,
     ):
         self._client, self._shedding = client, services.shedding
-        self._clock, self.queue, self._redraw = services.clock, CommandQueue(services.clock), Redraw()
+        self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         budget = TimeBudget(services.clock)
         self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures, budget)
         try:
-            self._build(services, reach)
+            self._build(services, info)
         except BaseException:
             self.close(0.0)  # what it has taken of the camera images
             raise
         self.model.eye = self._scene.eye
-        self._docking = Docking(client, waits=reach.origin is not None)
-
-    def put(self, command: Command) -> None:
-        """As if the visitor had done it; from any thread."""
-        self.queue.put(command)
-
-    def panel(self, kind: type):
-        """The page's panel of this class."""
-        return next(panel for panel in self._panels if isinstance(panel, kind))
+        self._docking = Docking(client, waits=self.layout.info.origin is not None)
 
     @property
     def busy(self) -> bool:
@@ -81,7 +73,7 @@ class Page:
         if not self._commands.busy:
             self._keeper.tick(now, self._actions.last)
 
-    def drawings(self) -> list[Drawing]:
+    def drawings(self) -> list[ToDraw]:
         """Of what has changed and is due, but the poses."""
         if not (self._commands.drawable and self._shown):
             return []
@@ -90,14 +82,15 @@ class Page:
             return []
         self._anew = False
         self.model.ask_for_landscapes()
-        return self._drawings_of(self.model.state(self._now, shortest_motion=2 * every))
+        self.model.refresh(self._now, shortest_motion=2 * every)
+        return self._due_drawings()
 
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
         text = f"This session met an error, {error!r}. Reset begins anew."
         self.model.say(text, np.inf)
-        self.panel(StatusPanel).show_message(text)
+        show_fault(self.layout, text)
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
         """The page is gone. Whether its last turn has ended, within so many s."""
@@ -112,14 +105,12 @@ class Page:
         self._commands.wait()
         self.model.close()
 
-    def _build(self, services: Services, reach: Reach) -> None:
+    def _build(self, services: Services, info: ClientInfo | None) -> None:
         with self._client.atomic():
-            layout, state = Layout(self._client, self.queue, reach), self.model.state(0.0)
-            self._panels = [panel() for panel in PANELS]
-            for panel in self._panels:
-                panel.build(layout, state)
-            layout.dock()
-            self._actions = self.panel(ActionsPanel)
+            self.layout = Layout(self._client, self.queue, info)
+            self.model.refresh(0.0)
+            self.layout.build(PANELS, self.model)
+            self._actions: Actions = self.layout.named["actions"]
             self._keeper = Keeper(self.model, self._actions.send_part)
             self._scene = Scene3D(self._client, self.queue, services.share)
 
@@ -132,35 +123,38 @@ class Page:
         if not self._shown:
             return
         world, docked = self.model.session.world, self._docking.over(self._now)
-        if self._redraw.changed("world", world, docked):
+        if self._redraw.changed("world", (world, docked)):
             self._anew = True
             if docked:  # widgets of the world before are gone at once: what is sent to them would be lost
                 self._scene.build(world)
         if docked:
             poses = self.model.poses(self._now)
-            if self._redraw.changed("poses", world, *(pose.tobytes() for pose in poses)):
+            if self._redraw.changed("poses", (world, *(pose.tobytes() for pose in poses))):
                 self._scene.arms.draw(*poses)
 
-    def _drawings_of(self, state: PageState) -> list[Drawing]:
-        """Of what of a state has changed and is due."""
-        drawings: list[Drawing] = []
-        if self._scene.built and self._redraw.changed("scene", *self._scene.depends_on(state)):
-            drawings.append((Scene3D, partial(self._scene.show, state)))
-        for panel in self._panels:
-            if not panel.seen(state):
+    def _due_drawings(self) -> list[ToDraw]:
+        """Of what has changed and is due."""
+        model, to_draw = self.model, []
+        if self._scene.built and self._redraw.changed(Scene3D, self._scene.key(model)):
+            to_draw.append((Scene3D, partial(self._scene.show, model)))
+        for drawing in self.layout.drawings:
+            if not drawing.is_seen(model):
                 continue
-            period = panel.period(state) * self._shedding.plots
-            if period and not self._redraw.due(type(panel), self._now, period):
+            period = drawing.period_of(model) * self._shedding.plots
+            if period and not self._redraw.due(drawing.kind, self._now, period):
                 continue
-            if self._redraw.changed(type(panel), *panel.depends_on(state)):
-                drawings.append((type(panel), partial(panel.show, state)))
-        return drawings
+            if self._redraw.changed(drawing.kind, drawing.key(model)):
+                to_draw.append((drawing.kind, partial(drawing.draw, model)))
+        return to_draw
 
     def _announce_pictures(self) -> None:
         """At once: it takes seconds to begin with them, in which nothing is drawn."""
         self._pose()
         draw_all(self.drawings())
-        draw_all(self._drawings_of(replace(self.model.state(self._now), message="starting the camera images …")))
+        before, self.model.message = self.model.message, Message("starting the camera images …", np.inf)
+        self.model.refresh(self._now)
+        draw_all(self._due_drawings())
+        self.model.message = before
 
     def _send(self, name: str, data: bytes) -> None:
         now = self._clock()

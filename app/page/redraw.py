@@ -7,16 +7,16 @@ import numpy as np
 from viewimit.loop.snapshot import Snapshot
 
 EARLY = 0.9  # of a period: ticks jitter
-Drawing = tuple[Hashable, Callable[[], None]]  # of what kind it is, and what draws it
+ToDraw = tuple[Hashable, Callable[[], None]]  # of what kind it is, and what draws it
 
 
-def draw_all(drawings: Iterable[Drawing]) -> None:
+def draw_all(drawings: Iterable[ToDraw]) -> None:
     for _, draw in drawings:
         draw()
 
 
 class Redraw:
-    """By what is drawn: a panel, or a name."""
+    """By what is drawn: the kind of a drawing, or a name."""
 
     def __init__(self):
         self._state: dict[Hashable, tuple] = {}
@@ -31,7 +31,7 @@ class Redraw:
         self._at[what] = min(at + period, now) if now - at < 2 * period else now
         return True
 
-    def changed(self, what: Hashable, *state) -> bool:
+    def changed(self, what: Hashable, state: tuple) -> bool:
         """Whether this differs from what was told last; of snapshots, whether they are others."""
         before, self._state[what] = self._state.get(what), state
         if before is None or len(before) != len(state):

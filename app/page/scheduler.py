@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from ..model.services import LoadShedding
-from .redraw import Drawing
+from .redraw import ToDraw
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 TOGETHER = 16  # pages that are drawn kind by kind
@@ -37,7 +37,7 @@ class Ticked(Protocol):
 
     def tick(self, now: float) -> None: ...
 
-    def drawings(self) -> Iterable[Drawing]: ...
+    def drawings(self) -> Iterable[ToDraw]: ...
 
     def fail(self, error: Exception) -> None: ...
 

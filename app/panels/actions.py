@@ -4,17 +4,16 @@ It puts numbered actions into a text widget that nobody sees, and sends them aga
 number. So each is taken once, and in order, whatever becomes of the connection.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Annotated
 
 import msgspec
 
-from ..commands.display import TOUCHES
-from ..model.queue import Command, CommandQueue
-from ..model.state import PageState
+from ..model.page_model import PageModel
+from ..model.queue import CommandQueue, Rejected
 from ..sessions.link import MAX_TEXT
 from ..viser_private import push_input
-from .panel import Layout, Panel
+from .panel import Layout
 
 LABEL = "vi-actions"  # of the widget
 KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
@@ -48,14 +47,13 @@ class Actions:
     ----------
     queue
         The page's.
-    parsers
-        By control: what a value of it asks for, or ValueError.
     """
 
-    def __init__(self, queue: CommandQueue, parsers: Mapping[str, Callable[[str], Command]]):
-        self._queue, self._parsers = queue, parsers
+    def __init__(self, queue: CommandQueue):
+        self._queue = queue
         self._load = ""
         self._pieces = ""  # of the next value
+        self.send_part: Callable[[str], None] = lambda part: None  # to the tab, of what it is to keep
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
@@ -69,43 +67,27 @@ class Actions:
                 if control == PIECE:
                     self._pieces = (self._pieces + value)[: MAX_TEXT + 1]  # one too many is refused where it is read
                     continue
-                self._queue.put_value(self._parser(control), self._pieces + value, ("action", control))
+                self._call(control, self._pieces + value)
                 self._pieces = ""
 
-    def _parser(self, control: str) -> Callable[[str], Command]:
-        def unknown(value: str) -> Command:
-            raise ValueError(f"this page has no {control!r}: reload it")
-
-        return self._parsers.get(control, unknown)
-
-
-# Hidden text widgets: for what is clicked in drawings, and for what the tab keeps.
+    def _call(self, control: str, value: str) -> None:
+        command = self._queue.commands.get(control)
+        if command is None or not command.link:
+            self._queue.put(Rejected(f"this page has no {control!r}: reload it", ("action", control)))
+        else:
+            self._queue.call(control, *(value for _ in command.parsers), sender=("action", control))
 
 
-class ActionsPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        self.actions = Actions(layout.queue, TOUCHES)
-        box = layout.gui.add_text(LABEL, "", visible=False)
+def actions(layout: Layout, model: PageModel) -> None:
+    """Hidden text widgets: for what is clicked in drawings, and for what the tab keeps."""
+    taken = layout.named["actions"] = Actions(layout.queue)
+    box = layout.gui.add_text(LABEL, "", visible=False)
 
-        @box.on_update
-        async def _(event) -> None:
-            if event.client_id is not None:  # None: the page itself wrote it
-                self.actions.take(event.target.value)
-                push_input(box, str(self.actions.last))
+    @box.on_update
+    async def _(event) -> None:
+        if event.client_id is not None:  # None: the page itself wrote it
+            taken.take(event.target.value)
+            push_input(box, str(taken.last))
 
-        self._kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
-
-    @property
-    def last(self) -> int:
-        """The number of the last action that was taken."""
-        return self.actions.last
-
-    def send_part(self, part: str) -> None:
-        """Send the tab a part of what it is to keep."""
-        push_input(self._kept, part)
-
-    def depends_on(self, state: PageState) -> tuple:
-        return ()
-
-    def show(self, state: PageState) -> None:
-        """It shows nothing."""
+    kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
+    taken.send_part = lambda part: push_input(kept, part)

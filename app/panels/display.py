@@ -1,21 +1,20 @@
-"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera."""
+"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera; and how
+much room the browser's window has."""
 
 import html
-from functools import partial
 
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
-from ..commands.display import ChoosePoint, FitView, Switch
-from ..commands.method import switch_camera, switch_rectify
-from ..commands.tools import ChooseLayout
+from ..drawing.overlays import LESS, MORE, link
 from ..model.choices import NO_POINT
+from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
-from ..model.state import PageState
-from .panel import Layout, Panel
-from .widgets import put
+from ..model.view import LARGE
+from .panel import Layout, put, put_disabled, put_html, put_visible
 
 SWITCHES = (
+    ("Goal in L and R", "goal"),
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
@@ -25,70 +24,109 @@ SWITCHES = (
     ("Shadows", "shadows"),
     ("Dark", "dark"),
 )
+ICONS = {  # 24 x 24, strokes
+    "images": '<path d="M4 4h6v16H4zM14 4h6v16h-6z"/>',
+    "landscape": '<ellipse cx="12" cy="12" rx="9" ry="8"/><ellipse cx="12" cy="12" rx="4.5" ry="3.5"/>',
+    "controls": '<path d="M3 8h12M19 8h2M3 16h2M9 16h12"/><circle cx="17" cy="8" r="2"/><circle cx="7" cy="16" r="2"/>',
+    "scene": '<path d="M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9"/>',
+}
+VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "scene": "3-D"}
 
 
-class DisplayPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        self._gui, queue = layout.gui, layout.queue
-        gui = self._gui
-        with gui.add_folder("Display", expand_by_default=False):
-            self._chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
-            self._points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
-            self._rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matches ask for it")
-            self._camera = gui.add_checkbox("Camera images", False)
-            self._why_not = gui.add_html("", visible=False)
-            self._switches = {name: gui.add_checkbox(label, state.view.on(name)) for label, name in SWITCHES}
-            fit = gui.add_button("Fit view")
-        queue.on_value(self._chosen, ChoosePoint.parse)
-        queue.on_value(self._points, ChooseLayout.parse)
-        queue.on_value(self._rectify, switch_rectify)
-        queue.on_value(self._camera, switch_camera)
-        for name, handle in self._switches.items():
-            queue.on_value(handle, partial(Switch.parse, name))
-        queue.on_click(fit, FitView())
-        self._generation, self._dark = -1, False
+def display(layout: Layout, model: PageModel) -> None:
+    gui, queue = layout.gui, layout.queue
+    with gui.add_folder("Display", expand_by_default=False):
+        chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
+        points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
+        rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matches ask for it")
+        camera = layout.checkbox("Camera images", lambda model: model.settings.sensor == "rendered", "camera")
+        why_not = gui.add_html("", visible=False)
+        for label, name in SWITCHES:
+            layout.checkbox(label, lambda model, name=name: model.view.on(name), "switch", name)
+        layout.button(("Fit view", None), "fit_view")
+    queue.on_value(chosen, "choose_point")
+    queue.on_value(points, "points")
+    layout.value(rectify, lambda model: model.settings.rectify == "auto", "rectify")
+    layout.named["camera"] = camera
 
-    @property
-    def camera_on(self) -> bool:
-        """As the box shows it."""
-        return self._camera.value
-
-    def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.settings, state.view, state.refusals
-
-    def show(self, state: PageState) -> None:
-        settings, view = state.settings, state.view
-        if state.generation != self._generation:
-            self._generation = state.generation
-            self._offer(state)
-        put(self._chosen, NO_POINT if view.chosen is None else str(view.chosen))
-        put(self._points, self._markers or chosen_layout(settings))
-        put(self._rectify, settings.rectify == "auto")
-        put(self._camera, settings.sensor == "rendered")
-        for name, handle in self._switches.items():
-            put(handle, view.on(name))
-        if view.on("dark") != self._dark:
-            self._dark = view.on("dark")
-            self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
-
-    def _offer(self, state: PageState) -> None:
+    def offer(model: PageModel) -> None:
         """The choices that depend on the scene and on what is seen of it."""
-        count = len(state.session.world.body)
-        pictured = state.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
-        self._markers = f"{count} markers" if pictured else ""
-        why = why_no_pictures(state.session.scene)
-        self._camera.disabled = why is not None
-        self._why_not.content = "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>'
-        self._why_not.visible = why is not None
-        self._points.options = [self._markers] if pictured else list(layout_choices(state.settings))
-        self._points.disabled = pictured
-        self._chosen.options = [NO_POINT, *(str(i) for i in range(count))]
+        pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
+        count = len(model.session.world.body)
+        why = why_no_pictures(model.session.scene)
+        put_disabled(camera, why is not None)
+        put_html(why_not, "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>')
+        put_visible(why_not, why is not None)
+        points.options = [f"{count} markers"] if pictured else list(layout_choices(model.settings))
+        points.disabled = pictured
+        chosen.options = [NO_POINT, *(str(i) for i in range(count))]
+        show(model)
+
+    def show(model: PageModel) -> None:
+        pictured, count = model.settings.sensor == "rendered", len(model.session.world.body)
+        put(chosen, NO_POINT if model.view.chosen is None else str(model.view.chosen))
+        put(points, f"{count} markers" if pictured else chosen_layout(model.settings))
+
+    layout.drawing(lambda model: (model.generation,), offer)
+    layout.drawing(lambda model: (model.view.chosen, model.settings, model.inputs), show)
+    layout.bind(lambda model: model.view.on("dark"), lambda dark: _set_theme(layout, dark))
+
+
+def _set_theme(layout: Layout, dark: bool) -> None:
+    if layout.named.get("dark", False) != dark:
+        layout.named["dark"] = dark
+        layout.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
 
 
 def why_no_pictures(scene: Scene) -> str | None:
-    """Why camera images cannot be had of this scene here, None if they can."""
+    """Return why camera images cannot be had of this scene here, None if they can."""
     try:
         require_eyes("rendered", scene)
     except ValueError as reason:
         return str(reason)
     return None
+
+
+def views(layout: Layout, model: PageModel) -> None:
+    """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
+    server. And the widths of the panels, by the room that a window has."""
+    tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
+    layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
+    widened = [0]
+
+    def widen(room: int) -> None:
+        if room != widened[0]:
+            widened[0] = room
+            layout.widen(room)
+
+    layout.bind(lambda model: 2 if model.view.vast else int(model.view.wide), widen)
+
+
+def _tab(name: str, label: str, checked: bool) -> str:
+    chosen = " checked" if checked else ""
+    return (
+        f'<input type="radio" name="vi-view" id="vi-view-{name}"{chosen}><label for="vi-view-{name}">'
+        f'<svg viewBox="0 0 24 24" aria-hidden="true">{ICONS[name]}</svg>{label}</label>'
+    )
+
+
+def enlarge(layout: Layout, model: PageModel) -> None:
+    """What is large, and the links that make it so, in every tab of the upper panel: a browser has only the open one's.
+    To be built after all tabs."""
+    for tab in layout.upper_tabs:
+        with tab:
+            layout.html(lambda model: _enlarge_links(model.view.large))
+
+
+def _enlarge_links(large: str | None) -> str:
+    """Links that enlarge the panels, and which of them or of the images is large: layout.css does it."""
+    icon = f'<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="{LESS if large else MORE}"/></svg>'
+    links = "".join(
+        f'<div class="vi-enlarge vi-enlarge-{what}">{link(f"large/{LARGE.index(shown)}", name, icon)}</div>'
+        for what, shown, name in (
+            ("images", large if large not in (None, "figures") else "images", "Images, large or not"),
+            ("figures", "figures", "Figures, large or not"),
+        )
+    )
+    mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
+    return f'<div class="vi-larger-links">{links}</div>{mark}'

@@ -1,68 +1,130 @@
-"""The tab Experiments: run one, see its figure and what it comes to, take its files."""
+"""The tab Experiments: run one, see its figure, and what it comes to beside what the paper says; take its files."""
 
 from viser import Icon
 
+from viewimit.drawing import svg
+from viewimit.estimation.equations import MISSING, with_minus
 from viewimit.experiments import EXPERIMENTS
+from viewimit.experiments.paper.common import Claim, verdict
 
-from ..commands.tools import ChooseExperiment, ChooseMotion, Download, RunOrCancel, ShowImitation
 from ..drawing.glossary import asks
+from ..jobs.experiments import Run
 from ..model.experiments import titles
 from ..model.motions import NAMES
-from ..model.state import PageState
-from .panel import Layout, Panel
-from .verdict import draw_progress, draw_verdict
-from .widgets import put, put_html, put_label, put_visible
+from ..model.page_model import PageModel
+from .panel import Layout, put_html
 
 SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # what is imitated, in 3-D and in the images
+RUN, CANCEL = ("Run", Icon.PLAYER_PLAY), ("Cancel", Icon.PLAYER_STOP)
 POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
+PASS = (
+    '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
+    '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'
+)
+MISS = (
+    '<svg class="vi-mark" viewBox="0 0 16 16"><rect x="1.5" y="1.5" width="13" height="13" rx="2"'
+    ' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>miss</b>'
+)
+MARKS = {True: PASS, False: MISS, None: MISSING}
 
 
-class ExperimentsPanel(Panel):
-    inside = "Experiments"
+def experiments(layout: Layout, model: PageModel) -> None:
+    with layout.tab("Experiments"):
+        with layout.row():
+            layout.dropdown(
+                "Experiment",
+                list(titles().values()),
+                lambda model: EXPERIMENTS[model.experiments.chosen].title,
+                "experiment",
+            )
+            layout.dropdown(
+                "Trajectory",
+                list(NAMES.values()),
+                lambda model: NAMES[model.motions.name],
+                "motion",
+                visible=lambda model: "motion" in EXPERIMENTS[model.experiments.chosen].options,
+            )
+            layout.button(lambda model: CANCEL if model.experiments.going_on else RUN, "run")
+        with layout.row():
+            progress = layout.gui.add_html(draw_progress(None, ""))
+            layout.button(
+                lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
+            )
+            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=_can_be_taken)
+        layout.html(lambda model: POINTS_ONLY if model.experiments.sets_pictures_aside else "")
+        figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
+        layout.gui.add_html(asks(("Q", "bias", "basin")))
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        gui, queue, offered = layout.gui, layout.queue, list(titles().values())
-        with layout.tab(self.inside):
-            with gui.add_folder(None):
-                gui.add_html('<span class="vi-row"></span>')
-                self._experiment = gui.add_dropdown("Experiment", offered, initial_value=offered[0])
-                self._trajectory = gui.add_dropdown("Trajectory", list(NAMES.values()), visible=False)
-                self._run = gui.add_button("Run", icon=Icon.PLAYER_PLAY)
-            with gui.add_folder(None):
-                gui.add_html('<span class="vi-row"></span>')
-                self._progress = gui.add_html(draw_progress(None, ""))
-                self._see = gui.add_button(SEE[0], icon=SEE[1], visible=False)
-                self._download = gui.add_button("Download figure and data", icon=Icon.DOWNLOAD, disabled=True)
-            self._note = gui.add_html("")
-            self._figure = gui.add_html("")
-            self._verdict = gui.add_html("")
-            gui.add_html(asks(("Q", "bias", "basin")))
-        queue.on_value(self._experiment, ChooseExperiment.parse)
-        queue.on_value(self._trajectory, ChooseMotion.parse)
-        queue.on_click(self._run, RunOrCancel())
-        queue.on_click(self._see, ShowImitation())
-        queue.on_click(self._download, Download())
+        def draw(model: PageModel) -> None:
+            chosen, run, latest = model.experiments.chosen, model.experiments.shown, model.experiments.latest
+            put_html(progress, draw_progress(latest if model.experiments.going_on else run, chosen))
+            drawn = run.figure if run is not None else ""
+            drawn = drawn or EXPERIMENTS[chosen].empty_figure(model.session.scene)
+            put_html(figure, f'<div class="vi-panel">{drawn}</div>')
+            put_html(claims, draw_verdict(run))
 
-    def depends_on(self, state: PageState) -> tuple:
-        experiments, motion = state.experiments, state.motions.name
-        runs = experiments.latest, experiments.shown
-        seen = state.imitated is not None, experiments.sets_pictures_aside
-        return state.generation, experiments.chosen, *runs, *seen, motion, state.refusals
+        def key(model: PageModel) -> tuple:
+            return model.generation, model.experiments.chosen, model.experiments.latest, model.experiments.shown
 
-    def show(self, state: PageState) -> None:
-        experiments, scene = state.experiments, state.session.scene
-        run, going_on = experiments.shown, experiments.going_on
-        chosen = EXPERIMENTS[experiments.chosen]
-        put(self._experiment, chosen.title)
-        put(self._trajectory, NAMES[state.motions.name])
-        put_visible(self._trajectory, "motion" in chosen.options)
-        put_label(self._run, *(("Cancel", Icon.PLAYER_STOP) if going_on else ("Run", Icon.PLAYER_PLAY)))
-        put_html(self._progress, draw_progress(experiments.latest if going_on else run, experiments.chosen))
-        figure = run.figure if run is not None and run.figure else chosen.empty_figure(scene)
-        put_html(self._note, POINTS_ONLY if experiments.sets_pictures_aside else "")
-        put_html(self._figure, f'<div class="vi-panel">{figure}</div>')
-        put_html(self._verdict, draw_verdict(run))
-        put_visible(self._see, run is not None and run.imitation is not None)
-        put_label(self._see, *(SEE if state.imitated is None else STOP))
-        if self._download.disabled != (run is None or not run.archive):
-            self._download.disabled = not self._download.disabled
+        layout.drawing(key, draw)
+
+
+def _can_be_seen(model: PageModel) -> bool:
+    run = model.experiments.shown
+    return run is not None and run.imitation is not None
+
+
+def _can_be_taken(model: PageModel) -> bool:
+    run = model.experiments.shown
+    return run is not None and bool(run.archive)
+
+
+def draw_progress(run: Run | None, chosen: str) -> str:
+    """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
+    if run is None:
+        title, state, share, words = "experiment", "idle", 0.0, "not run yet"
+    else:
+        title = EXPERIMENTS[run.name].short_title
+        name = "" if run.name == chosen else f"{title}: "
+        state, share, words = run.state, run.share, name + _words(run)
+    percent = round(100 * share)
+    return (
+        f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
+        f' aria-label="{svg.escape(title)}"'
+        f' aria-valuemin="0" aria-valuemax="100" aria-valuenow="{percent}"><i style="width:{percent}%"></i></div>'
+        f'<span title="{svg.escape(words)}">{svg.escape(words)}</span></div>'
+    )
+
+
+def _words(run: Run) -> str:
+    if run.state == "waiting":
+        return f"waiting, {run.before} before you" if run.before else "starting …"
+    if run.state == "running":
+        return f"{round(100 * run.share)} %"
+    if run.state == "writing":
+        return "writing the files …"
+    if run.state == "done":
+        said = verdict(run.claims)
+        return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
+    if run.state == "cancelled":
+        return f"cancelled at {round(100 * run.share)} %"
+    return f"failed: {with_minus(run.problem)}"
+
+
+def draw_verdict(run: Run | None) -> str:
+    """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
+    if run is not None and run.problem:
+        title = EXPERIMENTS[run.name].short_title
+        return f'<div class="vi-claims"><p>{title} failed: {svg.escape(with_minus(run.problem))}</p></div>'
+    if run is None or not run.claims:
+        return ""
+    head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
+    rows = "".join(_row(claim) for claim in run.claims)
+    said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
+    return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
+
+
+def _row(claim: Claim) -> str:
+    name = claim.name.split(": ", 1)[-1] if claim.name.startswith("Fig.") else claim.name
+    cells = "".join(f"<td>{svg.escape(words)}</td>" for words in (name, claim.paper, claim.here, claim.tolerance))
+    return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"

@@ -1,53 +1,67 @@
-"""The four images."""
+"""The four images, and under them, in a window with room for it, eq. (6) with its numbers."""
 
+from viewimit.drawing.equations import draw_conflict
 from viewimit.drawing.images.rectified import draw_rectified
 
 from ..drawing.overlays import point_links, point_places, proposed_marks
-from ..model.images import draw_shown
-from ..model.state import PageState, View
-from .panel import Layout, Panel
-from .widgets import put_html
+from ..model.page_model import PageModel
+from .panel import SLOWEST, Layout, put_html, put_visible
 
 
-class ImagesPanel(Panel):
-    inside = "Images"
+def images(layout: Layout, model: PageModel) -> None:
+    with layout.upper_tab("Images"):
+        shown, links, proposed = (layout.gui.add_html("") for _ in range(3))
+        layout.named["images"] = shown
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        with layout.upper_tab(self.inside):
-            self._images, self._links = layout.gui.add_html(""), layout.gui.add_html("")
-            self._proposed = layout.gui.add_html("")
-        self._linked: tuple | None = None  # what the links were made of
+        def key(model: PageModel) -> tuple:
+            view, displayed = model.view, model.displayed
+            switches = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, displayed.stage
+            pictures = displayed.pictures.values()
+            return (
+                model.generation,
+                displayed.image_snapshot,
+                displayed.preview,
+                model.points.shown,
+                *switches,
+                *pictures,
+            )
 
-    @property
-    def html(self) -> str:
-        """As it is shown."""
-        return self._images.content
+        def draw(model: PageModel) -> None:
+            view, displayed = model.view, model.displayed
+            (bodies, windows), now = displayed.arms_in_images, displayed.image_snapshot
+            if view.rectified:
+                put_html(shown, draw_rectified(now, bodies))
+                put_html(proposed, "")
+                return
+            marks = model.points.shown.proposed_in
+            put_html(proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
+            standing = None if displayed.preview is None else displayed.look_at(model.snapshot)[0]
+            seen = now.views
+            places = point_places(seen.demo, seen.own, seen.visible, windows, view.whole_frames)
+            put_html(shown, displayed.draw_images(displayed.stage, standing) + places)
 
-    def depends_on(self, state: PageState) -> tuple:
-        view = state.view
-        shown = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, state.stage
-        return state.generation, state.looked, state.points, *shown, *state.pictures.values()
+        def links_key(model: PageModel) -> tuple:
+            points = len(model.displayed.image_snapshot.views.demo)
+            return None if model.view.rectified else points, model.view.whole_frames
 
-    def show(self, state: PageState) -> None:
-        view, (bodies, windows) = state.view, state.arms_in_images
-        if view.rectified:
-            put_html(self._images, draw_rectified(state.looked, bodies))
-            self._show_links(None, view)
-            put_html(self._proposed, "")
-            return
-        marks = state.points.proposed_in
-        put_html(self._proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
-        standing = None if state.see_through is None else state.look_at(state.present)[0]
-        drawn = draw_shown(state, state.stage, standing)
-        views = state.looked.views
-        self._show_links(len(views.demo), view)
-        drawn += point_places(views.demo, views.own, views.visible, windows, view.whole_frames)
-        put_html(self._images, drawn)
+        def draw_links(model: PageModel) -> None:
+            """Made anew only when they change: a click on one is not lost while the arm moves."""
+            points, whole_frames = links_key(model)
+            put_html(links, "" if points is None else point_links(points, whole_frames))
 
-    def _show_links(self, points: int | None, view: View) -> None:
-        """Made anew only when they change. points: how many there are; None: none that can be chosen."""
-        of = points, view.whole_frames
-        if of == self._linked:
-            return
-        self._linked = of
-        put_html(self._links, "" if points is None else point_links(points, view.whole_frames))
+        layout.drawing(key, draw)
+        layout.drawing(links_key, draw_links)
+
+
+def conflict(layout: Layout, model: PageModel) -> None:
+    with layout.upper_tab("Images"):
+        equation = layout.gui.add_html("", visible=False)
+
+        def draw(model: PageModel) -> None:
+            if model.view.wide:
+                put_html(equation, f'<div class="vi-beside">{draw_conflict(model.displayed.image_snapshot)}</div>')
+            put_visible(equation, model.view.wide)
+
+        layout.drawing(
+            lambda model: (model.displayed.image_snapshot if model.view.wide else None,), draw, period=SLOWEST
+        )

@@ -1,87 +1,90 @@
-"""E over the postures and the learner's path in it; or all transfers' landscapes. A posture is touched there."""
-
-from functools import partial
+"""E over the postures and the learner's path in it; or all transfers' landscapes. A posture is touched there. Under it,
+in a window with room for it, the servo's law with its numbers."""
 
 from viser import Icon
 
+from viewimit.drawing.equations import draw_law
 from viewimit.drawing.glossary import ask
-from viewimit.simulation.scene import Scene
 
-from ..commands.display import FromStarts, Switch, ToggleComparison
 from ..drawing.glossary import asks
 from ..drawing.overlays import draw_see_through, posture_links
-from ..model.state import PageState
-from .panel import SLOW, Layout, Panel
-from .widgets import put, put_html, put_label, put_visible
+from ..model.page_model import PageModel
+from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
 
-COMPARE, ALONE = (
-    ("Compare all transfers", Icon.LAYOUT_GRID),
-    ("This transfer alone", Icon.SQUARE),
-)  # what the button does
+COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
-FROM_STARTS, CANCEL, HIDE = (
-    ("From these starts", Icon.CHART_DOTS),
-    ("Cancel", Icon.PLAYER_STOP),
-    ("Hide the starts", Icon.EYE_OFF),
-)
+FROM_STARTS = "From these starts", Icon.CHART_DOTS
+CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
 STARTS = "twenty learners, at most 300 motions each: where they end, within 2°, and whether they claim to have arrived"
 WAITING = '<div class="vi-basin">twenty learners set out …</div>'
 LOOK_ONLY = "a posture that is clicked is shown by a see-through arm, and nothing moves; else the learner starts there"
 
 
-class LandscapePanel(Panel):
-    inside = "Landscape"
+def landscape(layout: Layout, model: PageModel) -> None:
+    gui = layout.gui
+    alone = lambda model: model.comparison.html is None
+    with layout.tab("Landscape"):
+        ground, path = gui.add_html(""), gui.add_html("")
+        preview, links = gui.add_html(""), gui.add_html("")
+        cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
+        basin = layout.html(_draw_basin)
+        layout.html(lambda model: model.comparison.html or "", visible=lambda model: not alone(model))
+        layout.html(WORDS, visible=lambda model: not alone(model))
+        with layout.row(quiet=True):
+            layout.button(lambda model: COMPARE if alone(model) else ALONE, "compare")
+            layout.button(_starts_look, "starts", hint=STARTS)
+            layout.checkbox("Look only", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY)
+        for over in (ground, path, preview, links, cost, basin):
+            layout.bind(alone, lambda shown, over=over: put_visible(over, shown))
+        drawn: list = [None]  # the landscape that lies under the path
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        gui = layout.gui
-        with layout.tab(self.inside):
-            self._landscape, self._path = gui.add_html(""), gui.add_html("")
-            self._see_through, self._links = gui.add_html(""), gui.add_html("")
-            self._cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
-            self._basin, self._transfers = gui.add_html(""), gui.add_html("", visible=False)
-            self._words = gui.add_html(WORDS, visible=False)
-            with gui.add_folder(None):
-                gui.add_html('<span class="vi-row vi-quiet"></span>')
-                self._compare = gui.add_button(COMPARE[0], icon=COMPARE[1])
-                self._starts = gui.add_button(FROM_STARTS[0], icon=FROM_STARTS[1], hint=STARTS)
-                self._look_only = gui.add_checkbox("Look only", False, hint=LOOK_ONLY)
-        layout.queue.on_click(self._compare, ToggleComparison())
-        layout.queue.on_click(self._starts, FromStarts())
-        layout.queue.on_value(self._look_only, partial(Switch.parse, "look_only"))
-        self._here: tuple = ()  # what lies under the path
-        self._linked: Scene | None = None  # whose postures are links
+        def key(model: PageModel) -> tuple:
+            on_its_way = model.displayed.interpolated_theta
+            theta = model.snapshot.theta if on_its_way is None else on_its_way
+            return model.landscape.made, model.snapshot, theta.tobytes(), model.player.last
 
-    def period(self, state: PageState) -> float:
-        """The marker that moves along the path is drawn as often as the arm in the images, and a landscape that has
-        come at once; else the path as often as the other plots."""
-        here = state.landscape, state.transfers
-        return 0.0 if state.on_its_way is not None or here != self._here else SLOW
+        def draw(model: PageModel) -> None:
+            made, session = model.landscape.made, model.session
+            drawn[0] = made
+            if made is not None:
+                put_html(ground, made.picture.html)
+                on_its_way = model.displayed.interpolated_theta
+                put_html(path, made.picture.draw_path(session.history, session.cursor, on_its_way))
 
-    def depends_on(self, state: PageState) -> tuple:
-        seen = state.present.theta if state.on_its_way is None else state.on_its_way
-        looks = state.see_through, state.view.look_only, state.basin, state.refusals
-        return state.present, seen.tobytes(), state.last, state.landscape, state.transfers, *looks
+        def period(model: PageModel) -> float:
+            """The marker on the path is drawn as often as the arm in the images, and a landscape that has come at once;
+            else the path as often as the other plots."""
+            at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not drawn[0]
+            return 0.0 if at_once else SLOW
 
-    def show(self, state: PageState) -> None:
-        self._here = state.landscape, state.transfers
-        if state.landscape is not None:
-            picture, session = state.landscape.picture, state.session
-            put_html(self._landscape, picture.html)
-            put_html(self._path, picture.draw_path(session.history, session.cursor, state.on_its_way))
-        scene, moment = state.session.scene, state.see_through
-        put_html(self._see_through, "" if moment is None else draw_see_through(scene, moment))
-        if scene is not self._linked:
-            self._linked = scene
-            put_html(self._links, posture_links(scene))
-        put(self._look_only, state.view.look_only)
-        alone = state.transfers is None
-        put_html(self._transfers, state.transfers or "")
-        put_visible(self._landscape, alone)
-        run = state.basin
-        put_html(self._basin, "" if run is None else run.figure or WAITING)
-        put_label(self._starts, *(FROM_STARTS if run is None else CANCEL if run.goes_on else HIDE))
-        for over in (self._path, self._see_through, self._links, self._cost, self._basin):
-            put_visible(over, alone)
-        put_visible(self._transfers, not alone)
-        put_visible(self._words, not alone)
-        put_label(self._compare, *(COMPARE if alone else ALONE))
+        def draw_preview(model: PageModel) -> None:
+            moment = model.displayed.preview
+            put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
+
+        layout.drawing(key, draw, period)
+        layout.drawing(lambda model: (model.displayed.preview, model.generation), draw_preview)
+        layout.drawing(
+            lambda model: (model.generation,), lambda model: put_html(links, posture_links(model.session.scene))
+        )
+
+
+def law(layout: Layout, model: PageModel) -> None:
+    with layout.tab("Landscape"):
+        equation = layout.gui.add_html("", visible=False)
+
+        def draw(model: PageModel) -> None:
+            if model.view.wide:
+                put_html(equation, f'<div class="vi-beside">{draw_law(model.snapshot)}</div>')
+            put_visible(equation, model.view.wide)
+
+        layout.drawing(lambda model: (model.snapshot if model.view.wide else None,), draw, period=SLOWEST)
+
+
+def _draw_basin(model: PageModel) -> str:
+    run = model.basins.run
+    return "" if run is None else run.figure or WAITING
+
+
+def _starts_look(model: PageModel) -> tuple:
+    run = model.basins.run
+    return FROM_STARTS if run is None else CANCEL if run.goes_on else HIDE

@@ -1,38 +1,55 @@
-"""Transfer, servo, and the joints that imitate."""
+"""Transfer, servo, and the joints that imitate; and what makes it harder, the less frequent disturbances folded."""
 
-from ..commands.method import FreeJoints, change_servo, change_transfer
+from viewimit.drawing.glossary import key_of
+from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.settings import MAX_SEED
+from viewimit.servo import SERVOS
+
 from ..drawing.glossary import beside
-from ..model.choices import chosen_joints, joint_choices, servo_names, transfer_names
-from ..model.state import PageState
-from .panel import Layout, Panel
-from .widgets import put
+from ..model.choices import OF_ARMS, OF_IMAGES, Amount, chosen_joints, joint_choices, servo_names, transfer_names
+from ..model.page_model import PageModel
+from .panel import Layout, put
 
 
-class MethodPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        gui, queue, settings = layout.gui, layout.queue, state.settings
-        transfers, servos = transfer_names(), servo_names()
-        with gui.add_folder("Method"):
-            gui.add_html(beside("transfer"))
-            self._transfer = gui.add_dropdown(
-                "Transfer", list(transfers.values()), initial_value=transfers[settings.transfer]
-            )
-            gui.add_html(beside("servo"))
-            self._servo = gui.add_dropdown("Servo", list(servos.values()), initial_value=servos[settings.servo])
-            self._joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
-        queue.on_value(self._transfer, change_transfer)
-        queue.on_value(self._servo, change_servo)
-        queue.on_value(self._joints, FreeJoints.parse)
-        self._generation = -1
+def method(layout: Layout, model: PageModel) -> None:
+    gui = layout.gui
+    with gui.add_folder("Method"):
+        gui.add_html(beside("transfer"))
+        transfers, servos = list(transfer_names().values()), list(servo_names().values())
+        layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
+        gui.add_html(beside("servo"))
+        layout.dropdown("Servo", servos, lambda model: SERVOS[model.settings.servo].title, "servo")
+        joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
+        layout.queue.on_value(joints, "joints")
+    offered: list[str] = []
 
-    def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.settings, state.refusals
+    def show_joints(model: PageModel) -> None:
+        nonlocal offered
+        choices = joint_choices(model.settings)
+        if offered != list(choices):
+            offered = joints.options = list(choices)
+        put(joints, chosen_joints(model.settings, choices))
 
-    def show(self, state: PageState) -> None:
-        settings = state.settings
-        if state.generation != self._generation:
-            self._generation, self._choices = state.generation, joint_choices(settings)
-            self._joints.options = list(self._choices)
-        put(self._transfer, transfer_names()[settings.transfer])
-        put(self._servo, servo_names()[settings.servo])
-        put(self._joints, chosen_joints(settings, self._choices))
+    layout.drawing(lambda model: (model.generation, model.settings.joints, model.inputs), show_joints)
+
+
+def disturbances(layout: Layout, model: PageModel) -> None:
+    gui = layout.gui
+    with gui.add_folder("Disturbances"):
+        for amount in OF_IMAGES:
+            _add_amount(layout, amount, model)
+        with gui.add_folder("Arm and chance", expand_by_default=False):
+            for amount in OF_ARMS:
+                _add_amount(layout, amount, model)
+            seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
+            layout.value(seed, lambda model: model.settings.seed, "seed")
+
+
+def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:
+    """A slider, which reaches farther if the page is asked to begin there."""
+    begun = amount.shown(model.settings)
+    low, high = min(amount.low, begun), max(amount.high, begun)
+    if (key := key_of(amount.label)) is not None:
+        layout.gui.add_html(beside(key))
+    shown = lambda model: amount.shown(model.settings)
+    layout.slider(amount.label, low, high, amount.step, shown, "disturbance", amount.name, hint=amount.hint)

@@ -6,60 +6,47 @@ from viser import Icon
 
 from viewimit.drawing.theme import rgb
 
-from ..commands.tools import ChooseMotion, LoadMotion, Record, Replay, SaveMotion, ShowMoment
 from ..model.motions import NAMES
-from ..model.state import PageState
-from .panel import Layout, Panel
-from .widgets import put, put_html, put_label, put_most
+from ..model.page_model import PageModel
+from .panel import Layout, put, put_max
 
 ABOUT = (
     '<div class="vi-about">A motion of the demonstrator: drawn about its present posture, recorded while you move it,'
     " or loaded from a file. Play follows it with the learner; Fig. 10 under Experiments imitates it.</div>"
 )
+RECORD, REPLAY = ("Record", Icon.PLAYER_RECORD), ("Replay", Icon.PLAYER_PLAY)
+STOP = "Stop", Icon.PLAYER_STOP
 
 
-class MotionsPanel(Panel):
-    inside = "Motions"
+def motions(layout: Layout, model: PageModel) -> None:
+    with layout.tab("Motions"):
+        layout.gui.add_html(ABOUT)
+        with layout.row():
+            layout.dropdown("Chosen motion", list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
+            layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
+            layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
+        time = layout.slider(
+            "Time s", 0.0, 1.0, 0.05, lambda model: model.motions.moment[0], "motion_time", hint="of the chosen motion"
+        )
+        with layout.row():
+            layout.html(_said)
+            layout.button(("Save", Icon.DOWNLOAD), "save_motion")
+            load = layout.gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        gui, queue = layout.gui, layout.queue
-        with layout.tab(self.inside):
-            gui.add_html(ABOUT)
-            with gui.add_folder(None):
-                gui.add_html('<span class="vi-row"></span>')
-                self._motion = gui.add_dropdown("Chosen motion", list(NAMES.values()))
-                self._record = gui.add_button("Record", icon=Icon.PLAYER_RECORD, color=rgb("stopped"))
-                self._replay = gui.add_button("Replay", icon=Icon.PLAYER_PLAY)
-            self._moment = gui.add_slider("Time s", 0.0, 1.0, 0.05, 0.0, hint="of the chosen motion")
-            with gui.add_folder(None):
-                gui.add_html('<span class="vi-row"></span>')
-                self._said = gui.add_html("")
-                save = gui.add_button("Save", icon=Icon.DOWNLOAD)
-                load = gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
-        queue.on_value(self._motion, ChooseMotion.parse)
-        queue.on_value(self._moment, ShowMoment.parse)
-        queue.on_click(self._record, Record())
-        queue.on_click(self._replay, Replay())
-        queue.on_click(save, SaveMotion())
+        def show_length(model: PageModel) -> None:
+            seconds, last = model.motions.moment
+            if time.step != model.motions.step_s:
+                time.step = model.motions.step_s
+            put_max(time, last)
+            put(time, seconds)
 
-        @load.on_upload
-        async def _(event) -> None:
-            queue.put(LoadMotion.parse(event.target.value.content))
+        layout.drawing(lambda model: (model.motions.moment, model.motions.step_s), show_length)
 
-    def depends_on(self, state: PageState) -> tuple:
-        motions = state.motions
-        said = motions.name, motions.moment, motions.recording, motions.replaying, motions.describe()
-        return state.generation, *said, state.refusals
+    @load.on_upload
+    async def _(event) -> None:
+        layout.queue.call("load_motion", event.target.value.content)
 
-    def show(self, state: PageState) -> None:
-        motions = state.motions
-        put(self._motion, NAMES[motions.name])
-        put_label(self._record, *(("Stop", Icon.PLAYER_STOP) if motions.recording else ("Record", Icon.PLAYER_RECORD)))
-        put_label(self._replay, *(("Stop", Icon.PLAYER_STOP) if motions.replaying else ("Replay", Icon.PLAYER_PLAY)))
-        seconds, last = motions.moment
-        if self._moment.step != motions.step_s:
-            self._moment.step = motions.step_s
-        put_most(self._moment, last)
-        put(self._moment, seconds)
-        kind, sentence = motions.describe()
-        put_html(self._said, f'<div class="vi-said">{escape(sentence) if kind == "ready" else ""}</div>')
+
+def _said(model: PageModel) -> str:
+    kind, sentence = model.motions.describe()
+    return f'<div class="vi-said">{escape(sentence) if kind == "ready" else ""}</div>'

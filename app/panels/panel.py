@@ -1,105 +1,337 @@
-"""What a panel is, and where it finds its place on the page."""
+"""How a panel is declared: its widgets with their values and commands, and its drawings with what they depend on.
 
-from collections.abc import Hashable, Mapping
-from contextlib import AbstractContextManager
-from typing import NamedTuple, Protocol
+A panel is a function of a page's `Layout` and model, called once. In it,
 
-from viser import ClientHandle
+- `layout.checkbox("Rays", lambda model: model.view.rays, "switch", "rays")` makes a widget, shows that value whenever
+  it changes, and calls the command "switch" with "rays" and the new value when a person changes the widget;
+- `layout.drawing(key, draw)` calls `draw(model)` whenever one of the values of `key(model)` has changed.
+
+Nothing is sent when nothing changes.
+"""
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from viser import ClientHandle, GuiButtonHandle, IconName
+
+from viewimit.drawing.svg import joint_symbol
 
 from ..lab.lessons.format import Lesson
+from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
-from ..model.state import PageState
+from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
 WIDTHS = (440, 560, 760)  # px of the right panels, by the room that a window has
 LEFT_WIDTHS = (280, 300, 300)
+Read = Callable[[PageModel], Any]
+Period = float | Callable[[PageModel], float]
+Look = tuple[str, IconName]  # a button's label and icon
 
 
-class Reach(NamedTuple):
+class ClientInfo(NamedTuple):
     """How a browser reaches its page. origin: scheme://host:port by which it knows the server, None if it does not say;
-    shared: by which others do, None where they cannot reach it; lessons: of the lab, by name."""
+    public_url: by which other machines do, None where they cannot; lessons: of the lab, by name."""
 
     origin: str | None = None
-    shared: str | None = None
+    public_url: str | None = None
     lessons: Mapping[str, Lesson] = {}
 
 
-NOWHERE = Reach()
+def never(model: PageModel) -> bool:
+    return False
+
+
+@dataclass(eq=False)
+class Drawing:
+    """A part of a page that is drawn whenever one of the values it depends on has changed.
+
+    Attributes
+    ----------
+    kind
+        Panel and number: the same on all pages.
+    tab
+        In which it stands; "" for none. It is not drawn while its tab is not open.
+    key
+        The values that it depends on. Of snapshots their identity counts.
+    draw
+        Writes what differs.
+    period
+        s at least between two drawings, longer under load; 0: as often as the page looks for changes at all.
+    seen
+        Whether anybody may see it, though its tab is not open.
+    """
+
+    kind: Hashable
+    tab: str
+    key: Callable[[PageModel], tuple]
+    draw: Callable[[PageModel], None]
+    period: Period = 0.0
+    seen: Callable[[PageModel], bool] = never
+
+    def is_seen(self, model: PageModel) -> bool:
+        return self.tab not in model.view.unseen or self.seen(model)
+
+    def period_of(self, model: PageModel) -> float:
+        return self.period(model) if callable(self.period) else self.period
+
+
+@dataclass(eq=False)
+class Controls:
+    """Widgets of a panel that are brought up to date together: what each shows, and what writes it."""
+
+    queue: CommandQueue
+    reads: list[Read] = field(default_factory=list)
+    writes: list[tuple[Callable[[Any], None], int | None]] = field(default_factory=list)  # and the widget, if it sends
+    skipped: int = 0  # how often one was not written
+
+    def key(self, model: PageModel) -> tuple:
+        return model.inputs, self.skipped, *(read(model) for read in self.reads)
+
+    def draw(self, model: PageModel) -> None:
+        """Write all but those whose newest value still waits in the queue: their visitor would see an older one."""
+        waiting = self.queue.waiting_senders()
+        for read, (write, widget) in zip(self.reads, self.writes):
+            if widget is not None and widget in waiting:
+                self.skipped += 1  # so that all are written once more
+            else:
+                write(read(model))
 
 
 class Layout:
-    """The left panel, which is `gui` itself, and the right ones with their tabs."""
+    """The widgets and drawings of one page: the left panel, which is `gui` itself, and the right ones with their tabs.
 
-    def __init__(self, client: ClientHandle, queue: CommandQueue, reach: Reach = NOWHERE):
-        self.client, self.gui, self.queue = client, client.gui, queue
-        self.origin, self.shared = reach.origin, reach.shared
-        self.lessons = reach.lessons
+    Attributes
+    ----------
+    drawings
+        All that the panels have declared, in their order.
+    named
+        Widgets that the page must find again, by their names.
+    """
+
+    def __init__(self, client: ClientHandle, queue: CommandQueue, info: ClientInfo | None = None):
+        self.client, self.gui, self.queue, self.info = client, client.gui, queue, info or ClientInfo()
+        self.drawings: list[Drawing] = []
+        self.named: dict[str, Any] = {}
+        self._panel, self._tab = "", ""  # in which widgets are being declared
+        self._controls: dict[tuple[str, str, float], Controls] = {}
         self.gui.main_panel.dock_left()
         self._upper, self._lower = self.gui.add_panel(), self.gui.add_panel()
         self._upper_tabs: dict[str, AbstractContextManager] = {}
         self._lower_tabs: dict[str, AbstractContextManager] = {}
 
-    def upper_tab(self, name: str) -> AbstractContextManager:
-        """The tab of this name in the upper panel, to build in."""
-        return _tab(self._upper, self._upper_tabs, name)
-
-    @property
-    def upper_tabs(self) -> list[AbstractContextManager]:
-        """All that the upper panel has so far."""
-        return list(self._upper_tabs.values())
-
-    def tab(self, name: str) -> AbstractContextManager:
-        """In the lower one."""
-        return _tab(self._lower, self._lower_tabs, name)
-
-    def dock(self) -> None:
-        """To be called when all is built."""
+    def build(self, panels: Iterable[Callable[["Layout", PageModel], None]], model: PageModel) -> None:
+        """Make all panels, and dock them."""
+        self._model = model
+        for panel in panels:
+            self._panel = panel.__name__
+            panel(self, model)
         self._upper.dock_right()
         self._lower.dock_below(self._upper)
         self.widen(0)
-        for panel in (
-            self._upper,
-            self._lower,
-        ):  # on a phone, where panels are sections of one sheet, that begin closed
-            panel.expand()
+        for docked in (self._upper, self._lower):  # on a phone, where panels are sections of one sheet, closed at first
+            docked.expand()
 
     def widen(self, room: int) -> None:
         """Give the panels the widths for a window with room for no more, 0, for more, 1, or for much more, 2."""
         self.gui.main_panel.set_width(LEFT_WIDTHS[room])
         self._upper.set_width(WIDTHS[room])
 
+    def upper_tab(self, name: str) -> AbstractContextManager[None]:
+        """The tab of this name in the upper panel: all that is declared inside stands in it."""
+        return self._in_tab(self._upper, self._upper_tabs, name)
 
-def _tab(panel, made: dict[str, AbstractContextManager], name: str) -> AbstractContextManager:
-    if name not in made:
-        made[name] = panel.add_tab(name)
-    return made[name]
+    def tab(self, name: str) -> AbstractContextManager[None]:
+        """As `upper_tab`, in the lower panel."""
+        return self._in_tab(self._lower, self._lower_tabs, name)
+
+    @property
+    def upper_tabs(self) -> list[AbstractContextManager]:
+        """All tabs that the upper panel has so far, to add widgets to."""
+        return list(self._upper_tabs.values())
+
+    @contextmanager
+    def row(self, quiet: bool = False) -> Iterator[None]:
+        """Widgets that are declared inside stand on one line. quiet: their buttons are less prominent."""
+        with self.gui.add_folder(None):
+            self.gui.add_html(f'<span class="vi-row{" vi-quiet" if quiet else ""}"></span>')
+            yield
+
+    @contextmanager
+    def _in_tab(self, panel: Any, made: dict[str, AbstractContextManager], name: str) -> Iterator[None]:
+        if name not in made:
+            made[name] = panel.add_tab(name)
+        before, self._tab = self._tab, name
+        with made[name]:
+            yield
+        self._tab = before
+
+    # Drawings
+
+    def drawing(
+        self,
+        key: Callable[[PageModel], tuple],
+        draw: Callable[[PageModel], None],
+        period: Period = 0.0,
+        seen: Callable[[PageModel], bool] = never,
+    ) -> None:
+        """Declare a drawing, beside the values that it depends on. The parameters are those of `Drawing`."""
+        self.drawings.append(Drawing((self._panel, len(self.drawings)), self._tab, key, draw, period, seen))
+
+    def bind(self, read: Read, write: Callable[[Any], None], widget: Any = None, period: float = 0.0) -> None:
+        """Call `write` with a value that is cheap to read, whenever it has changed. widget: that sends it, too."""
+        controls = self._controls.get((self._panel, self._tab, period))
+        if controls is None:
+            controls = self._controls[self._panel, self._tab, period] = Controls(self.queue)
+            self.drawing(controls.key, controls.draw, period)
+        controls.reads.append(read)
+        controls.writes.append((write, None if widget is None else id(widget)))
+
+    # Widgets: what each shows is a constant, or a function of the model
+
+    def html(self, content: str | Read = "", visible: bool | Read = True, period: float = 0.0, name: str = "") -> Any:
+        handle = self.gui.add_html(self._first(content), visible=self._first(visible))
+        self._bind_if_read(content, lambda shown: put_html(handle, shown), period)
+        self._bind_if_read(visible, lambda shown: put_visible(handle, shown), period)
+        if name:
+            self.named[name] = handle
+        return handle
+
+    def button(
+        self,
+        look: Look | Callable[[PageModel], Look],
+        command: str,
+        hint: str | None = None,
+        enabled: bool | Callable[[PageModel], bool] = True,
+        visible: bool | Callable[[PageModel], bool] = True,
+        **options: Any,
+    ) -> Any:
+        """A button. look: its label and icon."""
+        label, icon = self._first(look)
+        options |= {"disabled": not self._first(enabled), "visible": self._first(visible)}
+        handle = self.gui.add_button(label, icon=icon, hint=hint, **options)
+        self.queue.on_click(handle, command)
+        self._bind_if_read(look, lambda shown: put_label(handle, *shown))
+        self._bind_if_read(enabled, lambda shown: put_disabled(handle, not shown))
+        self._bind_if_read(visible, lambda shown: put_visible(handle, shown))
+        return handle
+
+    def dropdown(
+        self,
+        label: str,
+        options: Sequence[str],
+        value: Read,
+        command: str,
+        visible: bool | Callable[[PageModel], bool] = True,
+        period: float = 0.0,
+    ) -> Any:
+        shown = self._first(visible)
+        handle = self.gui.add_dropdown(label, options, initial_value=value(self._model), visible=shown)
+        self._bind_if_read(visible, lambda shown: put_visible(handle, shown), period)
+        return self.value(handle, value, command, period=period)
+
+    def checkbox(
+        self, label: str, value: Callable[[PageModel], bool], command: str, *first: Any, hint: str | None = None
+    ) -> Any:
+        handle = self.gui.add_checkbox(label, value(self._model), hint=hint)
+        return self.value(handle, value, command, *first)
+
+    def slider(
+        self, label: str, low: Any, high: Any, step: Any, value: Read, command: str, *first: Any, **options: Any
+    ) -> Any:
+        period = options.pop("period", 0.0)
+        handle = self.gui.add_slider(label, low, high, step, low, **options)
+        return self.value(handle, value, command, *first, period=period)
+
+    def value(self, handle: Any, value: Read, command: str, *first: Any, period: float = 0.0) -> Any:
+        """Bind a widget of any kind: what it shows, and the command that a person's change of it calls."""
+        self.queue.on_value(handle, command, *first)
+        self.bind(value, lambda shown: put(handle, shown), handle, period)
+        return handle
+
+    def _first(self, shown: Any) -> Any:
+        """What is shown as the page is built."""
+        return shown(self._model) if callable(shown) else shown
+
+    def _bind_if_read(self, shown: Any, write: Callable[[Any], None], period: float = 0.0) -> None:
+        if callable(shown):
+            self.bind(shown, write, period=period)
 
 
-class Panel(Protocol):
-    """A part of the page. What a person does with it becomes commands in the layout's queue; what it shows is state.
+class JointSliders:
+    """One slider for each joint that moves, made anew with every world.
 
-    inside: the tab in which it stands.
-    `build` once, then `show` whenever it is seen and `depends_on` differs from what was shown last.
+    Parameters
+    ----------
+    inside
+        Where they stand.
+    name
+        Of each; {} stands for its joint.
+    command
+        Called with the number of the joint, counted among those that move, and its angle in degrees.
     """
 
-    inside: str = ""
+    def __init__(self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str = "degrees"):
+        self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint
+        self._sliders: list = []
+        self._generation = -1
 
-    def build(self, layout: Layout, state: PageState) -> None:
-        """Make the widgets. They need not show the state yet."""
-        ...
+    def show(self, model: PageModel, angles_deg: Sequence[float]) -> None:
+        """angles_deg: (m,)"""
+        if model.generation != self._generation:
+            self._build(model, angles_deg)
+        waiting = self._layout.queue.waiting_senders()
+        for slider, angle in zip(self._sliders, angles_deg):
+            if id(slider) not in waiting:
+                put(slider, round(angle, 1))
 
-    def depends_on(self, state: PageState) -> tuple[Hashable, ...]:
-        """What it shows; of snapshots their identity counts."""
-        ...
+    def _build(self, model: PageModel, angles_deg: Sequence[float]) -> None:
+        for slider in self._sliders:
+            slider.remove()
+        scene, self._generation, self._sliders = model.session.scene, model.generation, []
+        with self._inside:
+            for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
+                name = self._name.format(joint_symbol(joint))
+                slider = self._layout.gui.add_slider(name, low, high, 0.5, angles_deg[k], hint=self._hint)
+                self._layout.queue.on_value(slider, self._command, k)
+                self._sliders.append(slider)
 
-    def show(self, state: PageState) -> None:
-        """Write what differs."""
-        ...
 
-    def seen(self, state: PageState) -> bool:
-        """Whether anybody may see it."""
-        return self.inside not in state.view.unseen
+# Properties of viser's widgets, written only if they differ
 
-    def period(self, state: PageState) -> float:
-        """s at least between two drawings, longer under load; 0: as often as the page looks for changes at all."""
-        return 0.0
+
+def put(handle: Any, value: Any) -> None:
+    """Write a value. A slider's own rounding is no change."""
+    shown = handle.value
+    if not isinstance(shown, (int, float)) or isinstance(shown, bool):
+        if shown != value:
+            handle.value = value
+    elif abs(shown - value) > 1e-9:
+        push_input(handle, type(shown)(value))
+
+
+def put_max(slider: Any, value: float) -> None:
+    if slider.max != value:
+        push_property(slider, "max", value)
+
+
+def put_html(handle: Any, content: str) -> None:
+    if handle.content != content:
+        push_property(handle, "content", content)
+
+
+def put_label(button: GuiButtonHandle, label: str, icon: IconName) -> None:
+    if button.label != label:
+        button.label, button.icon = label, icon
+
+
+def put_visible(handle: Any, visible: bool) -> None:
+    if handle.visible != visible:
+        handle.visible = visible
+
+
+def put_disabled(handle: Any, disabled: bool) -> None:
+    if handle.disabled != disabled:
+        handle.disabled = disabled

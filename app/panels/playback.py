@@ -1,52 +1,64 @@
-"""Preset, its lesson, and the buttons that move the learner."""
+"""Preset, its lesson, and the buttons that move the learner; which motion is shown, and the speed."""
 
 from viser import Icon
 
-from ..commands.session import ChoosePreset, Play, Reset, Step, Undo
-from ..model.choices import modified
-from ..model.queue import Command
-from ..model.state import PageState
-from .panel import Layout, Panel
-from .widgets import put, put_html, put_label
+from ..model.choices import SPEEDS, modified
+from ..model.page_model import PageModel
+from .panel import SLOW, Layout, put, put_html, put_max
 
-MOTIONS: dict[str, Command] = {"Step": Step(), "Undo": Undo(), "Reset": Reset()}
+MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}  # commands
+LONG = 1000  # motions, whose number leaves no room for another beside the slider
 
 
-class PlaybackPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        gui, queue = layout.gui, layout.queue
-        self._preset = gui.add_dropdown("Preset", list(state.presets), initial_value=state.preset.name)
-        self._more: tuple[str, ...] = ()  # of its options, besides the presets
-        queue.on_value(self._preset, ChoosePreset.parse)
-        self._lesson = gui.add_html(lesson(state.preset.lesson))
-        gui.add_html('<span class="vi-play-row"></span>')
-        self._play = gui.add_button("Play", icon=Icon.PLAYER_PLAY)
-        queue.on_click(self._play, Play())
-        motion = gui.add_button_group("Motion", list(MOTIONS))
+def playback(layout: Layout, model: PageModel) -> None:
+    gui = layout.gui
+    preset = gui.add_dropdown("Preset", list(model.presets.offered), initial_value=model.preset.name)
+    layout.queue.on_value(preset, "preset")
+    more: tuple[str, ...] = ()  # options besides the presets
 
-        @motion.on_click
-        async def _(event) -> None:
-            if event.target.value in MOTIONS:
-                queue.put(MOTIONS[event.target.value])
-
-    def depends_on(self, state: PageState) -> tuple:
-        return state.generation, state.preset.name, state.modified, state.playing, state.refusals
-
-    def show(self, state: PageState) -> None:
-        self._show_preset(state)
-        put_html(self._lesson, lesson(state.preset.lesson))
-        put_label(self._play, *(("Pause", Icon.PLAYER_PAUSE) if state.playing else ("Play", Icon.PLAYER_PLAY)))
-
-    def _show_preset(self, state: PageState) -> None:
+    def show_preset(model: PageModel) -> None:
         """One that was changed is an entry of its own, so that the preset itself can be chosen again, and so is one
         that is not of the list."""
-        name = modified(state.preset.name) if state.modified else state.preset.name
-        more = tuple(shown for shown in dict.fromkeys((state.preset.name, name)) if shown not in state.presets)
-        if more != self._more:
-            self._more = more
-            self._preset.options = (*state.presets, *more)
-        put(self._preset, name)
+        nonlocal more
+        offered, names = model.presets.offered, (model.preset.name, _name(model))
+        if more != (now := tuple(name for name in dict.fromkeys(names) if name not in offered)):
+            more = now
+            preset.options = (*offered, *more)
+        put(preset, _name(model))
+
+    layout.drawing(lambda model: (_name(model), model.preset.name, model.inputs), show_preset)
+    layout.html(lambda model: f'<div class="vi-lesson">{model.preset.lesson}</div>')
+    gui.add_html('<span class="vi-play-row"></span>')
+    layout.button(
+        lambda model: ("Pause", Icon.PLAYER_PAUSE) if model.player.playing else ("Play", Icon.PLAYER_PLAY), "play"
+    )
+    motion = gui.add_button_group("Motion", list(MOTIONS))
+
+    @motion.on_click
+    async def _(event) -> None:
+        if event.target.value in MOTIONS:
+            layout.queue.call(MOTIONS[event.target.value])
 
 
-def lesson(text: str) -> str:
-    return f'<div class="vi-lesson">{text}</div>'
+def history(layout: Layout, model: PageModel) -> None:
+    count = layout.gui.add_html("")
+    slider = layout.slider("History", 0, 1, 1, lambda model: model.player.cursor, "moment", period=SLOW)
+
+    def show_length(model: PageModel) -> None:
+        cursor, last = model.player.cursor, model.player.last
+        at = f"{cursor} " if last < LONG else ""  # it stands in the slider's box too
+        put_max(slider, max(last, 1))
+        put(slider, cursor)
+        put_html(count, f'<div class="vi-count"><span>{at}of {last}</span></div>')
+
+    layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
+    layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)
+
+
+def _name(model: PageModel) -> str:
+    """The preset, as the list has it."""
+    return modified(model.preset.name) if model.modified else model.preset.name
+
+
+def _speed(model: PageModel) -> str:
+    return next(name for name, value in SPEEDS.items() if value == model.player.speed)

@@ -10,9 +10,8 @@ from viewimit.drawing.status import StatusMessage, describe, describe_truth, dra
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
-from ..model.state import PageState
-from .panel import SLOW, Layout, Panel
-from .widgets import put_html
+from ..model.page_model import PageModel
+from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
 FOLLOWS = "Computing what the link holds: Esc lets it go."
@@ -24,34 +23,40 @@ CHOICES = {  # by what is said: where a link leads, and its words
 }
 
 
-class StatusPanel(Panel):
-    def build(self, layout: Layout, state: PageState) -> None:
-        self._status = layout.gui.add_html("")
-        self._truth = ""
+def status(layout: Layout, model: PageModel) -> None:
+    strip = layout.named["status"] = layout.gui.add_html("")
 
-    @property
-    def html(self) -> str:
-        """As it is shown."""
-        return self._status.content
+    def key(model: PageModel) -> tuple:
+        shown, message = model.displayed, model.message
+        on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
+        moments = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
+        said = None if message is None else message.text
+        return (
+            said,
+            model.unsaved,
+            model.following.goes_on,
+            model.following.restores,
+            *moments,
+            model.player.playing,
+            _busy(model),
+        )
 
-    def depends_on(self, state: PageState) -> tuple:
-        on_its_way = None if state.on_its_way is None else state.on_its_way.tobytes()
-        moments = state.present, on_its_way, state.see_through, state.imitated, state.points
-        return state.message, state.unsaved, state.follows_link, state.restores, *moments, state.playing, _busy(state)
+    def draw(model: PageModel) -> None:
+        said, truth = _said(model), _truth(model)
+        layout.named["truth"] = truth
+        kind = "proposed" if said.state == "editing" and model.points.proposal is not None else said.state
+        put_html(strip, draw_status(said, truth, _choices(CHOICES.get(kind, ()))))
 
-    def period(self, state: PageState) -> float:
+    def period(model: PageModel) -> float:
         """Nobody reads faster what changes with every motion, and on the way."""
-        return SLOW if state.playing or state.on_its_way is not None else 0.0
+        return SLOW if model.player.playing or model.displayed.interpolated_theta is not None else 0.0
 
-    def show(self, state: PageState) -> None:
-        said, self._truth = _said(state), _truth(state)
-        kind = "proposed" if said.state == "editing" and state.points.proposal is not None else said.state
-        choices = _choices(CHOICES.get(kind, ()))
-        put_html(self._status, draw_status(said, self._truth, choices))
+    layout.drawing(key, draw, period)
 
-    def show_message(self, text: str) -> None:
-        """Whatever the state."""
-        put_html(self._status, draw_status(StatusMessage("message", text), self._truth))
+
+def show_fault(layout: Layout, text: str) -> None:
+    """Say it whatever the state, of which nothing may be readable."""
+    put_html(layout.named["status"], draw_status(StatusMessage("message", text), layout.named.get("truth", "")))
 
 
 def _choices(choices: tuple[tuple[str, str], ...]) -> str:
@@ -59,41 +64,51 @@ def _choices(choices: tuple[tuple[str, str], ...]) -> str:
     return "".join(link(what, words, words) for what, words in choices) + "<kbd>Esc</kbd>" if choices else ""
 
 
-def _said(state: PageState) -> StatusMessage:
-    session, busy = state.session, _busy(state)
-    if state.message is not None:
-        return StatusMessage("message", state.message)
+def _said(model: PageModel) -> StatusMessage:
+    session, busy = model.session, _busy(model)
+    if model.message is not None:
+        return StatusMessage("message", model.message.text)
     if busy is not None:
         return StatusMessage(*busy)
-    if state.follows_link:
-        return StatusMessage("message", RESTORES if state.restores else FOLLOWS)
-    points = state.points
-    if points.information is not None and not state.playing:
+    if model.following.goes_on:
+        return StatusMessage("message", RESTORES if model.following.restores else FOLLOWS)
+    points = model.points.shown
+    if points.information is not None and not model.player.playing:
         joints = session.scene.moving_joints
         return StatusMessage(
             "editing", describe_body_points(joints, points.information, points.proposal, points.searching)
         )
-    if state.see_through is not None:
-        return StatusMessage("see-through", describe_see_through(session.scene, state.see_through))
-    if state.unsaved is not None:
-        return StatusMessage("message", f"{state.unsaved}: a reload would lose this session.")
+    if model.displayed.preview is not None:
+        return StatusMessage("see-through", describe_see_through(session.scene, model.displayed.preview))
+    if model.unsaved is not None:
+        return StatusMessage("message", f"{model.unsaved}: a reload would lose this session.")
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
-    if (on_the_way := state.on_the_way) is not None:
-        return describe(on_the_way, before, joints=session.scene.moving_joints)
-    return describe(state.present, before, state.playing, state.assessment, session.scene.moving_joints)
+    if (moving := model.displayed.moving_snapshot) is not None:
+        return describe(moving, before, joints=session.scene.moving_joints)
+    return describe(
+        model.snapshot, before, model.player.playing, model.displayed.assessment, session.scene.moving_joints
+    )
 
 
-def _truth(state: PageState) -> str:
-    off = describe_errors(state.errors_deg) if _busy(state) is not None and state.imitated is None else ""
+def _truth(model: PageModel) -> str:
+    off = (
+        describe_errors(model.displayed.errors_deg)
+        if _busy(model) is not None and model.displayed.playback is None
+        else ""
+    )
     if off:
         return off + "."
-    own = state.seen.theta if state.on_the_way is None else state.shown.theta
-    return describe_truth(state.session.scene.moving_joints, own, state.seen.theta_demo)
+    own = (
+        model.displayed.snapshot.theta
+        if model.displayed.moving_snapshot is None
+        else model.displayed.scene_snapshot.theta
+    )
+    return describe_truth(model.session.scene.moving_joints, own, model.displayed.snapshot.theta_demo)
 
 
-def _busy(state: PageState) -> tuple[str, str] | None:
+def _busy(model: PageModel) -> tuple[str, str] | None:
     """State and sentence while a motion is recorded or replayed, or an imitation is seen."""
-    motions = state.motions
-    if state.imitated is not None:
-        return "replaying", state.imitated
+    motions = model.motions
+    if model.displayed.playback is not None:
+        return "replaying", model.displayed.playback
     return motions.describe() if motions.recording or motions.replaying else None

@@ -8,7 +8,6 @@ from viewimit.drawing.theme import rgb
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.world import World, hand_position
 
-from ..commands.session import PoseHand
 from ..model.queue import CommandQueue
 from .arms import ALWAYS_SEEN, link_name
 from .nodes import Nodes, add_text
@@ -35,7 +34,7 @@ class HandGizmo:
         @self._gizmo.on_update
         async def _(event) -> None:
             self._dragging = event.phase != "end"
-            queue.put_value(PoseHand.parse, event.target.position)
+            queue.call("pose_hand", event.target.position)
             if not self._dragging:
                 self.drops, self._let_go = self.drops + 1, True
 

@@ -13,8 +13,9 @@ from viewimit.simulation.camera import Camera
 from viewimit.simulation.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.simulation.world import World
 
-from ..model.state import PageState, View
-from ..viser_private import push_array, push_position
+from ..model.displayed import Displayed
+from ..model.view import View
+from ..viser_private import push_array
 from .nodes import Nodes, linear
 
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
@@ -83,12 +84,12 @@ class Moment:
             for arm in ("learner", "demonstrator")
         ]
 
-    def draw(self, state: PageState, own: NDArray, demo: NDArray) -> None:
+    def draw(self, displayed: Displayed, own: NDArray, demo: NDArray) -> None:
         """own, demo: (N, 3) m, the points on both arms."""
-        on_plates, seen = self.on_plates(state.shown)
-        self._draw_rays(on_plates, seen, demo, own, state.view)
-        self._draw_residuals(state, own)
-        self._draw_chosen(own, demo, state.view.chosen)
+        on_plates, seen = self.on_plates(displayed.scene_snapshot)
+        self._draw_rays(on_plates, seen, demo, own, displayed.view)
+        self._draw_residuals(displayed, own)
+        self._draw_chosen(own, demo, displayed.view.chosen)
 
     def on_plates(self, snapshot: Snapshot) -> tuple[NDArray, NDArray]:
         """All points as each camera sees them: (4, N, 3) m on its plate, and (4, N) whether it does."""
@@ -115,13 +116,13 @@ class Moment:
             eyes = np.array([camera.T_world_camera[:3, 3] for camera in self._cameras])
             push_array(self._chosen_rays, "points", segments(eyes, targets[:, chosen], seen[:, chosen]))
 
-    def _draw_residuals(self, state: PageState, own: NDArray) -> None:
-        view, usable = state.view, state.shown.usable
-        shown = view.residuals and view.truth and state.shown.transfer is not None and bool(usable.any())
+    def _draw_residuals(self, displayed: Displayed, own: NDArray) -> None:
+        view, usable = displayed.view, displayed.scene_snapshot.usable
+        shown = view.residuals and view.truth and displayed.scene_snapshot.transfer is not None and bool(usable.any())
         for node in (self._residuals, self._recovered):
             self._show(node, shown)
         if shown:
-            positions = state.recovered_world
+            positions = displayed.recovered_world
             if not usable.all():
                 positions, own = np.where(usable[:, None], positions, -50.0), own[usable]
             push_array(self._recovered, "batched_positions", positions)
@@ -137,7 +138,7 @@ class Moment:
         """To (3,) m."""
         if self._moved.get(node.name) != position:
             self._moved[node.name] = position
-            push_position(node, (position[0], position[1], position[2]))
+            node.position = position[0], position[1], position[2]
 
     def _show(self, node, visible: bool) -> None:
         """Or hide it. viser's setter looks up types, which takes longer than most drawings."""

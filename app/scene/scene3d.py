@@ -14,10 +14,9 @@ from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.scene_geometry import BELOW, LOOKS, POINT_SIZE, arm_landmarks, landmarks, octahedron
 from viewimit.simulation.world import World
 
-from ..commands.display import ChoosePoint
-from ..commands.tools import PlacePoint
+from ..model.displayed import Displayed
+from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
-from ..model.state import PageState
 from .arms import Arms, link_name
 from .fixtures import Fixtures, add_floor, add_light
 from .interaction import HandGizmo, ProposedPoint, picked
@@ -80,38 +79,39 @@ class Scene3D:
         self._moment = Moment(self._client, self._nodes, self._world, self._dark)
         self._proposed = ProposedPoint(self._client, self._nodes, self._world)
 
-    def depends_on(self, state: PageState) -> tuple:
-        """What `show` shows; of snapshots their identity counts."""
-        posed = state.present.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.astray
-        return state.generation, state.shown, state.view, state.points, *posed, *state.pictures.values()
+    def key(self, model: PageModel) -> tuple:
+        """What `show` depends on; of snapshots their identity counts."""
+        shown = model.displayed
+        posed = model.snapshot.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.astray
+        return model.generation, shown.scene_snapshot, model.view, model.points.shown, *posed, *shown.pictures.values()
 
-    def show(self, state: PageState) -> None:
+    def show(self, model: PageModel) -> None:
         """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
-        view = state.view
+        view, snapshot, points = model.view, model.displayed.scene_snapshot, model.points.shown
         if (view.on("dark"), view.shadows) != (self._dark, self._shadows):
             self._dark, self._shadows = view.on("dark"), view.shadows
             add_light(self._client.scene, LOOKS[self._dark], self._shadows)
             self._furnish()
-        self._view.follow(lambda: self._landmarks(state.present))
+        self._view.follow(lambda: self._landmarks(model.snapshot))
         if view.fits != self._fits:
             self._fits = view.fits
-            self._view.fit(self._landmarks(state.present))
-        self._draw(state)
-        self._edited = state.shown if state.points.on else None
-        self._proposed.show(None if state.points.proposal is None else state.points.proposal.point)
-        self._standing.show_pictures(state.pictures)
-        self._gizmo.show(view.gizmo, self._world, state.shown.theta_demo)
+            self._view.fit(self._landmarks(model.snapshot))
+        self._draw(model.displayed)
+        self._edited = snapshot if points.on else None
+        self._proposed.show(None if points.proposal is None else points.proposal.point)
+        self._standing.show_pictures(model.displayed.pictures)
+        self._gizmo.show(view.gizmo, self._world, snapshot.theta_demo)
 
-    def _draw(self, state: PageState) -> None:
-        """The moment that is shown."""
-        snapshot = state.shown
+    def _draw(self, displayed: Displayed) -> None:
+        """The snapshot that is shown."""
+        snapshot = displayed.scene_snapshot
         own = self._world.points_world(snapshot.theta, self._bases["learner"])
         if self._demo_points is None or self._demo_points[0] is not snapshot.theta_demo:  # it mostly rests
             points = self._world.points_world(snapshot.theta_demo, self._bases["demonstrator"])
             self._demo_points = snapshot.theta_demo, points
         demo = self._demo_points[1]
         self._points = np.concatenate([own, demo])
-        self._moment.draw(state, own, demo)
+        self._moment.draw(displayed, own, demo)
 
     def eye(self) -> Viewpoint | None:
         """That of the visitor, without what lies under the strip; None before the browser has said."""
@@ -167,10 +167,9 @@ class Scene3D:
         surface = np.inf if hit is None else hit.distance
         i = picked(points, radius, origin, direction, self._client.camera.fov, surface)
         if i is not None:
-            self._queue.put(ChoosePoint(i % (len(points) // 2)))
+            self._queue.call("choose_point", i % (len(points) // 2))
         elif hit is not None:
-            x, y, z = hit.local.tolist()
-            self._queue.put(PlacePoint(hit.link, (x, y, z)))
+            self._queue.call("place_point", hit.link, hit.local)
 
     def _surface_at(self, shown: Snapshot, origin: NDArray, direction: NDArray) -> SurfaceHit | None:
         """Where the ray meets the nearer of both arms."""

@@ -1,1 +1,1 @@
-"""Processes, connections, and what is refused of a browser. What a page does with a message is not here."""
+"""The server: processes, connections, and the checks that a browser's messages pass."""

@@ -11,7 +11,7 @@ import socket
 from collections.abc import Callable, Iterable
 
 import viser
-from viser import ClientHandle, ViserServer
+from viser import ViserServer
 from websockets.datastructures import Headers
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
@@ -19,7 +19,7 @@ from websockets.typing import Origin
 
 from .. import viser_private
 from .address import is_own_page
-from .connection import MOST_MESSAGE, GuardedConnection, plain_response
+from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection, plain_response
 from .limits import (
     LINES_A_SECOND,
     LINES_AT_ONCE,
@@ -55,8 +55,8 @@ NO_SEAT = """<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equ
 
 class AccessControl:
     """`serve` stands for websockets' own. limits: of each process; origins: pages elsewhere that may connect, as
-    scheme://host:port; seats: of all processes; process: number of this one; listening: a socket in place of a port of
-    its own; lab: pages of the lab, itself "", lessons by name.
+    scheme://host:port; seats: of all processes; process: number of this one; listening: a socket to serve on, None:
+    a port of its own; lab: pages of the lab, itself "", lessons by name.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class AccessControl:
         self._faults = QuietLog(log, TokenBucket(FAULTS_A_SECOND, 1))
 
     def guard(self, server: ViserServer) -> None:
-        """Whose clients pass it; nobody gets a seat before."""
+        """Guard the clients of a server. Nobody gets a seat before."""
         self._server = server
         server.get_event_loop().call_soon_threadsafe(self._guarded.set)
 
@@ -88,12 +88,13 @@ class AccessControl:
             return GuardedConnection(self, protocol, websockets_server, **limits)
 
         async def handle(connection: GuardedConnection) -> None:
-            if connection.subprotocol != OWN_VERSION:  # viser would print what it is told
+            if connection.subprotocol != OWN_VERSION:  # viser would print the version as it is sent
                 theirs = (connection.subprotocol or "unknown").removeprefix(VERSION)[:40]
                 self.note(connection, f"a page of another version, {theirs}")
                 said = f"Version mismatch. Client: {theirs}, Server: {viser.__version__}"  # as viser's page knows it
                 await connection.close(CloseCode.PROTOCOL_ERROR, said)
                 return
+            CONNECTION.set(connection)  # for all tasks of it, which viser begins in this context
             await handler(connection)
 
         loop = asyncio.get_running_loop()
@@ -120,14 +121,6 @@ class AccessControl:
     def note(self, connection: GuardedConnection, what: str) -> None:
         self._log.warn(f"{connection.name}: refused {what}")
 
-    def client_of(self, connection: GuardedConnection) -> ClientHandle | None:
-        """Whose connection it is; None before its first camera message."""
-        if self._server is None:
-            return None
-        one = viser_private.connection_of
-        clients = self._server.get_clients().items()
-        return next((client for number, client in clients if one(self._server, number) is connection), None)
-
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()
         return any(uuid in viser_private.own(client).widgets for client in clients.values())
@@ -142,7 +135,7 @@ class AccessControl:
         return self._all_seats.taken_from(address) >= self.limits.seats_of_one
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
-        """A response, or None: take the websocket. Who comes before all is ready waits."""
+        """Return a response, or None to take the websocket. Wait until the server is guarded."""
         answer = await self._answer_whole(connection, request, viser_answers)
         if answer is not None and connection.wants_no_body:
             answer.body = b""
@@ -180,13 +173,13 @@ class AccessControl:
         return answer
 
     async def _answer_lab(self, name: str) -> Response:
-        """The page of the lab or a lesson; while it is still computed, one that asks again by itself."""
+        """Return the page of the lab or a lesson; while it is computed, one that asks again by itself."""
         if name not in self._computing:
             self._computing[name] = asyncio.ensure_future(asyncio.to_thread(self._lab, name))
         computing = self._computing[name]
         if not (await asyncio.wait([computing], timeout=LAB_WITHIN))[0]:
             return plain_response(http.HTTPStatus.ACCEPTED, LAB_SOON, "text/html", **LAB_HEADERS)
-        self._computing.pop(name, None)  # its result is kept by who computes it, and a failure is tried again
+        self._computing.pop(name, None)  # LabPages caches the result; a failure is tried again
         page = computing.result()
         if page is None:
             return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
@@ -211,7 +204,7 @@ class AccessControl:
         return None
 
     def leave(self, connection: GuardedConnection) -> None:
-        """It has ended."""
+        """Free the place of a connection that has ended."""
         self.pending.discard(connection)
         if connection in self.seats:
             self.seats.discard(connection)
@@ -220,16 +213,16 @@ class AccessControl:
     def _tell_health(self) -> Response:
         well = self._all_seats.well
         status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
-        told = {
+        report = {
             "status": "ok" if well else "failing",
             "clients": self._all_seats.taken,
             "workers": len(self._all_seats.rows),
         }
-        return plain_response(status, json.dumps(told) + "\n", "application/json")
+        return plain_response(status, json.dumps(report) + "\n", "application/json")
 
 
 def _describe(headers: Headers, host: str) -> None:
-    """What a browser must know of an answer: where it may connect to, and that it is what it says."""
+    """Add the headers for security: where the page may connect to, and that its types are as declared."""
     headers["Content-Security-Policy"] = content_policy(host)
     headers["X-Content-Type-Options"] = "nosniff"
     headers["Referrer-Policy"] = "no-referrer"

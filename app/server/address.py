@@ -68,7 +68,7 @@ def is_loopback(host: str) -> bool:
 
 @cache
 def own_names() -> set[str]:
-    """Return the names of this machine; its full one is added once the network has told it, which may take seconds."""
+    """Return the names of this machine; its full one follows once the resolver has answered, after seconds at times."""
     name = socket.gethostname().lower()
     names = {"localhost", name, f"{name}.local"}
     threading.Thread(target=lambda: names.add(socket.getfqdn().lower()), name="viewimit-name", daemon=True).start()

@@ -4,6 +4,7 @@ import asyncio
 import re
 import socket
 from contextlib import suppress
+from contextvars import ContextVar
 from http import HTTPStatus
 from typing import Any, Protocol
 
@@ -23,8 +24,8 @@ from .messages import PART, Hostile, MessageValidator, Refused
 MOST_HEAD = 1 << 14  # bytes of a request's head
 METHODS = "GET, HEAD"
 ONCE = (  # headers that would be given to two answers, or to none
-    b"accept-encoding", b"cookie", b"host", b"origin", b"sec-fetch-site", b"sec-purpose", b"sec-websocket-key",
-    b"sec-websocket-version", b"transfer-encoding", b"upgrade", b"x-forwarded-proto",
+    b"accept-encoding", b"host", b"origin", b"sec-websocket-key", b"sec-websocket-version", b"transfer-encoding",
+    b"upgrade",
 )  # fmt: skip
 PRINTABLE = re.compile(rb"[\t -~\x80-\xff]*")
 MOST_MESSAGE = PART + 4096  # bytes
@@ -53,7 +54,7 @@ def plain_response(status: HTTPStatus, text: str, kind: str = "text/plain", **mo
 
 
 def as_get(request: h11.Request) -> bytes:
-    """Write the head of a request as a GET of HTTP/1.1, all that websockets reads. Raises NotAnswered."""
+    """Write the head of a request as a GET of HTTP/1.1, the only request that websockets reads. Raises NotAnswered."""
     headers = dict(request.headers)
     if request.http_version not in (b"1.0", b"1.1"):
         raise NotAnswered(HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "another version than HTTP/1.0 or HTTP/1.1")
@@ -76,14 +77,12 @@ def as_get(request: h11.Request) -> bytes:
 
 
 class Host(Protocol):
-    """What a connection asks of the server that it belongs to."""
+    """The part of the server that a connection uses."""
 
     limits: Limits
     pending: PendingConnections
 
     def note(self, connection: "GuardedConnection", what: str) -> None: ...
-
-    def client_of(self, connection: "GuardedConnection") -> ClientHandle | None: ...
 
     def belongs_to_another(self, uuid: str) -> bool: ...
 
@@ -91,7 +90,10 @@ class Host(Protocol):
 
 
 class GuardedConnection(ServerConnection):
-    """A connection whose `recv` returns messages that were checked only. network: where it comes from."""
+    """A connection whose `recv` returns messages that were checked only. network: where it comes from; client: viser's
+    of it, from the first view on."""
+
+    client: ClientHandle | None = None
 
     def __init__(self, host: Host, *args, **limits):
         super().__init__(*args, **limits)
@@ -177,8 +179,8 @@ class GuardedConnection(ServerConnection):
             raise NotAnswered(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, f"a head of more than {MOST_HEAD} bytes")
 
     def _read_on(self, data: bytes) -> None:
-        """What comes behind a request's head. Before the answer websockets would take it for a frame, fail, and answer
-        nothing: what follows the request for a websocket waits, be it not too much; all else asks for nothing more."""
+        """Read what follows a request's head. Before the answer, websockets would take it for a frame, and fail without
+        an answer. So bytes after the request for a websocket wait, up to MOST_HEAD; after others they are dropped."""
         if self.protocol.state is not State.CONNECTING:
             super().data_received(data)
         elif self._wants_websocket and len(self._early) + len(data) <= MOST_HEAD:
@@ -191,7 +193,7 @@ class GuardedConnection(ServerConnection):
             super().data_received(early)
 
     def eof_received(self) -> bool | None:  # type: ignore[override]  # asyncio takes an answer, websockets gives none
-        """Who has sent all of a request may end its side, and is answered yet; True: the connection stays."""
+        """Return True to keep the connection: a client may end its side and still gets the answer."""
         if self._refused:
             return False  # it is closed once the answer is sent
         if self._asked is not None and not self._wants_websocket and self.protocol.state is State.CONNECTING:
@@ -199,13 +201,13 @@ class GuardedConnection(ServerConnection):
         return super().eof_received()
 
     def _end_if_late(self) -> None:
-        """Who has begun a request and not said all of its head is told so; who has said nothing is left as it is."""
+        """Answer a client whose request has begun and is not whole. A silent one stays until it has to make room."""
         if self._asked is None and self._begun and not self._refused:
             within = self._host.limits.head_within
             self._refuse(NotAnswered(HTTPStatus.REQUEST_TIMEOUT, f"a head that was not whole after {within:g} s"))
 
     def _refuse(self, refusal: NotAnswered) -> None:
-        """Say why, and read no more. It is not closed at once, or what the client still sends would undo the answer."""
+        """Answer why, and read no more. Closing at once would discard the answer while the client still sends."""
         self._refused = True
         self._host.note(self, str(refusal))
         allow = {"Allow": METHODS} if refusal.status == HTTPStatus.METHOD_NOT_ALLOWED else {}
@@ -223,7 +225,7 @@ class GuardedConnection(ServerConnection):
         self._unsent.written(before, self.transport.get_write_buffer_size())
 
     def _look(self) -> None:
-        """Whatever goes on, who takes nothing of what waits is left: closing would wait behind it."""
+        """Abort the connection of a client that has read nothing for a while: closing it would wait behind the data."""
         within = self._host.limits.stalled_within
         if self._unsent.stalled(self.transport.get_write_buffer_size()) >= within:
             self._host.note(self, f"a client that has taken nothing for {within:g} s; closed")
@@ -232,7 +234,7 @@ class GuardedConnection(ServerConnection):
         self._looks = self.loop.call_later(within / LOOKS, self._look)
 
     async def keepalive(self) -> None:
-        """In place of websockets' own, which waits without limit until a ping is on its way."""
+        """Ping as websockets does, which waits without limit until a ping is sent."""
         limits = self._host.limits
         while True:
             await asyncio.sleep(limits.ping_every)
@@ -252,7 +254,7 @@ class GuardedConnection(ServerConnection):
         super().process_event(event)
 
     async def recv(self, decode: bool | None = None) -> Any:
-        """The next message that passes the validator, as it came: bytes."""
+        """Return the next message that passes the guard, as bytes."""
         while True:
             try:
                 raw = await super().recv(decode)
@@ -274,22 +276,21 @@ class GuardedConnection(ServerConnection):
     def _admit(self, raw: bytes | str) -> None:
         message = messages.read(raw)
         if self._validator is None:
-            client = self._host.client_of(self)
-            if client is None:
+            if self.client is None:
                 if not isinstance(message, messages.ViewerCameraMessage):
                     raise Hostile(f"{type(message).__name__} before the first view")
                 return
-            self._validator = MessageValidator(client, self._host.belongs_to_another)
+            self._validator = MessageValidator(self.client, self._host.belongs_to_another)
             if self._starts is not None:
                 self._starts.cancel()
         self._validator.admit(message)
 
     def _end_if_idle(self) -> None:
-        if self._host.client_of(self) is None:
+        if self.client is None:
             self._end(CloseCode.POLICY_VIOLATION, "a seat for nobody: no page has come")
 
     def _end(self, code: CloseCode, what: str) -> None:
-        """Say it in the log and close; what comes after is not read any more, and who does not say goodbye is left."""
+        """Log the reason and close. Later messages are not read; without a closing handshake it is aborted."""
         if self._failing is None:
             due = 0.0 if self._lines.take() else 1 / LINES_OF_ONE
             self.loop.call_later(due, self._host.note, self, f"{what}; closed")
@@ -302,3 +303,6 @@ class GuardedConnection(ServerConnection):
                 self.protocol.fail(code, what.encode()[:100].decode(errors="ignore"))
         except ConnectionClosed:
             pass
+
+
+CONNECTION: ContextVar[GuardedConnection] = ContextVar("connection")  # whose messages are being answered

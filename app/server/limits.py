@@ -42,7 +42,7 @@ class QuietLog:
         self._logger, self._bucket, self._left_out = logger, bucket, 0
 
     def warn(self, text: str) -> None:
-        """text: of any origin; it stays on one line."""
+        """Write a text of any origin as one line."""
         if not self._bucket.take():
             self._left_out += 1
             return
@@ -51,14 +51,12 @@ class QuietLog:
         self._logger.warning("%s%s", _escaped(text)[0].decode()[:300], more)
 
 
-# What goes wrong in a server's own machinery, told in a line: whoever can bring it about could fill a log.
-
-FRAMES = 3  # innermost
-OF_CLIENTS = "opening handshake failed"  # says websockets of who connects and asks for nothing, or for what is refused
+FRAMES = 3  # of a traceback, innermost
+OF_CLIENTS = "opening handshake failed"  # websockets logs it of clients that ask for nothing, or are refused
 
 
 def in_a_line(message: str, error: BaseException | None) -> str:
-    """With where it was raised."""
+    """Return a fault as one line, with where it was raised: clients could fill a log with tracebacks."""
     if error is None:
         return message
     walked = traceback.walk_tb(error.__traceback__)
@@ -68,7 +66,7 @@ def in_a_line(message: str, error: BaseException | None) -> str:
 
 
 class FaultLines(logging.Handler):
-    """warn(text): writes it, if it may."""
+    """Passes faults on as lines. warn(text): writes one, within its own limits."""
 
     def __init__(self, warn: Callable[[str], None]):
         super().__init__(logging.WARNING)
@@ -80,20 +78,21 @@ class FaultLines(logging.Handler):
 
 
 def logger_of(warn: Callable[[str], None]) -> logging.Logger:
-    """For websockets."""
+    """Return a logger for websockets."""
     made = logging.Logger("viewimit.websockets", logging.WARNING)
     made.addHandler(FaultLines(warn))
     return made
 
 
-# Who a client is for limits: one machine, or the network that one household or school has.
-
-UNKNOWN = 1  # what is gone already
+UNKNOWN = 1  # the address of a client that is gone already
 
 
 def network_of(peer: tuple | None) -> int:
-    """Of a socket's peer → 64 bits, not 0. An IPv6 network has 2^64 addresses, any of which one machine may take: its
-    first half counts, but of link-local addresses, which all begin alike, the second."""
+    """Return the address that limits count by, of a socket's peer: 64 bits, not 0.
+
+    A machine may take any of the 2^64 addresses of an IPv6 network. So the first half counts; of link-local addresses,
+    which all begin alike, the second.
+    """
     if not peer:
         return UNKNOWN
     address = ipaddress.ip_address(peer[0])
@@ -105,12 +104,11 @@ def network_of(peer: tuple | None) -> int:
     return (second if address.is_link_local else first) or UNKNOWN
 
 
-# Connections that have no seat yet: so many, so many of one address, and the oldest goes when there are more.
-# A request comes within moments of its connection; who has waited longest is likeliest to send none.
-
-
 class PendingConnections:
-    """most: at a time; most_of_one: from one address, as `network_of` has it."""
+    """Connections that have no seat yet. Of too many the oldest is closed: it is likeliest to send nothing.
+
+    most: at a time; most_of_one: from one address, as `network_of` returns it.
+    """
 
     def __init__(self, most: int, most_of_one: int):
         self._most, self._most_of_one = most, most_of_one
@@ -120,7 +118,7 @@ class PendingConnections:
         return len(self._waiting)
 
     def add(self, connection: Hashable, address: int, end: Callable[[], None]) -> None:
-        """end(): closes it; called if it has to make room."""
+        """Add one. end(): closes it, when it has to make room."""
         same = [other for other, (its, _) in self._waiting.items() if its == address]
         if len(same) >= self._most_of_one:
             self._end(same[0])
@@ -137,23 +135,20 @@ class PendingConnections:
         end()
 
 
-# How long a client has taken nothing of what waits for it.
-
-
 class Unsent:
-    """Of one connection; sizes are those of its write buffer, bytes."""
+    """How long a client has read nothing of what waits in its connection's write buffer; sizes in bytes."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
         self._waiting, self._taken = 0, clock()
 
     def written(self, before: int, after: int) -> None:
-        """Something was put behind what waited."""
+        """Note that data was appended to the buffer."""
         self._look(before)
         self._waiting = after
 
     def stalled(self, waiting: int) -> float:
-        """s for which nothing was taken, 0 while nothing waits."""
+        """Return the s for which nothing was read, 0 while nothing waits."""
         self._look(waiting)
         return self._clock() - self._taken
 
@@ -163,17 +158,16 @@ class Unsent:
         self._waiting = waiting
 
 
-# How many connections a process takes, of whom, and how long each may take for what it does.
-
-
 @dataclass(frozen=True)
 class Limits:
-    """seats: tabs of all processes together; seats_of_one: of those, from one address; pending: connections of this
-    process that are no seats yet, such as page loads; pending_of_one: of those, from one address.
+    """The limits of each process.
+
+    seats: tabs of all processes together; seats_of_one: of those, from one address; pending: connections of one process
+    without a seat, such as page loads; pending_of_one: of those, from one address.
 
     Times in s. head_within: from the connection to the end of its request's head; page_within: from a handshake to the
-    first view; stalled_within: in which a client takes something of what waits for it; written_within: in which a ping
-    is on its way behind what waits; closed_within: in which a client that is closed says goodbye.
+    first view; stalled_within: for a client to read some of its data; written_within: for a ping to be sent;
+    closed_within: for a closing handshake.
     """
 
     seats: int = 40
@@ -189,17 +183,18 @@ class Limits:
     closed_within: float = 2.0
 
 
-# What a server is started with, as each of its processes gets it.
-
 PENDING = 200  # connections of a process without a seat, such as page loads
 PAGE_CONNECTIONS = 12  # that a browser or two open at once
 
 
 @dataclass(frozen=True)
 class ServerOptions:
-    """settings: what each session begins with; max_clients: tabs at a time; origins: of pages elsewhere that may
+    """The options of a server, for each of its processes.
+
+    settings: of each new session; max_clients: tabs at a time; origins: of pages elsewhere that may
     connect; workers: processes that share the visitors; max_per_address: tabs of one address at a time, None: as many
-    as there are; lessons: of a lecturer's own, by name, before those that are shipped; host: on which it listens."""
+    as there are; lessons: of a lecturer's own, by name, before those that are shipped; host: on which it listens.
+    """
 
     settings: Settings = Settings.paper()
     max_clients: int = 40
@@ -216,7 +211,7 @@ class ServerOptions:
 
     @property
     def limits(self) -> Limits:
-        """Of each process. Of connections without a seat one address has the same share as of seats, and a page's own
-        few."""
+        """Limits of each process. One address has the same share of pending connections as of seats, and at least one
+        page's."""
         pending_of_one = min(PENDING, max(PAGE_CONNECTIONS, PENDING * self.seats_of_one // self.max_clients))
         return Limits(self.max_clients, self.seats_of_one, PENDING, pending_of_one)

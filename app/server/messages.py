@@ -25,7 +25,8 @@ from viser import (
 )
 
 from .. import viser_private
-from ..panels import actions
+from ..panels.actions import LABEL as ACTIONS_LABEL
+from ..panels.actions import read_message
 
 MOST_BUT_PARTS = 1 << 14  # bytes of a message that is no part of a file: to read it takes 1.2 ms at most
 Real = Annotated[float, Meta(ge=-1e5, le=1e5)]
@@ -152,8 +153,6 @@ def read(raw: bytes | str) -> msgspec.Struct:
         raise Hostile(f"a malformed {kind}: {error}") from None
 
 
-# One client's messages: each is checked against what that client's own page has, before viser acts on it.
-
 MOST_BYTES = 4 << 20  # of one upload
 PART = 524_288  # bytes that the page sends at once
 MOST_UPLOADS = 1  # at a time
@@ -164,7 +163,7 @@ UNIT = 1e-3  # that a direction's length may be off 1
 
 
 class MessageValidator:
-    """`admit(raw)` raises Refused or Hostile for what must not reach viser.
+    """Checks messages against the client's own page. `admit` raises Refused or Hostile.
 
     belongs_to_another(uuid): whether some other client has such a widget.
     """
@@ -199,7 +198,7 @@ class MessageValidator:
                 raise Refused("a value for a widget that is disabled")
             check(widget, message.updates["value"])
         except Refused:
-            viser_private.push_value(self._client, widget)  # else the browser would go on showing what was refused
+            viser_private.push_value(self._client, widget)  # else the browser would go on showing the refused value
             raise
 
     def _check_command(self, message: CommandTriggerMessage) -> None:
@@ -270,7 +269,7 @@ class Uploads:
             del self._going_on[part.transfer_uuid]
 
     def end(self, transfer: str) -> None:
-        """It has had its time."""
+        """Drop an upload whose time is over."""
         if self._going_on.pop(transfer, None) is not None:
             self._drop(transfer)
 
@@ -307,9 +306,9 @@ def _check_switch(widget, value) -> None:
 
 
 def _check_text(widget, value) -> None:
-    if getattr(widget, "label", None) == actions.LABEL and isinstance(value, str):
+    if getattr(widget, "label", None) == ACTIONS_LABEL and isinstance(value, str):
         try:
-            actions.read_message(value)
+            read_message(value)
         except ValueError as error:
             raise Refused(f"actions that make no sense: {str(error)[:80]}") from None
     elif not isinstance(value, str) or len(value) > MOST_TEXT:

@@ -80,7 +80,7 @@ def content_policy(host: str) -> str:
 def script_hashes() -> tuple[str, ...]:
     """SHA-256 of the page's own script and of those of viser's page, in base 64. Raises RuntimeError for a page that is
     built otherwise."""
-    page = PAGE.read_text()
+    page = PAGE.read_text("utf-8")
     loader = _LOADER.search(page)
     if loader is None or page.count("<script") != 1:
         raise RuntimeError("viser's page is built in a way that its content security policy is not known for")
@@ -94,7 +94,7 @@ def _hash(script: bytes) -> str:
 
 
 def _from_base_88(text: str) -> bytes:
-    """Five digits are four bytes, the most significant first; what is left over are one byte less than digits."""
+    """Decode: five digits are four bytes, the most significant first; n digits at the end are n - 1 bytes."""
     values = np.full(128, 0, np.uint64)
     values[np.frombuffer(DIGITS.encode(), np.uint8)] = np.arange(len(DIGITS))
     digits = values[np.frombuffer(text.encode(), np.uint8)]

@@ -9,17 +9,19 @@ import logging
 import socket
 import threading
 import time
+import warnings
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cache, partial
 
 import viser
-from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode
 
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..jobs.camera_images import MOST_SESSIONS, CameraProcess
+from ..jobs import basin_child, experiment_child
+from ..jobs.camera_images import MOST_SESSIONS, CameraProcess, VisitorsCameras
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.landscapes import LandscapeWorker
 from ..lab.lessons.format import Lesson
@@ -27,12 +29,13 @@ from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, Page
 from ..page.scheduler import Scheduler
-from ..panels.panel import Reach
+from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..static import stylesheet
 from .access import AccessControl
 from .address import origin_for_others, own_names
+from .connection import CONNECTION, GuardedConnection
 from .limits import ServerOptions, in_a_line
 from .seats import Seats
 
@@ -51,9 +54,11 @@ def serving(
 ) -> Iterator[int]:
     """Pages are served inside, on the port that it yields.
 
-    process: which of them this one is; listening: a socket in place of host and port.
+    process: number of this one; listening: a socket to serve on, None: host and port.
     """
     own_names()  # begins to ask for them
+    # What is drawn for a client before it is known that it has gone is no fault on a server
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     scheduler = Scheduler(seats.rows[process].live, seats.rows[process].clear)
     lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)
     access = AccessControl(options.limits, options.origins, seats, process, listening, lab.page)
@@ -65,7 +70,7 @@ def serving(
     app = App(server, options, scheduler, lab.lessons)
     access.guard(server)
     gc.collect()
-    gc.freeze()  # what is there for good need not be looked through whenever a tab is closed
+    gc.freeze()  # permanent objects are not searched whenever a tab closes
     try:
         yield server.get_port()
     finally:
@@ -90,13 +95,16 @@ class App:
         self._server, self._settings, self._scheduler = server, options.settings, scheduler
         self._host, self._lessons = options.host, lessons
         self._pages: dict[int, Page] = {}
-        viser_private.wake_in_loop(server)
+        viser_private.send_at_once(server)
         self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being closed
-        self._collecting, self._building = threading.Lock(), threading.Semaphore(BUILT_AT_ONCE)
+        self._collecting, self._building = threading.Lock(), asyncio.Semaphore(BUILT_AT_ONCE)
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
-        camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
-        workers = LandscapeWorker(), ExperimentWorker(), camera
-        self.services = Services(*workers, scheduler.shedding, share)
+        self._camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
+        self._visitors: dict[int, int] = {}  # networks by client id
+        experiments, basins = (
+            ExperimentWorker(work, self._visitors.get) for work in (experiment_child.work, basin_child.work)
+        )
+        self.services = Services(LandscapeWorker(), experiments, self._camera, scheduler.shedding, share, basins)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -107,9 +115,9 @@ class App:
         self._scheduler.start(server.get_event_loop())
 
     def stop(self) -> None:
-        """Nothing moves any more."""
+        """Stop all pages and jobs."""
         self._scheduler.stop()
-        self.services.camera.stop()
+        self._camera.stop()
         until = time.monotonic() + LEAVES_WITHIN
         with self._retiring:
             for client_id in list(self._pages):
@@ -119,40 +127,46 @@ class App:
         self.services.scripts.stop()
         self.services.picture_scripts.stop()
 
-    def _connect(self, client: viser.ClientHandle) -> None:
+    async def _connect(self, client: viser.ClientHandle) -> None:
+        connection = CONNECTION.get()
+        connection.client = client
+        async with self._building:
+            await asyncio.to_thread(self._build, client, connection)
+
+    def _build(self, client: viser.ClientHandle, connection: GuardedConnection) -> None:
         if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
             return
-        viser_private.wake_in_loop(client)
-        viser_private.ignore_late_pushes(client)
+        viser_private.send_at_once(client)
+        self._visitors[client.client_id] = connection.network
         try:
-            with self._building, client.atomic():
-                page = self._page(client)
+            with client.atomic():
+                page = self._page(client, connection)
         except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
-            self._send_back(client, error)
+            self._send_back(client, connection, error)
             return
         with self._lock:
             self._pages[client.client_id] = page
             self._scheduler.add(page)
-        if client.client_id not in self._server.get_clients():  # it closed before this callback ran
+        if client.client_id not in self._server.get_clients():  # it closed meanwhile
             self._retire(client.client_id)
 
-    def _send_back(self, client: viser.ClientHandle, error: Exception) -> None:
-        """Who cannot be shown a page is told why. A browser whose connection is closed comes back by itself."""
+    def _send_back(self, client: viser.ClientHandle, connection: GuardedConnection, error: Exception) -> None:
+        """Show why there is no page, then close the connection: the browser connects again by itself."""
         log.error(in_a_line("a page cannot be shown", error))
-        connection = viser_private.connection_of(self._server, client.client_id)
-        if connection is not None:
-            asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
-        client.gui.reset()  # of what there is of it
+        asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
+        client.gui.reset()  # of its parts
         why = html.escape(str(error) or type(error).__name__)
         client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
 
-    def _page(self, client: viser.ClientHandle) -> Page:
-        origin = viser_private.origin_of(self._server, client.client_id)
-        reach = Reach(origin, origin_for_others(self._host, origin), self._lessons)
-        return Page(client, self.services, self._settings, reach)
+    def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:
+        origin = None if connection.request is None else connection.request.headers.get("Origin")
+        info = ClientInfo(origin, origin_for_others(self._host, origin), self._lessons)
+        cameras = VisitorsCameras(self._camera, connection.network)
+        return Page(client, replace(self.services, camera=cameras), self._settings, info)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         self._retire(client.client_id)
+        self._visitors.pop(client.client_id, None)
         if self._collecting.acquire(blocking=False):  # one for all of a class that leaves at once
             try:
                 gc.collect()  # viser's handles are reference cycles
@@ -160,7 +174,7 @@ class App:
                 self._collecting.release()
 
     def _retire(self, client_id: int, within: float = LEAVES_WITHIN) -> None:
-        """Forget a page, whose last turn has so many s to end."""
+        """Forget a page. within: s for its last turn to end."""
         with self._retiring:
             with self._lock:
                 page = self._pages.pop(client_id, None)
@@ -175,6 +189,6 @@ class App:
             page.close(within)
 
 
-async def _close_soon(connection: ServerConnection) -> None:
+async def _close_soon(connection: GuardedConnection) -> None:
     await asyncio.sleep(AGAIN_AFTER)
     await connection.close(CloseCode.TRY_AGAIN_LATER, "the page cannot be shown")

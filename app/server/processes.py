@@ -27,7 +27,7 @@ SILENT_FOR = 20.0  # s that a process has for each sign of life
 SAID_EVERY = 30.0  # s, while processes are still beginning
 LOOK_EVERY = 0.25  # s
 ENDS_WITHIN = 7.0  # s that processes are given to end
-TOLD_TOO = 1.0  # s between signals to a process and to the supervisor that were sent as one
+SIGNALS_WITHIN = 1.0  # s, in which a signal to all processes reaches each
 MOST_ENDS, OF_LATE = 5, 60.0  # of processes, s: more are no accident
 DECLINES_FOR = 0.01  # s until a process that has more seats than another looks at the queue again
 NO_FILES_FOR = 1.0  # s until a process that has too many files open does
@@ -35,16 +35,16 @@ log = logging.getLogger(__name__)
 
 
 class Termination:
-    """As `threading.Event`, and a signal may set it in the midst of anything that its thread does with it: that one's
-    lock, which is held then, would be waited for for ever."""
+    """As `threading.Event`, but safe to set in a signal handler: the handler may interrupt a method of the same object,
+    and `threading.Event` would then wait for its own lock for ever."""
 
     def __init__(self):
         self._is_set = False
-        self._told: SimpleQueue[None] = SimpleQueue()  # whose put may come in the midst of another, or of a get
+        self._queue: SimpleQueue[None] = SimpleQueue()  # put is reentrant
 
     def set(self) -> None:
         self._is_set = True
-        self._told.put(None)
+        self._queue.put(None)
 
     def is_set(self) -> bool:
         return self._is_set
@@ -52,7 +52,7 @@ class Termination:
     def wait(self, seconds: float) -> bool:
         """Whether it is set, after that time at most."""
         with contextlib.suppress(Empty):
-            self._told.put(self._told.get(timeout=seconds))  # whoever else waits is told too
+            self._queue.put(self._queue.get(timeout=seconds))  # for other threads that wait
         return self._is_set
 
 
@@ -85,7 +85,7 @@ class FairListener(socket.socket):
         self._look()
 
     def accept(self) -> tuple[socket.socket, tuple]:
-        """Return what was accepted. Raises BlockingIOError when there is nothing."""
+        """Return an accepted connection. Raises BlockingIOError without one."""
         self.recv(1)
         return self._accepted.popleft()
 
@@ -163,7 +163,7 @@ def _giving_signs(row: ProcessRow) -> Iterator[None]:
 def supervised(options: ServerOptions, listeners: Sequence[socket.socket], stopped: Termination) -> Iterator[None]:
     """Inside, processes serve what comes to the listeners.
 
-    stopped: no process is begun any more; set here when it is of no use to go on. Raises RuntimeError, then in the
+    stopped: no more processes are begun; it is set here when they end again and again. Raises RuntimeError, then in the
     end, if processes end again and again.
     """
     supervisor = Supervisor(options, listeners, stopped)
@@ -239,7 +239,7 @@ class Supervisor:
                     self._end_if_silent(k)
 
     def _end_if_silent(self, k: int) -> None:
-        """It can be asked nothing any more, not even to end."""
+        """Kill a process that gives no sign of life: it would not hear a signal to end."""
         row = self._seats.rows[k]
         sign = row.seen or row.begins
         if sign and self._signs[k].silent_for(sign) > SILENT_FOR:  # how long Python takes to begin, nobody knows
@@ -251,8 +251,8 @@ class Supervisor:
         """Begin a process again that has ended by itself; its visitors' pages come back by themselves."""
         process = self._processes[k]
         process.join()
-        told = process.exitcode in (0, -signal.SIGTERM)  # perhaps with this one, by whoever stops all
-        if self._stopped.wait(TOLD_TOO if told else 0):
+        terminated = process.exitcode in (0, -signal.SIGTERM)  # a signal to all processes may reach this one next
+        if self._stopped.wait(SIGNALS_WITHIN if terminated else 0):
             return
         now = time.monotonic()
         if len(self._ends) == MOST_ENDS and now - self._ends[0] < OF_LATE:

@@ -109,7 +109,7 @@ class TestDuel:
                 None,
                 "stalled converged",
                 "Neither came within 1°",
-                "makes no progress, 3.00° off. The opponent converged",
+                "no progress, 3.00° off. The opponent converged",
             ),
             (6, None, "converged moving", "The learner was first within 1°", "The opponent is still moving, 4.00°"),
             (6, 9, "converged converged", "The learner was first within 1°", "The opponent followed after 9 steps."),

@@ -36,7 +36,7 @@ from drawn import (
     words,
 )
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels import verdict
+from viewimit.app.panels import experiments as verdict
 from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme

@@ -5,13 +5,13 @@ import re
 import numpy as np
 import pytest
 from drawn import SCALE_OF_MORE, parsed
+from page_fakes import call
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.commands.session import Play, Step, Undo
 from viewimit.app.drawing.glossary import asks, beside, current_values, listed
 from viewimit.app.model.keeping import saved_page
-from viewimit.app.panels.guide.glossary import numbers_now
-from viewimit.app.panels.guide.help import help_html
+from viewimit.app.panels.guide import numbers_now
+from viewimit.app.panels.help import help_html
 
 from viewimit.drawing import glossary
 from viewimit.drawing.theme import ROLES
@@ -44,7 +44,7 @@ def test_what_an_entry_shows_can_be_shown_and_undone(key):
     assert not model.modified and model.session.settings == complete(ENTRIES[key].show)
     assert page.widget("Preset").value == f"Show me: {ENTRIES[key].symbol}"
     model.player.scrub(0)
-    Undo().apply(model, page.now)
+    call("undo").apply(model, page.now)
     assert model.session.settings == complete(Settings()) and model.preset.settings == Settings()
 
 
@@ -54,7 +54,7 @@ def test_a_number_that_is_shown_is_a_bad_one(key):
     page.act("show", key)
     page.tick(1.0)
     page.tick_until(lambda: not entry.plays or page.page.model.session.snapshot.status.is_at_rest)
-    scale, value = entry.scale, numbers_now(page.page.model.state(page.now))[key]
+    scale, value = entry.scale, numbers_now(page.page.model)[key]
     assert value > scale.bad if scale.good < scale.bad else value < scale.bad
 
 
@@ -133,7 +133,7 @@ def test_what_was_there_before_is_given_back_to_the_bit():
         for control, value in (("point", "3"), ("large", "1")):
             one.act(control, value)
         for _ in range(4):
-            one.page.put(Step())
+            one.page.queue.call("step")
             one.tick(1.0)
         one.act("moment", "2")
         one.tick(1.0)
@@ -155,14 +155,14 @@ def test_what_was_there_before_is_given_back_to_the_bit():
     assert_same(tuple(model.session.history), history)
     assert give_back_offered(page) == []
     for one in (page, twin):
-        one.page.put(Step())
+        one.page.queue.call("step")
         one.tick(1.0)
     assert_same(tuple(model.session.history), tuple(twin.page.model.session.history))
 
 
 def test_who_was_playing_plays_on():
     page = QuietPage()
-    page.page.put(Play())
+    page.page.queue.call("play")
     page.tick(1.0)
     page.act("show", "E")
     page.tick(0.1)

@@ -9,6 +9,7 @@ import pytest
 
 from viewimit.experiments.bench import compare
 from viewimit.experiments.bench.benchmark import of_median, of_percentile, paired_difference, wilson
+from viewimit.experiments.bench.calibrated import ORACLES
 from viewimit.experiments.bench.compare import CASES, Row, compared, compared_table, read, run_draw, write
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -114,12 +115,12 @@ def test_the_documentation_shows_the_table_of_the_runs_that_are_kept_beside_it()
     text = (DOCS / "comparison.md").read_text()
     found = compared(read(DOCS / "comparison.csv"))
     assert compared_table(found) in text
-    assert {cell.servo for cell in found} == set(SERVOS) and [*dict.fromkeys(c.case for c in found)] == [
+    assert {cell.servo for cell in found} == {*SERVOS, *ORACLES} and [*dict.fromkeys(c.case for c in found)] == [
         case.name for case in CASES
     ]
 
 
-@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton"])
+@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton", "oracle-ibvs", "oracle-pbvs-1deg"])
 def test_runs_that_are_kept_in_the_documentation_are_repeated(servo):
     kept = [row for row in read(DOCS / "comparison.csv") if row.servo == servo and row.case == CASES[0].name]
     most, seed = (

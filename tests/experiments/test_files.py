@@ -12,6 +12,7 @@ from PIL import Image
 
 from viewimit.analysis.landscape import Landscape
 from viewimit.drawing import svg
+from viewimit.drawing.export import figures
 from viewimit.drawing.plots import describe_settings
 from viewimit.drawing.theme import ROLES
 from viewimit.experiments import EXPERIMENTS, ON_PICTURES
@@ -51,7 +52,7 @@ def test_every_file_is_there_and_in_the_manifest(made):
     manifest = json.loads((folder / f"{name}.json").read_text("utf-8"))
     assert set(manifest["files"]) == {path.name for path in written} - {f"{name}.json"}
     expected = {f"{name}-{table}.csv" for table in TABLES[name]} | {f"{name}.npz", f"{name}.json"}
-    expected |= {f"{name}.svg", f"{name}.png"}
+    expected |= {f"{name}{suffix}" for suffix in (".svg", *filter(figures.can_render, figures.WRITERS))}
     assert {path.name for path in written} == expected
 
 

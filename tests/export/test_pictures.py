@@ -7,12 +7,11 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 from drawn import IMAGE_L, OWN_POINTS
+from page_fakes import call
 from quiet_page import QuietPage
-from viewimit.app.commands.session import Step
-from viewimit.app.commands.tools import SavePicture, SaveReplay, ToggleDuel, choose_format, choose_picture
 from viewimit.app.jobs.experiments import Request, Run
-from viewimit.app.model import saving
-from viewimit.app.model.saving import PICTURES
+from viewimit.app.model import pictures as saving
+from viewimit.app.model.pictures import PICTURES
 
 import viewimit
 from viewimit.drawing.curves import draw_curves
@@ -129,8 +128,8 @@ def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, mo
     page = QuietPage(Settings())
     page.tick(1.0)
     assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))
-    page.page.put(choose_picture("Equations"))
-    page.page.put(SavePicture())
+    page.page.queue.call("picture", "Equations")
+    page.page.queue.call("save_picture")
     page.tick(1.0)
     assert ("a picture of equations needs ziamath" in page.shown) == (not typeset)
 
@@ -138,30 +137,30 @@ def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, mo
 def test_the_page_hands_out_a_replay_and_every_picture():
     page, got = QuietPage(Settings()), {}
     page.client.send_file_download = lambda name, data, **_: got.update({name: data})
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(1.0)
 
     def save(command, name):
-        page.page.put(command)
+        page.page.queue.put(command)
         page.tick_until(lambda: name in got)
         return got[name]
 
-    replay = save(SaveReplay(), "viewimit-replay.html").decode()
+    replay = save(call("save_replay"), "viewimit-replay.html").decode()
     assert "1 motions" not in replay and 'id="data"' in replay
     for what, why in (("Duel", "there is no duel"), ("Experiments", "the experiment is not done yet")):
-        page.page.put(choose_picture(what))
-        page.page.put(SavePicture())
+        page.page.queue.call("picture", what)
+        page.page.queue.call("save_picture")
         page.tick_until(lambda why=why: why in page.shown)
         assert not any(what.lower() in name for name in got)
-    page.page.put(ToggleDuel())
-    page.page.put(Step())
+    page.page.queue.call("duel")
+    page.page.queue.call("step")
     page.tick(1.0)
     take_experiment(page.page.model)
     pictures = {}
     for what in PICTURES if can_typeset() else [what for what in PICTURES if what != "Equations"]:
-        page.page.put(choose_picture(what))
+        page.page.queue.call("picture", what)
         name = f"viewimit-{what.split()[0].lower()}.svg"
-        pictures[what] = text_of(save(SavePicture(), name).decode())
+        pictures[what] = text_of(save(call("save_picture"), name).decode())
         assert "seed 7" in pictures[what]
     duel, done = ("".join(pictures[what].split()) for what in ("Duel", "Experiments"))
     for session in (page.page.model.session, page.page.model.duel.opponent):
@@ -169,9 +168,9 @@ def test_the_page_hands_out_a_replay_and_every_picture():
     assert "Aduelafter1step" in duel and "Largestjointerror" in duel
     assert "viewimitreproducefig7" in done and "Fig.7:landscapeandminima." in done and "smallestE<4°miss" in done
     if figures.can_render():
-        page.page.put(choose_picture("Curves"))
-        page.page.put(choose_format("PNG"))
-        png = save(SavePicture(), "viewimit-curves.png")
+        page.page.queue.call("picture", "Curves")
+        page.page.queue.call("picture_format", "PNG")
+        png = save(call("save_picture"), "viewimit-curves.png")
         assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20], "big") == 4 * 440  # px: 15 cm at 300 an inch
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
+from viewimit.app.jobs.camera_images import IDLE_S, CameraLost, CameraProcess
 from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes, SessionEyes
 from waiting import stays, wait_until
 
@@ -85,6 +85,34 @@ def test_only_so_many_may_look_at_a_time(camera):
     camera.open("another", one)  # who has eyes may change them
     camera.close(one)
     camera.open("scene")
+
+
+def test_a_visitor_without_a_place_gets_one_of_who_has_most(camera):
+    (first, _), (second, _) = (camera.open("scene", visitor="greedy") for _ in range(2))
+    camera.ask(first, "settle", 0)
+    other, _ = camera.open("scene", visitor="other")
+    with pytest.raises(CameraLost, match="another visitor"):
+        camera.ask(second, "settle", 0)  # it had looked least lately
+    assert camera.ask(first, "settle", 0) == camera.ask(other, "settle", 0) == (None, ())
+    for visitor in ("greedy", "other", "third"):  # each has as many as they may
+        with pytest.raises(ValueError, match="in use by 2 others"):
+            camera.open("scene", visitor=visitor)
+
+
+def test_a_place_that_nobody_has_looked_from_for_a_while_goes_to_who_asks():
+    now = [0.0]
+    camera = CameraProcess(most=2, work=odd_work, clock=lambda: now[0])
+    (one, _), (other, _) = camera.open("scene"), camera.open("scene")
+    now[0] = IDLE_S
+    camera.ask(other, "settle", 0)
+    with pytest.raises(ValueError, match="in use by 2 others"):
+        camera.open("scene")
+    now[0] = IDLE_S + 1
+    third, _ = camera.open("scene")
+    with pytest.raises(CameraLost, match="another visitor"):
+        camera.ask(one, "settle", 0)
+    assert camera.ask(other, "settle", 0) == camera.ask(third, "settle", 0) == (None, ())
+    camera.stop()
 
 
 def test_what_cannot_be_is_refused_and_a_fault_is_told_and_both_are_survived(camera, capfd):

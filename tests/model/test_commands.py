@@ -2,16 +2,14 @@
 
 import numpy as np
 import pytest
-from page_fakes import BUTTONS, CONTROLS, Hands, QuietExperiments, quiet_model
+from page_fakes import Hands, QuietExperiments, call, link, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.commands.display import TOUCHES, ChoosePoint, FitView, Switch
-from viewimit.app.commands.session import ChoosePreset, ChooseSpeed, Play, PoseJoint, Reset, Step
-from viewimit.app.commands.tools import LoadMotion
+from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import OF_ARMS, OF_IMAGES, joint_choices, servo_names, transfer_names
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.model.presets import AS_STARTED, PRESETS, presets_from
-from viewimit.app.model.queue import PENDING_LIMIT, Arrival, CommandQueue, Refused
+from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 
 from viewimit.analysis.trajectory import make_motion
 from viewimit.estimation.transfers import TRANSFERS
@@ -201,56 +199,69 @@ def test_motions_are_seen_on_their_way(page):
 
 
 def test_the_queue_keeps_the_newest_value_and_every_action_up_to_a_limit():
-    queue = CommandQueue()
+    queue = CommandQueue(COMMANDS)
     for value in range(1000):
-        queue.put(PoseJoint(0, value))
-        queue.put(Step())
-    queue.put(PoseJoint(1, -3))
+        queue.call("pose_joint", 0, value)
+        queue.call("step")
+    queue.call("pose_joint", 1, -3)
     taken = queue.take()
-    values = {command.k: command.angle for command in taken if isinstance(command, PoseJoint)}
-    assert values == {0: 999, 1: -3} and isinstance(taken[0], PoseJoint) and len(taken) <= PENDING_LIMIT + 1
-    assert 1 <= sum(isinstance(command, Step) for command in taken) <= PENDING_LIMIT
+    names = [one.command.name for one in taken]
+    values = dict(one.arguments for one in taken if one.command.name == "pose_joint")
+    assert values == {0: 999, 1: -3} and names[0] == "pose_joint" and len(taken) <= PENDING_LIMIT + 1
+    assert 1 <= names.count("step") <= PENDING_LIMIT
     assert queue.take() == []
 
 
 def test_values_of_one_control_are_one_and_stand_where_the_newest_was_put():
-    queue = CommandQueue()
+    queue = CommandQueue(COMMANDS)
     a, b = PRESETS[0].name, PRESETS[1].name
-    for command in (ChoosePreset(a), PoseJoint(0, 1.0), PoseJoint(1, 2.0), PoseJoint(0, 3.0), ChoosePreset(b)):
+    for command in (
+        call("preset", a),
+        call("pose_joint", 0, 1.0),
+        call("pose_joint", 1, 2.0),
+        call("pose_joint", 0, 3.0),
+        call("preset", b),
+    ):
         queue.put(command)
-    assert queue.take() == [PoseJoint(1, 2.0), PoseJoint(0, 3.0), ChoosePreset(b)]
+    assert queue.take() == [call("pose_joint", 1, 2.0), call("pose_joint", 0, 3.0), call("preset", b)]
 
 
 def test_what_is_taken_out_of_order_leaves_the_rest_in_order():
-    queue, step, dark = CommandQueue(), Step(), Switch("dark", True)
-    for command in (PoseJoint(0, 1.0), dark, step):
+    queue, step, dark = CommandQueue(COMMANDS), call("step"), call("switch", "dark", True)
+    for command in (call("pose_joint", 0, 1.0), dark, step):
         queue.put(command)
-    assert queue.take_what_need_not_wait() == [dark]
-    assert queue.take() == [PoseJoint(0, 1.0), step]
+    assert queue.take_order_independent() == [dark]
+    assert queue.take() == [call("pose_joint", 0, 1.0), step]
 
 
 def test_nothing_overtakes_what_it_may_depend_on():
     """A preset sets the speed, so that a speed chosen after it comes after it; before it, it need not wait."""
-    point, preset, speed, play = ChoosePoint(1), ChoosePreset(PRESETS[0].name), ChooseSpeed(1.0), Play()
-    queue = CommandQueue()
+    point, preset, speed, play = (
+        call("choose_point", 1),
+        call("preset", PRESETS[0].name),
+        call("speed", "1 a second"),
+        call("play"),
+    )
+    queue = CommandQueue(COMMANDS)
     for command in (point, preset, speed, play):
         queue.put(command)
-    assert queue.take_what_need_not_wait() == [point, play]  # pausing is never too early
+    assert queue.take_order_independent() == [point, play]  # pausing is never too early
     assert queue.take() == [preset, speed]
 
 
 def test_bad_values_of_one_control_push_nothing_out():
-    queue, reset = CommandQueue(), Reset()
+    queue, reset = CommandQueue(COMMANDS), call("reset")
     queue.put(reset)
     for k in range(2 * PENDING_LIMIT):
-        queue.put_value(CONTROLS["seed"], f"no number {k}", sender="seed")
-    assert [type(command) for command in queue.take()] == [Reset, Refused]
+        queue.call("seed", f"no number {k}", sender="seed")
+    first, second = queue.take()
+    assert first is reset and isinstance(second, Rejected)
 
 
 def test_what_a_person_did_is_done_in_that_order(page):
     """A step that a slider or a reset precedes is another than one that they follow."""
     session, _, model, visitor = page
-    queue = CommandQueue()
+    queue = CommandQueue(COMMANDS)
 
     def posture_after(*commands):
         visitor.set("joint0", 45.0)
@@ -261,26 +272,26 @@ def test_what_a_person_did_is_done_in_that_order(page):
             command.apply(model, 0.0)
         return session.snapshot.theta_demo[0], session.snapshot.motion, len(session.history)
 
-    moved, preset = PoseJoint.parse(0, 70.0), ChoosePreset(PRESETS[1].name)
-    assert posture_after(moved, BUTTONS["step"], Reset())[1:] == (0, 1)
-    assert posture_after(Reset(), moved, BUTTONS["step"])[1] == 1
+    moved, preset = call("pose_joint", 0, 70.0), call("preset", PRESETS[1].name)
+    assert posture_after(moved, call("step"), call("reset"))[1:] == (0, 1)
+    assert posture_after(call("reset"), moved, call("step"))[1] == 1
     assert np.degrees(posture_after(moved, preset)[0]) == pytest.approx(45)
     assert np.degrees(posture_after(preset, moved)[0]) == pytest.approx(70)
 
 
 def test_a_refused_value_becomes_a_command_that_says_so(page):
     _, _, model, _ = page
-    queue = CommandQueue()
-    queue.put_value(CONTROLS["joint0"], "1e9x")
+    queue = CommandQueue(COMMANDS)
+    queue.call("pose_joint", 0, "1e9x")
     (refused,) = queue.take()
     with pytest.raises(ValueError, match="'1e9x' is not a number"):
         refused.apply(model, 0.0)
 
 
 def test_of_what_a_worker_makes_of_a_kind_the_newest_arrives():
-    queue, arrived = CommandQueue(), []
+    queue, arrived = CommandQueue(COMMANDS), []
     for kind, made in (("landscape", 1), ("duel", 2), ("landscape", 3)):
-        queue.put(Arrival(kind, arrived.append, made))
+        queue.put(JobResult(kind, arrived.append, made))
     for command in queue.take():
         command.apply(None, 0.0)
     assert arrived == [2, 3]
@@ -430,19 +441,19 @@ def test_posing_by_a_motion_wakes_the_loop(page):
 def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
     model, _ = quiet_model(Settings.paper())
     for dark in ("1", "0", "1"):
-        TOUCHES["dark"](dark).apply(model, 0.0)
+        link("dark", dark).apply(model, 0.0)
         assert model.view.on("dark") == (dark == "1")
     Hands(model).set("dark", False)
-    TOUCHES["dark"]("1").apply(model, 0.0)
+    link("dark", "1").apply(model, 0.0)
     assert not model.view.on("dark") and saved_page(model).dark is False
 
 
 def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():
     page = QuietPage(Settings.paper())
-    page.page.put(LoadMotion(b"{}"))
-    for command, stays in ((FitView(), True), (Step(), False)):
+    page.page.queue.call("load_motion", b"{}")
+    for command, stays in ((call("fit_view"), True), (call("step"), False)):
         page.tick(0.5)
         assert "not a recorded motion" in page.page.model.message.text
-        page.page.put(command)
+        page.page.queue.put(command)
         page.tick(0.5)
         assert (page.page.model.message is not None) == stays

@@ -4,11 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from page_fakes import quiet_model
+from page_fakes import call, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.commands.display import LetGo
-from viewimit.app.commands.session import Step
-from viewimit.app.commands.tools import ShowImitation
 from viewimit.app.drawing.joint_bars import draw_learner
 from viewimit.app.jobs.experiments import Run
 
@@ -30,7 +27,7 @@ def model():
     made = model.session.settings, model.session.snapshot.transfer, STEP_S
     model.experiments.chosen = "fig10"
     model.experiments.take(Run("fig10", "done", imitation=Imitation("Fig. 10", *made, theta + 0.02, theta)))
-    ShowImitation().apply(model, BEGUN)
+    call("imitation").apply(model, BEGUN)
     return model
 
 
@@ -41,11 +38,15 @@ def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
         learner, demonstrator = model.poses(now)
         assert np.array_equal(learner, imitation.theta[frame])
         assert np.array_equal(demonstrator, imitation.theta_demo[frame])
-        state = model.state(now)
-        assert state.looked is state.shown and state.shown.theta is learner and state.present is present
-        assert f"{frame * STEP_S:.1f} of 2.0 s" in state.imitated
+        state = model.refresh(now)
+        assert (
+            state.image_snapshot is state.scene_snapshot
+            and state.scene_snapshot.theta is learner
+            and state.present is present
+        )
+        assert f"{frame * STEP_S:.1f} of 2.0 s" in state.playback
     over = BEGUN + FRAMES * STEP_S
-    assert model.state(over).imitated is None and model.state(over).shown is present
+    assert model.refresh(over).playback is None and model.refresh(over).scene_snapshot is present
     assert np.array_equal(model.poses(over)[0], present.theta)
 
 
@@ -56,20 +57,20 @@ def test_what_stands_beside_the_images_is_of_the_imitation_too(model):
     there.view, there.experiments.chosen = replace(there.view, wide=True), "fig10"
     there.experiments.take(model.experiments.shown)
     page.tick(5.0)
-    page.page.put(ShowImitation())
+    page.page.queue.call("imitation")
     page.tick(0.5 * STEP_S)
     page.tick(2.2 * STEP_S)
-    seen, chosen = there.state(page.now).shown, there.view.chosen
+    seen, chosen = there.refresh(page.now).scene_snapshot, there.view.chosen
     assert seen is not there.session.snapshot
     assert draw_conflict(seen) in page.shown and draw_equations(seen, chosen) in page.shown
     assert draw_learner(there.session.scene, seen.theta, seen.theta_demo) in page.shown
-    page.page.put(ShowImitation())
+    page.page.queue.call("imitation")
     page.tick(5.0)
     assert draw_conflict(there.session.snapshot) in page.shown
 
 
 def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
-    frozen, seen = model.session.snapshot.transfer, model.state(BEGUN + 1.1 * STEP_S).shown
+    frozen, seen = model.session.snapshot.transfer, model.refresh(BEGUN + 1.1 * STEP_S).scene_snapshot
     demo, own = seen.views.demo, seen.views.own
     assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
     assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
@@ -78,26 +79,26 @@ def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
 
 def test_epipolar_lines_are_those_of_the_images_that_are_seen(model):
     """Oracle: Eqs. (1)-(3), pair by pair. The transfer that was frozen has others."""
-    seen = model.state(BEGUN + 1.1 * STEP_S).shown
+    seen = model.refresh(BEGUN + 1.1 * STEP_S).scene_snapshot
     images = seen.views.demo_left, seen.views.demo_right, seen.views.own_left, seen.views.own_right
     for (p, q), f in zip(VIEW_PAIRS, seen.fundamental.f):
         assert abs(f @ fit_affine_fundamental(images[p], images[q])[0]) == pytest.approx(1, abs=1e-9)
 
 
-@pytest.mark.parametrize("ends", [Step(), LetGo(), ShowImitation()], ids=lambda command: type(command).__name__)
+@pytest.mark.parametrize("ends", ["step", "dismiss", "imitation"])
 def test_it_ends_by_a_motion_by_escape_and_by_its_button(model, ends):
-    ends.apply(model, BEGUN + STEP_S)
-    assert model.state(BEGUN + STEP_S).imitated is None
+    call(ends).apply(model, BEGUN + STEP_S)
+    assert model.refresh(BEGUN + STEP_S).playback is None
 
 
 def test_it_is_not_seen_in_another_world(model):
-    model.moments.imitated.stop()
+    model.display.playback.stop()
     model.undoable.change(points=16)
     with pytest.raises(ValueError, match="other points"):
-        ShowImitation().apply(model, BEGUN)
+        call("imitation").apply(model, BEGUN)
     model.experiments.chosen = "fig7"
     with pytest.raises(ValueError, match="no imitation"):
-        ShowImitation().apply(model, BEGUN)
+        call("imitation").apply(model, BEGUN)
 
 
 def test_fig_10_hands_out_what_was_imitated_by_the_transfer_of_the_convergence():

@@ -34,7 +34,7 @@ def worker():
 
 @pytest.fixture
 def own(worker):
-    return OwnLandscape(1, worker, CommandQueue())
+    return OwnLandscape(1, worker, CommandQueue({}))
 
 
 def test_it_is_coarse_first_and_as_fine_as_ever_in_the_end(own, worker, session):

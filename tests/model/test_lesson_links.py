@@ -6,17 +6,15 @@ from urllib.parse import unquote
 import msgspec
 from drawn import LESSONS, OFFER
 from quiet_page import QuietPage
-from viewimit.app.commands.display import LetGo
-from viewimit.app.commands.session import Step
 from viewimit.app.lab.lessons.source import shipped
-from viewimit.app.panels.guide.lessons import LessonsPanel, offers
+from viewimit.app.panels.guide import offers
 from viewimit.app.sessions.link import decode
 
 from viewimit.loop.settings import Settings
 
 
 def listed(page, lessons=None) -> str:
-    return offers(page.page.model.state(page.now), shipped() if lessons is None else lessons)
+    return offers(page.page.model, shipped() if lessons is None else lessons)
 
 
 def test_every_lesson_is_linked_and_the_tour_offered_until_it_is_let_go():
@@ -25,14 +23,14 @@ def test_every_lesson_is_linked_and_the_tour_offered_until_it_is_let_go():
     links = re.findall(r'href="lab/([a-z]+)#page=', html.partition(OFFER)[0])
     assert LESSONS in html and links == list(shipped())
     assert re.search(rf'{OFFER}.*href="lab/tour#page=', html)
-    page.page.put(LetGo())
+    page.page.queue.call("dismiss")
     page.tick()
     assert OFFER not in listed(page) and LESSONS in listed(page)
 
 
 def test_the_way_back_holds_what_the_page_shows():
     page = QuietPage(Settings.paper(transfer="linear"))
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(0.3)
     (back,) = {unquote(text) for text in re.findall(r"#page=([^\"]+)", listed(page))}
     model = page.page.model
@@ -48,10 +46,9 @@ def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():
 
 def test_the_way_back_is_not_written_for_every_motion_but_the_offer_goes_at_once():
     page = QuietPage(Settings.paper())
-    panel = page.page.panel(LessonsPanel)
     page.tick()
-    state = page.page.model.state(page.now)
-    assert panel.period(state) > 1
-    page.page.put(LetGo())
+    drawing = next(drawing for drawing in page.page.layout.drawings if drawing.kind[0] == "lessons")
+    assert drawing.period_of(page.page.model) > 1
+    page.page.queue.call("dismiss")
     page.page.tick(page.now + 0.05)
-    assert panel.period(page.page.model.state(page.now)) == 0
+    assert drawing.period_of(page.page.model) == 0

@@ -9,13 +9,10 @@ import pytest
 import zstandard
 from drawn import QR_CODE
 from quiet_page import QuietPage
-from viewimit.app.commands.display import LetGo
-from viewimit.app.commands.links import FollowLink
-from viewimit.app.commands.session import Step, Undo
 from viewimit.app.jobs.scripts import ScriptPlayer
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.model.presets import AS_STARTED, PRESETS
-from viewimit.app.panels.guide.share import share_html
+from viewimit.app.panels.share import share_html
 from viewimit.app.sessions.link import Branch, Run, decode, described, encode_blocks, encode_link
 from waiting import wait_until
 
@@ -84,16 +81,16 @@ def test_a_script_has_only_so_much_time():
     player.stop()
 
 
-@pytest.mark.parametrize("lets_go", [LetGo, Undo], ids=["Escape", "Undo"])
+@pytest.mark.parametrize("lets_go", ["dismiss", "undo"])
 def test_a_link_that_is_followed_can_be_let_go(lets_go):
     scripts = Held()
     page = QuietPage(Settings.paper(), scripts=scripts)
     model = page.page.model
     before = model.session.snapshot
-    page.page.put(FollowLink(linked_text(transfer="linear")))
+    page.page.queue.call("link", linked_text(transfer="linear"))
     page.tick(0.3)
     assert model.following.goes_on and "Esc lets it go" in page.shown
-    page.page.put(lets_go())
+    page.page.queue.call(lets_go)
     page.tick(0.3)
     assert not model.following.goes_on and "Esc lets it go" not in page.shown
     list(scripts.passes)
@@ -117,19 +114,19 @@ def test_a_link_opens_the_same_state_and_undo_brings_back_the_old_one(preset):
     sender, receiver = QuietPage(preset.settings), QuietPage(Settings.paper())
     for page, motions in ((sender, 4), (receiver, 2)):
         for _ in range(motions):
-            page.page.put(Step())
+            page.page.queue.call("step")
             page.tick(0.3)
     sender.page.model.session.pose(sender.page.model.session.snapshot.theta_demo * 0.97)
     left = receiver.page.model.session.snapshot
     sent = sender.page.model
-    receiver.page.put(FollowLink(encode_link(sent.linked())))
+    receiver.page.queue.call("link", encode_link(sent.linked()))
     settled(receiver)
     got = receiver.page.model
     assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
     assert got.session.settings == sent.session.settings and got.session.cursor == 4
     assert got.session.snapshot.E == sent.session.snapshot.E
     for _ in range(5):
-        receiver.page.put(Undo())
+        receiver.page.queue.call("undo")
         receiver.tick(0.3)
     assert got.session.snapshot.theta.tobytes() == left.theta.tobytes() and got.session.cursor == 2
 
@@ -143,7 +140,7 @@ def test_a_link_into_a_lesson_of_an_earlier_version_says_where_lessons_are_now()
 def test_a_bad_link_says_why_and_changes_nothing():
     page = QuietPage(Settings.paper())
     before = page.page.model.session.snapshot
-    page.page.put(FollowLink("1nonsense"))
+    page.page.queue.call("link", "1nonsense")
     settled(page)
     assert page.page.model.session.snapshot is before
     assert "the link is damaged" in page.page.model.message.text
@@ -151,10 +148,10 @@ def test_a_bad_link_says_why_and_changes_nothing():
 
 def test_the_card_shows_link_and_code_of_the_moment_shown():
     page = QuietPage(Settings.paper())
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(0.3)
     model = page.page.model
-    shown = share_html(model.state(0.0), "http://here:8080")
+    shown = share_html(model, "http://here:8080")
     text = encode_link(model.linked())
     assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
@@ -170,14 +167,14 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
     path.write_text('title = "Eyes <b>apart</b> &c"\nextends = "panda"\n[head]\nbaseline = 0.8\n')
     sender, receiver = QuietPage(Settings.paper(scene=str(path))), QuietPage(Settings.paper())
     for _ in range(3):
-        sender.page.put(Step())
+        sender.page.queue.call("step")
         sender.tick(0.3)
     sent, got = sender.page.model, receiver.page.model
-    card, text = share_html(sent.state(0.0), "http://here:8080"), encode_link(sent.linked())
+    card, text = share_html(sent, "http://here:8080"), encode_link(sent.linked())
     assert f"/?s={text}" in card and 'aria-label="QR code' in card and "It opens only" not in card
     path.unlink()
     assert sent.preset.name == AS_STARTED
-    receiver.page.put(FollowLink(text))
+    receiver.page.queue.call("link", text)
     settled(receiver)
     assert got.session.snapshot.theta.tobytes() == sent.session.snapshot.theta.tobytes()
     assert got.session.snapshot.E == sent.session.snapshot.E and got.session.cursor == 3
@@ -186,7 +183,7 @@ def test_an_own_scene_opens_elsewhere_survives_a_reload_and_is_passed_on(tmp_pat
         encode_link(got.linked()).startswith("2.")
         and decode(encode_link(got.linked()), Settings.paper()) == got.linked()
     )
-    card = share_html(got.state(0.0), "http://here:8080")
+    card = share_html(got, "http://here:8080")
     assert "save the scene, and name its file" in card and "baseline = 0.8" in card and "<b>apart" not in card
     cited = cite(got.session)
     assert "Eyes <b>apart</b> &c, 10 points" in cited.conditions and cited.command is None and cited.python
@@ -205,7 +202,7 @@ def test_what_is_too_much_for_a_link_is_said_in_python():
     for theta in np.radians(angles):
         page.session.pose(theta)
         page.session.step()
-    card = share_html(page.state(0.0), "http://here:8080")
+    card = share_html(page, "http://here:8080")
     assert (
         "too much was done for a link" in card and "The same in Python" in card and "as Python it can be said" in card
     )
@@ -213,7 +210,7 @@ def test_what_is_too_much_for_a_link_is_said_in_python():
 
 def test_the_card_says_where_alone_a_link_with_a_robot_of_ones_own_opens():
     page = QuietPage(Settings.paper(scene=str(ROOT / "docs/gallery-arm.urdf")))
-    card = share_html(page.page.model.state(0.0), "http://here:8080")
+    card = share_html(page.page.model, "http://here:8080")
     assert "It opens only on a server that was started with gallery-arm.urdf" in card and "/?s=" in card
 
 
@@ -227,7 +224,7 @@ def test_what_a_link_began_with_is_its_own_and_not_what_this_server_was_started_
         for script in scripts
     ]
     for linked in (sent, *others):
-        page.page.put(FollowLink(encode_link(linked)))
+        page.page.queue.call("link", encode_link(linked))
         settled(page)
         model = page.page.model
         assert model.preset.name == "From a link" and not model.modified

@@ -7,7 +7,7 @@ import time
 import pytest
 from viewimit.app.model.player import Player
 from viewimit.app.model.services import AIM, SLOWEST, STEPS, LoadShedding
-from viewimit.app.page.redraw import Drawing
+from viewimit.app.page.redraw import ToDraw
 from viewimit.app.page.scheduler import TICK, Scheduler
 from viewimit.app.server.seats import Seats
 from waiting import wait_until
@@ -70,7 +70,7 @@ class Slow:
         self.poses += 1
         self.now = now
 
-    def drawings(self) -> list[Drawing]:
+    def drawings(self) -> list[ToDraw]:
         if self.now < self.next:
             return []
         self.next = self.now + 0.1 * self.load.panels

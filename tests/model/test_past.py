@@ -5,7 +5,6 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.commands.session import Undo
 from viewimit.app.model.choices import modified
 from viewimit.app.model.past import MOST
 from viewimit.app.model.presets import AS_STARTED, PRESETS
@@ -182,7 +181,7 @@ def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():
     preset, noise = page.widget("Preset"), page.widget("Noise px")
     before = preset.value, noise.value
     page.change("Preset", PRESETS[1].name)
-    page.page.put(Undo())
+    page.page.queue.call("undo")
     page.tick(1.0)
     assert (preset.value, noise.value) == before
     page.change("Noise px", 0.5)

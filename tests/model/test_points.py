@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from page_fakes import Camera, Hands, Visit, quiet_model
+from page_fakes import Camera, Hands, Visit, call, link, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.commands.display import TOUCHES
-from viewimit.app.commands.tools import PlacePoint
 from viewimit.app.model.points import MOST_POINTS
 
 from viewimit.analysis.observability import point_information
@@ -13,7 +11,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
-PLACE = PlacePoint(3, (0.05, 0.08123456, 0.04))
+PLACE = call("place_point", 3, (0.05, 0.08123456, 0.04))
 ROW = (3, 0.05, 0.0812, 0.04)
 
 
@@ -99,10 +97,10 @@ def test_nothing_is_edited_unless_editing_is_on(visit):
     ):
         with pytest.raises(ValueError, match="not being edited"):
             edit()
-    assert model.session.snapshot is before and model.state(0.0).points.information is None
+    assert model.session.snapshot is before and model.points.shown.information is None
 
 
-@pytest.mark.parametrize("point", [PlacePoint(8, (0.0, 0.0, 0.0)), PlacePoint(1, (np.nan, 0.0, 0.0))])
+@pytest.mark.parametrize("point", [call("place_point", 8, (0.0, 0.0, 0.0)), call("place_point", 1, (np.nan, 0.0, 0.0))])
 def test_a_point_that_cannot_be_changes_nothing(visit, point):
     model, _ = visit
     before = model.session.snapshot
@@ -139,25 +137,25 @@ def test_what_the_points_tell_is_said_at_once(visit):
     model, visitor = visit
     for edit in (lambda: None, lambda: PLACE.apply(model, 0.0), lambda: visitor.set("joint0", 20.0)):
         edit()
-        shown, now = model.state(0.0).points, model.session.snapshot
+        shown, now = model.points.shown, model.session.snapshot
         true = point_information(model.session.world, now)
         np.testing.assert_array_equal(shown.information.std_per_px, true.std_per_px)
         assert (shown.information.count, shown.information.flatness) == (true.count, true.flatness)
-        assert model.state(0.1).points is shown
+        assert model.points.shown is shown
 
 
 def test_the_best_next_is_proposed_then_taken(visit, worker):
     model, visitor = visit
-    before, was = rows(model), model.state(0.0).points.information
+    before, was = rows(model), model.points.shown.information
     visitor.act("best next")
-    assert model.state(0.0).points.searching and rows(model) == before
+    assert model.points.shown.searching and rows(model) == before
     worker.work()
     visitor.arrive()
-    shown = model.state(0.0).points
+    shown = model.points.shown
     assert not shown.searching and rows(model) == before
     visitor.act("best next")
     assert rows(model)[:-1] == before and model.view.chosen == 10
-    after = model.state(0.0).points
+    after = model.points.shown
     np.testing.assert_allclose(after.information.std_per_px, shown.proposal.after.std_per_px, rtol=1e-6)
     assert after.information.std_per_px.max() < was.std_per_px.max() and after.proposal is None
 
@@ -168,7 +166,7 @@ def test_the_best_next_is_proposed_then_taken(visit, worker):
         lambda model, visitor: visitor.set("joint0", 20.0),
         lambda model, visitor: PLACE.apply(model, 0.0),
         lambda model, visitor: visitor.act("edit points"),
-        lambda model, visitor: TOUCHES["dismiss"]("0").apply(model, 0.0),
+        lambda model, visitor: link("dismiss", "0").apply(model, 0.0),
     ],
     ids=["posed", "placed", "left", "let go"],
 )
@@ -179,11 +177,11 @@ def test_a_proposal_for_what_is_no_more_is_dropped(visit, worker, change, late):
     if not late:
         worker.work()
         visitor.arrive()
-        assert model.state(0.0).points.proposal is not None
+        assert model.points.shown.proposal is not None
     change(model, visitor)
     worker.work()
     visitor.arrive()
-    assert model.state(0.0).points.proposal is None
+    assert model.points.shown.proposal is None
 
 
 def test_escape_lets_go_of_the_proposal_then_of_editing(visit, worker):
@@ -191,9 +189,9 @@ def test_escape_lets_go_of_the_proposal_then_of_editing(visit, worker):
     visitor.act("best next")
     worker.work()
     visitor.arrive()
-    TOUCHES["dismiss"]("0").apply(model, 0.0)
+    link("dismiss", "0").apply(model, 0.0)
     assert model.points.on
-    TOUCHES["dismiss"]("0").apply(model, 0.0)
+    link("dismiss", "0").apply(model, 0.0)
     assert not model.points.on
 
 

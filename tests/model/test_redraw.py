@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.page.redraw import EARLY, Redraw
-from viewimit.app.panels.images import ImagesPanel
 
 from viewimit.loop.settings import Settings
 
@@ -27,12 +26,12 @@ def test_after_a_while_nothing_is_made_up_for():
 
 def test_motions_at_the_pace_of_drawings_are_nearly_all_drawn_though_ticks_jitter():
     page = QuietPage(Settings.paper(servo="gradient-retuned", start_deg=(25.0, -45.0)))
-    player, panel, rng = page.page.model.player, page.page.panel(ImagesPanel), np.random.default_rng(4)
+    player, panel, rng = page.page.model.player, page.page.layout.named["images"], np.random.default_rng(4)
     player.speed = 1 / PERIOD
     player.toggle()
     drawn = 0
     for _ in range(1000):
-        html = panel.html
+        html = panel.content
         page.tick(rng.uniform(0.04, 0.06))
-        drawn += panel.html != html
+        drawn += panel.content != html
     assert player.cursor == pytest.approx(500, abs=20) and drawn >= 0.95 * player.cursor

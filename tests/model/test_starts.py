@@ -2,9 +2,8 @@
 
 import pytest
 from drawn import START
-from page_fakes import Hands, QuietExperiments, quiet_model
+from page_fakes import Hands, QuietExperiments, call, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.commands.display import FromStarts, ToggleComparison
 from viewimit.app.jobs import basin_child
 from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
 from waiting import wait_until
@@ -21,7 +20,7 @@ def visit():
 
 
 def toggle(model):
-    FromStarts().apply(model, 0.0)
+    call("starts").apply(model, 0.0)
 
 
 def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
@@ -32,15 +31,15 @@ def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
     assert request.settings.servo == model.session.settings.servo and model.basins.going_on
     worker.tell(Run(request.name, "running", figure="<p>some</p>"))
     visitor.arrive()
-    assert model.state(0.0).basin.figure == "<p>some</p>"
+    assert model.basins.run.figure == "<p>some</p>"
 
 
 def test_it_ends_the_comparison_that_would_hide_it(visit):
     model, _, worker = visit
-    ToggleComparison().apply(model, 0.0)
+    call("compare").apply(model, 0.0)
     toggle(model)
     assert not model.comparison.on and model.basins.going_on
-    ToggleComparison().apply(model, 0.0)
+    call("compare").apply(model, 0.0)
     toggle(model)
     assert not model.comparison.on and model.basins.going_on and len(worker.asked) == 1
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from page_fakes import quiet_model
-from viewimit.app.commands.session import Reset, Step
-from viewimit.app.model.queue import APART, HELD_UP, Command, CommandQueue
+from page_fakes import call, quiet_model
+from viewimit.app.commands import COMMANDS
+from viewimit.app.model.queue import JITTER_ALLOWANCE, MIN_REPEAT_INTERVAL, CommandQueue, Queued
 from viewimit.app.model.services import AT_ONCE, SHARE, LoadShedding, TimeBudget
 from viewimit.app.page.loop import CommandLoop
 
@@ -26,8 +26,8 @@ class Clock:
 
 def passed(rate: float, seconds: float, late: float = 0.0) -> int:
     """Equal actions that pass of those that are put at this rate, each up to `late` s late."""
-    clock, step, rng = Clock(), Step(), np.random.default_rng(1)
-    queue = CommandQueue(clock)
+    clock, step, rng = Clock(), call("step"), np.random.default_rng(1)
+    queue = CommandQueue(COMMANDS, clock)
     sent = np.arange(0, seconds, 1 / rate)
     taken = 0
     for clock.now in np.sort(sent + rng.uniform(0, late, len(sent))):
@@ -36,14 +36,14 @@ def passed(rate: float, seconds: float, late: float = 0.0) -> int:
     return taken
 
 
-@pytest.mark.parametrize("late", [0.0, HELD_UP / 2])
+@pytest.mark.parametrize("late", [0.0, JITTER_ALLOWANCE / 2])
 def test_fifteen_equal_actions_a_second_pass_and_a_flood_of_them_is_as_many_as_there_are_ticks(late):
     assert passed(15, 10, late) == 150
-    assert passed(140, 10, late) <= 10 / APART + HELD_UP / APART + 1
+    assert passed(140, 10, late) <= 10 / MIN_REPEAT_INTERVAL + JITTER_ALLOWANCE / MIN_REPEAT_INTERVAL + 1
 
 
 def test_other_actions_are_not_merged_and_values_between_make_no_difference():
-    queue, step, reset = CommandQueue(Clock()), Step(), Reset()
+    queue, step, reset = CommandQueue(COMMANDS, Clock()), call("step"), call("reset")
     for _ in range(20):
         queue.put(step)
         queue.put(reset)
@@ -51,7 +51,7 @@ def test_other_actions_are_not_merged_and_values_between_make_no_difference():
 
 
 @dataclass(frozen=True)
-class Costly(Command):
+class Costly(Queued):
     """Takes so many s of the clock."""
 
     number: int
@@ -68,7 +68,7 @@ class Costly(Command):
 def test_a_page_has_a_share_of_the_time_and_what_is_beyond_waits_in_its_order(cost):
     clock, done = Clock(), []
     model, _ = quiet_model(Settings.paper())
-    queue = CommandQueue(clock)
+    queue = CommandQueue(COMMANDS, clock)
     loop = CommandLoop(model, queue, LoadShedding(TICK), lambda now: None, TimeBudget(clock))
     for k in range(150):
         queue.put(Costly(k, clock, cost, done))

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 from drawn import SEE_THROUGH
-from page_fakes import Hands, quiet_model
+from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.commands.display import TOUCHES, BuildUp
-from viewimit.app.commands.session import StartJoint
 from viewimit.app.model.choices import NO_POINT
-from viewimit.app.model.state import LARGE
+from viewimit.app.model.view import LARGE
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -25,7 +23,7 @@ def visit():
 
 
 def touch(model, control, value):
-    TOUCHES[control](value).apply(model, 0.0)
+    link(control, value).apply(model, 0.0)
 
 
 def test_a_point_is_chosen_and_chosen_again_is_none(visit):
@@ -48,13 +46,13 @@ def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
     model, visitor = visit
     visitor.set("transfer", "Epipolar (paper)")
     visitor.set("chosen", NO_POINT)
-    BuildUp().apply(model, 10.0)
+    call("construction").apply(model, 10.0)
     assert model.view.chosen is not None
-    stages = [model.state(10.0 + 0.25 + 0.5 * k).stage for k in range(6)]
-    assert stages == [0, 1, 2, 3, 4, 5] and model.state(14.0).stage == 5 and model.state(17.0).stage is None
-    BuildUp().apply(model, 20.0)
-    BuildUp().apply(model, 20.1)
-    assert model.state(20.2).stage is None
+    stages = [model.refresh(10.0 + 0.25 + 0.5 * k).stage for k in range(6)]
+    assert stages == [0, 1, 2, 3, 4, 5] and model.refresh(14.0).stage == 5 and model.refresh(17.0).stage is None
+    call("construction").apply(model, 20.0)
+    call("construction").apply(model, 20.1)
+    assert model.refresh(20.2).stage is None
 
 
 @pytest.mark.parametrize("value, large", [(str(k), what) for k, what in enumerate(LARGE)])
@@ -79,10 +77,10 @@ def test_the_learner_starts_where_the_landscape_is_touched(visit):
 
 def test_a_slider_of_the_start_moves_one_joint_of_it(visit):
     model, _ = visit
-    StartJoint.parse(1, -100.5).apply(model, 0.0)
+    call("start_joint", 1, -100.5).apply(model, 0.0)
     assert model.session.settings.start_deg == (25, -100.5)
     before = model.session.snapshot
-    StartJoint.parse(6, 10).apply(model, 0.0)  # of a scene with seven
+    call("start_joint", 6, 10).apply(model, 0.0)  # of a scene with seven
     assert model.session.snapshot is before
 
 
@@ -94,7 +92,7 @@ def test_a_posture_that_cannot_be_is_refused_and_changes_nothing(visit, value, l
     before = model.session.snapshot
     with pytest.raises(ValueError):
         touch(model, "posture", value)
-    assert model.session.snapshot is before and model.moments.see_through.moment is None
+    assert model.session.snapshot is before and model.display.preview.moment is None
 
 
 def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
@@ -103,12 +101,14 @@ def test_a_look_shows_what_would_be_seen_and_disturbs_nothing(visit):
     visitor.set_view(look_only=True)
     for k in range(4):
         touch(model, "posture", f"{20 + 10 * k},-60")
-        state = model.state(0.0)
+        state = model.refresh(0.0)
         there = Session(Settings.paper(start_deg=(20 + 10 * k, -60), noise_px=0.5)).snapshot
         if k == 0:  # the first look of a session that starts there has the same noise
-            assert state.see_through.E == there.E
-        assert state.looked is state.shown is state.see_through and np.array_equal(state.shown.theta, there.theta)
-        assert state.present is model.session.snapshot and state.on_its_way is None
+            assert state.preview.E == there.E
+        assert state.image_snapshot is state.scene_snapshot is state.preview and np.array_equal(
+            state.scene_snapshot.theta, there.theta
+        )
+        assert state.present is model.session.snapshot and state.interpolated_theta is None
         assert_same(model.session.snapshot, alone.snapshot)
         model.session.step()
         alone.step()
@@ -118,16 +118,16 @@ def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_le
     model, visitor = visit
     visitor.set_view(look_only=True)
     touch(model, "posture", "20,-60")
-    see_through = model.moments.see_through
+    see_through = model.display.preview
     E = see_through.moment.E
     visitor.set("joint0", 60.0)
     assert see_through.moment.E != E and np.allclose(np.degrees(see_through.moment.theta), [20, -60])
     assert len(model.poses(0.0)) == 3
     touch(model, "dismiss", "0")
-    assert model.moments.see_through.moment is None and len(model.poses(0.0)) == 2
+    assert model.display.preview.moment is None and len(model.poses(0.0)) == 2
     touch(model, "posture", "20,-60")
     visitor.act("step")
-    assert model.moments.see_through.moment is None
+    assert model.display.preview.moment is None
 
 
 def test_the_learner_starts_where_the_see_through_arm_is(visit):
@@ -137,7 +137,7 @@ def test_the_learner_starts_where_the_see_through_arm_is(visit):
     visitor.set_view(look_only=True)
     touch(model, "posture", "20,-60")
     touch(model, "start", "0")
-    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.moments.see_through.moment is None
+    assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.display.preview.moment is None
 
 
 def test_a_moment_of_the_curves_is_gone_to(visit):

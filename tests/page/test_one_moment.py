@@ -2,9 +2,8 @@
 
 import re
 
+from page_fakes import call
 from quiet_page import QuietPage
-from viewimit.app.commands.session import Scrub, Step
-from viewimit.app.panels.status import StatusPanel
 
 from viewimit.loop.settings import Settings
 
@@ -12,7 +11,7 @@ from viewimit.loop.settings import Settings
 def numbers(page):
     """E of the strip and of the images; the posture of the strip's worst joint and those of the bars; the title."""
     page.tick(0.2)
-    shown, strip = page.shown, page.page.panel(StatusPanel).html
+    shown, strip = page.shown, page.page.layout.named["status"].content
     told = [float(E) for E in re.findall(r"E is ([\d.]+) px²", strip)]
     seen = re.search(r"vi-E.*?<b>([\d.]+)</b>", shown)[1]
     instead = re.search(r" is at (\S+)° but", strip)[1]
@@ -24,8 +23,8 @@ def test_of_a_step_and_of_one_taken_back():
     page = QuietPage(Settings())
     page.tick(1.0)
     told = []
-    for command in (Step(), Step(), Scrub(0)):
-        page.page.put(command)
+    for command in (call("step"), call("step"), call("moment", 0)):
+        page.page.queue.put(command)
         told += [numbers(page) for _ in range(2)]
         page.tick(1.0)
     for E, seen, instead, bars, title in told:

@@ -5,13 +5,11 @@ import time
 
 import numpy as np
 import pytest
-from page_fakes import Camera, Visit
-from viewimit.app.commands.links import Restore
+from page_fakes import Camera, Visit, call
 from viewimit.app.jobs import session_eyes
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS
-from viewimit.app.panels.panel import Panel
 from viewimit.app.sessions.link import encode_blocks
 from waiting import wait_until
 
@@ -173,9 +171,9 @@ def test_older_moments_have_their_pictures(camera, visit):
     assert visit.photographs == VIEWS
 
 
-def kept(visit) -> Restore:
+def kept(visit):
     """What its tab hands back."""
-    return Restore(".".join(encode_blocks(saved_page(visit.page.model))))
+    return call("session", ".".join(encode_blocks(saved_page(visit.page.model))))
 
 
 def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, visit):
@@ -185,7 +183,7 @@ def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, vis
     again = Camera()
     again.gate.clear()
     back = Visit(again)
-    back.page.put(kept(visit))
+    back.page.queue.put(kept(visit))
     back.tick()
     wait_until(lambda: again.asked)
     back.tick(20)
@@ -203,7 +201,7 @@ def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     full = Camera()
     full.refusal = "camera images are in use by 8 others"
     back = Visit(full)
-    back.page.put(kept(visit))
+    back.page.queue.put(kept(visit))
     back.tick()
     wait_until(lambda: not back.page.model.following.goes_on, 30, lambda pause: (time.sleep(pause), back.tick()))
     back.arrive()
@@ -240,37 +238,27 @@ def test_turns_end_once_and_raise_what_was_raised():
     assert not turns.end()
 
 
-class Counter(Panel):
-    """A panel from outside: shows how many motions were made."""
+def test_a_panel_is_one_function_and_is_drawn_only_when_what_it_depends_on_changes(monkeypatch):
+    drawn = []
 
-    def build(self, layout, state):
-        self.shown = []
-        with layout.tab("Counter"):
-            layout.gui.add_html("")
+    def counter(layout, model):
+        layout.drawing(lambda model: (model.player.cursor,), lambda model: drawn.append(model.player.cursor))
 
-    def depends_on(self, state):
-        return (state.cursor,)
-
-    def show(self, state):
-        self.shown.append(state.cursor)
-
-
-def test_a_panel_is_one_class_and_one_line_and_is_shown_only_when_what_it_shows_changes(monkeypatch):
-    monkeypatch.setattr("viewimit.app.page.page.PANELS", [*PANELS, Counter])
+    monkeypatch.setattr("viewimit.app.page.page.PANELS", [*PANELS, counter])
     visit = Visit(Camera(), settings=Settings.paper())
     visit.tick(40)
     visit.act("step")
     visit.tick(40)
-    assert visit.page.panel(Counter).shown == [0, 1]
+    assert drawn == [0, 1]
 
 
 def test_what_is_refused_is_said_and_the_widgets_are_written_again():
     visit = Visit(Camera(), settings=Settings.paper())
     visit.tick(10)
-    before = visit.page.model.state(visit.now)
+    model = visit.page.model
+    before = model.inputs, model.settings
     visit.put("joint0", 1e9)
     visit.put("noise_px", "much")
     visit.tick(10)
-    after = visit.page.model.state(visit.now)
-    assert after.refusals == before.refusals + 2 and after.settings == before.settings
+    assert (model.inputs, model.settings) == (before[0] + 2, before[1])
     assert "&#x27;much&#x27; is not a number" in visit.said or "'much' is not a number" in visit.said

@@ -2,7 +2,6 @@
 
 import numpy as np
 from quiet_page import QuietPage
-from viewimit.app.commands.session import Step
 
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -14,7 +13,7 @@ def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
     page = QuietPage(Settings())
     assert "then rectified" not in page.shown and page.widget("Rectify").value is True
     page.choose("Preset", "Toed-in cameras")
-    page.page.put(Step())
+    page.page.queue.call("step")
     page.tick(1.0)
     session = page.page.model.session
     E = session.snapshot.E

@@ -11,13 +11,14 @@ import viser
 from page_fakes import quiet_model
 from protocol import Client
 from viewed_scene import ViewedScene
+from viewimit.app.commands import COMMANDS
 from viewimit.app.model.presets import PRESETS
 from viewimit.app.model.queue import CommandQueue
 from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes
 from viewimit.app.scene.moment import Moment
 from viewimit.app.scene.scene3d import Scene3D, share_light
-from viewimit.app.viser_private import wake_in_loop
+from viewimit.app.viser_private import send_at_once
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -45,8 +46,8 @@ class Stage:
         self.viewer = Viewer(f"http://127.0.0.1:{server.get_port()}")
         (client_id,) = wait_until(lambda: set(server.get_clients()) - before)
         self._client = server.get_clients()[client_id]
-        wake_in_loop(self._client)
-        self._scene = Scene3D(self._client, CommandQueue(), partial(share_meshes, server))
+        send_at_once(self._client)
+        self._scene = Scene3D(self._client, CommandQueue(COMMANDS), partial(share_meshes, server))
         self._shown = 0
 
     def show(self, model, theta_opponent=None) -> dict:
@@ -54,7 +55,8 @@ class Stage:
         with self._client.atomic():
             self._scene.build(model.session.world)
             self._scene.arms.draw(*model.poses(0.0), theta_opponent)
-            self._scene.show(model.state(0.0))
+            model.refresh(0.0)
+            self._scene.show(model)
         self._shown += 1
         self._client.gui.add_html(f"{self._shown}")
         wait_until(lambda: f"{self._shown}" in self.viewer.html.values())
@@ -65,7 +67,7 @@ class Stage:
 def serving():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        wake_in_loop(server)
+        send_at_once(server)
         share_light(server)
         yield server
         server.stop()

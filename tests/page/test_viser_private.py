@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import dataclasses
 import io
-import warnings
 from types import SimpleNamespace
 from typing import get_type_hints
 
@@ -12,25 +11,13 @@ import numpy as np
 import pytest
 import viser
 from protocol import Client
-from viewimit.app.viser_private import (
-    LoopEvent,
-    NearLoop,
-    _ArrayUpdate,
-    _Orientation,
-    _WidgetUpdate,
-    ignore_late_pushes,
-    push_array,
-    serving_with,
-    wake_in_loop,
-)
+from viewimit.app.viser_private import LoopEvent, push_array, send_at_once, serving_with
 from viser._messages import (
     GuiHtmlProps,
     GuiSliderProps,
     GuiUpdateMessage,
-    Message,
     SceneNodeUpdateMessage,
     SetOrientationMessage,
-    SetPositionMessage,
 )
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 from waiting import wait_until
@@ -39,29 +26,9 @@ from waiting import wait_until
 def test_the_private_messages_are_as_relied_upon():
     names = lambda message: [field.name for field in dataclasses.fields(message)]
     assert names(SetOrientationMessage) == ["name", "wxyz", "owner"]
-    assert names(SetPositionMessage) == ["name", "position", "owner"]
     assert names(SceneNodeUpdateMessage) == ["name", "updates", "owner"]
     assert names(GuiUpdateMessage) == ["uuid", "updates"]
     assert "content" in get_type_hints(GuiHtmlProps) and "max" in get_type_hints(GuiSliderProps)
-
-
-def test_messages_of_ones_own_are_sent_as_visers_are():
-    turned = "/arm/joint", (1.0, 0.0, 0.0, 0.0)
-    points = np.arange(6, dtype=np.float32).reshape(2, 3)
-    for own, plain in (
-        (_Orientation(*turned), SetOrientationMessage(*turned)),
-        (_WidgetUpdate("uuid", {"content": "<b>θ</b>"}), GuiUpdateMessage("uuid", {"content": "<b>θ</b>"})),
-        (_WidgetUpdate("uuid", {"value": 3}), GuiUpdateMessage("uuid", {"value": 3})),
-        (_ArrayUpdate("/now/rays", {"points": points}), SceneNodeUpdateMessage("/now/rays", {"points": points})),
-    ):
-        for message in (own, plain):
-            if hasattr(message, "owner"):
-                message.owner = "of a client"
-        theirs, ours = [memoryview(b"before")], [memoryview(b"before")]
-        assert own.as_serializable_dict(ours) == plain.as_serializable_dict(theirs)
-        assert [bytes(buffer) for buffer in ours] == [bytes(buffer) for buffer in theirs]
-        assert own.entity_state_key() == plain.entity_state_key() is not None
-        assert type(own) not in Message.get_subclasses(), "or it would be looked for in what browsers send"
 
 
 def test_an_array_is_sent_in_the_order_of_its_rows():
@@ -83,32 +50,27 @@ def test_types_of_a_kind_of_node_are_looked_up_once():
         server.stop()
 
 
-def test_the_loop_is_woken_for_other_threads_only(event_loop):
-    near, seen = NearLoop(event_loop), []
+def test_an_event_is_set_in_its_loop_alone_and_not_while_its_buffer_is_held(event_loop):
+    async def made():
+        return LoopEvent(SimpleNamespace(atomic_counter=0, event_loop=event_loop))
 
-    async def inside() -> list:
-        near.call_soon_threadsafe(seen.append, "at once")
-        return list(seen)
-
-    assert asyncio.run_coroutine_threadsafe(inside(), event_loop).result(5) == ["at once"]
-    near.call_soon_threadsafe(seen.append, "soon")
-    wait_until(lambda: seen == ["at once", "soon"])
-
-
-def test_an_event_is_set_in_its_loop_alone(event_loop):
-    event = LoopEvent(event_loop, lambda: False)
+    event = in_loop(event_loop, made())
     waiting = asyncio.run_coroutine_threadsafe(event.wait(), event_loop)
     event.set()
     assert not event.is_set()
     event_loop.call_soon_threadsafe(event.set)
     assert waiting.result(5) and event.is_set()
-    held = LoopEvent(event_loop, lambda: True)
-    asyncio.run_coroutine_threadsafe(_in_loop(held.set), event_loop).result(5)
-    assert not held.is_set()
+
+    async def set_while_held():
+        held = LoopEvent(SimpleNamespace(atomic_counter=1, event_loop=event_loop))
+        held.set()
+        return held.is_set()
+
+    assert not in_loop(event_loop, set_while_held())
 
 
-async def _in_loop(do):
-    do()
+def in_loop(loop: asyncio.AbstractEventLoop, coroutine):
+    return asyncio.run_coroutine_threadsafe(coroutine, loop).result(20)
 
 
 def test_what_another_thread_pushes_wakes_every_page():
@@ -117,11 +79,11 @@ def test_what_another_thread_pushes_wakes_every_page():
     try:
         early = Client(f"http://127.0.0.1:{server.get_port()}")
         wait_until(server.get_clients)
-        wake_in_loop(server)
+        send_at_once(server)
         pages = [early, Client(f"http://127.0.0.1:{server.get_port()}")]
         wait_until(lambda: len(server.get_clients()) == len(pages))
         for client in server.get_clients().values():
-            wake_in_loop(client)
+            send_at_once(client)
         for k in range(20):
             server.scene.add_frame(f"/all/{k}", visible=False)
             for client in server.get_clients().values():
@@ -129,26 +91,6 @@ def test_what_another_thread_pushes_wakes_every_page():
             wait_until(lambda k=k: all(f"/all/{k}" in page.nodes and f"{k}" in page.html.values() for page in pages))
     finally:
         server.stop()
-
-
-def test_what_is_drawn_for_a_client_that_has_gone_is_no_line_in_the_log():
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        try:
-            drawn = []
-            for quietly in (False, True):
-                with Client(f"http://127.0.0.1:{server.get_port()}"):
-                    wait_until(lambda: len(server.get_clients()) == 1)
-                    (client,) = server.get_clients().values()
-                    if quietly:
-                        ignore_late_pushes(client)
-                wait_until(lambda: not server.get_clients())
-                client.gui.add_html("late")
-                drawn.append(len(said))
-            assert drawn == [1, 1], "viser warns by itself, and not where it is told"
-        finally:
-            server.stop()
 
 
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
@@ -159,6 +101,7 @@ def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
 def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_window(event_loop):
     async def windows():
         buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False, window_duration_sec=60.0)
+        send_at_once(SimpleNamespace(_websock_connection=SimpleNamespace(get_message_buffer=lambda: buffer)))
         generator = buffer.window_generator(0)
         sent = []
         for tick in range(3):
@@ -170,5 +113,4 @@ def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_wind
         await generator.aclose()
         return sent
 
-    sent = asyncio.run_coroutine_threadsafe(windows(), event_loop).result(20.0)
-    assert sent == [[("a", tick), ("b", tick)] for tick in range(3)]
+    assert in_loop(event_loop, windows()) == [[("a", tick), ("b", tick)] for tick in range(3)]

@@ -4,7 +4,6 @@ import re
 
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.commands.session import Step
 from viewimit.app.model.motions import NAMES
 from viewimit.app.model.presets import PRESETS
 
@@ -34,7 +33,7 @@ def test_every_number_has_a_real_minus(preset):
     page.click("Begin duel")
     page.click("Compare all transfers")
     for _ in range(4):
-        page.page.put(Step())
+        page.page.queue.call("step")
         page.tick(1.0)
     page.choose("Experiment", "Fig. 9: posture imitation")
     assert any("−" in words for words in written(page)) and not hyphens(page)

@@ -17,15 +17,18 @@ def message(*acts, load="a") -> str:
 
 
 class Taken:
-    """What was put into a queue, by control."""
+    """What was called, by control."""
 
     def __init__(self):
         self.values = []
-        self.actions = Actions(CommandQueue(), {control: partial(self._take, control) for control in ("point", "link")})
+        commands = {
+            control: Command(control, lambda model: None, (partial(self._take, control),), link=True)
+            for control in ("point", "link")
+        }
+        self.actions = Actions(CommandQueue({**commands, "seed": Command("seed", lambda model: None)}))
 
-    def _take(self, control: str, value: str) -> Command:
+    def _take(self, control: str, value: str) -> None:
         self.values.append((control, value))
-        return Command()
 
 
 def test_each_action_is_taken_once_and_in_order_however_often_it_is_sent():
@@ -52,8 +55,8 @@ def test_a_long_value_comes_in_pieces():
 
 def test_an_unknown_action_is_counted_too_or_it_would_come_for_ever():
     taken = Taken()
-    taken.actions.take(message((1, "nothing", "3"), (2, "point", "4")))
-    assert taken.values == [("point", "4")] and taken.actions.last == 2
+    taken.actions.take(message((1, "nothing", "3"), (2, "seed", "3"), (3, "point", "4")))
+    assert taken.values == [("point", "4")] and taken.actions.last == 3
 
 
 class Tab(Client):

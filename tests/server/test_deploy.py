@@ -2,28 +2,34 @@
 
 import base64
 import contextlib
+import fnmatch
 import getpass
 import os
+import re
 import shutil
 import socket
 import ssl
 import subprocess
+import sys
 import threading
 import time
 import urllib.error
 import urllib.request
-from http.client import HTTPSConnection
+from http.client import HTTPConnection, HTTPSConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import yaml
 from protocol import Client, Tab
 from serving import Server
+from test_faults import once_drawn
 from waiting import wait_until
 from websockets.exceptions import InvalidStatus
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
+HOST = "class.example.org"
 LOGIN = "student:chalk"
 AUTHORIZATION = f"Basic {base64.b64encode(LOGIN.encode()).decode()}"
 TRUSTING = ssl.create_default_context()
@@ -105,10 +111,12 @@ class Proxy:
         program = found("nginx")
         self.port = port
         shipped = (DEPLOY / "nginx.conf").read_text()
-        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{free_port()};")
+        self.plain_port = free_port()
+        text = shipped.replace("listen 80;", f"listen 127.0.0.1:{self.plain_port};")
         text = text.replace("listen 443 ssl;", f"listen 127.0.0.1:{self.port} ssl;")
         assert text.count("127.0.0.1") == 2
         (folder / "nginx.conf").write_text(text)
+        (folder / "host.conf").write_text((DEPLOY / "host.conf").read_text().replace("localhost", HOST))
         line = (DEPLOY / "replicas.conf").read_text()
         (folder / "replicas.conf").write_text(
             "\n".join(line.replace("viewimit:8080", r.url.removeprefix("http://")) for r in replicas)
@@ -163,8 +171,7 @@ def test_students_of_a_replica_that_is_killed_go_on_at_the_other(deployed, stude
     for client in clients:
         client.press("Play or pause")
     wait_until(lambda: not any("Moving" in client.status for client in clients))
-    shown = lambda: [client.value("History") for client in clients]
-    motions, tabs = shown(), [client.keep() for client in clients]
+    motions, tabs = [once_drawn(client)["History"] for client in clients], [client.keep() for client in clients]
     first, second = sorted(replicas, key=lambda replica: -replica.seated)
     moved = first.seated
     first.process.kill()
@@ -198,6 +205,64 @@ def test_the_proxy_takes_no_other_methods_and_no_flood_but_a_class_at_once(tmp_p
         assert 429 in replicas.asked("GET", "/", 1000)
 
 
+def redirected(port: int) -> str:
+    """Where a request over plain HTTP is sent that names a host of its own."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.request("GET", "/a?b", headers={"Host": "evil.example"})
+    with connection.getresponse() as answer:
+        assert answer.status == 301
+        return answer.headers["Location"]
+
+
+def test_the_proxy_redirects_to_its_own_host_alone_and_browsers_keep_to_https(tmp_path):
+    require("nginx", "openssl")
+    with Replicas(tmp_path, 1) as replicas:
+        wait_until(lambda: _answers(replicas.proxy))
+        assert redirected(replicas.proxy.plain_port) == f"https://{HOST}/a?b"
+        for login, status in ((AUTHORIZATION, 200), ("", 401)):
+            connection = HTTPSConnection("127.0.0.1", replicas.proxy.port, context=TRUSTING, timeout=20)
+            connection.request("GET", "/", headers={"Authorization": login})
+            with connection.getresponse() as answer:
+                assert answer.status == status
+                assert answer.headers["Strict-Transport-Security"] == "max-age=31536000"
+                assert answer.headers["Server"] == "nginx"  # without a version
+
+
+SERVICES = yaml.safe_load((DEPLOY.parent / "compose.yaml").read_text())["services"]
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_a_container_has_the_least_that_it_needs(service):
+    said = SERVICES[service]
+    assert said["read_only"] and said["cap_drop"] == ["ALL"] and said["security_opt"] == ["no-new-privileges:true"]
+    assert said["mem_limit"] and said["pids_limit"] > 0
+    assert set(said.get("cap_add", ())) <= {"NET_BIND_SERVICE", "CHOWN", "SETGID", "SETUID", "DAC_OVERRIDE"}
+    assert ("ports" in said) is ("outside" in said["networks"]) is (service == "proxy")
+
+
+def test_git_and_docker_ignore_the_files_with_keys_and_users():
+    mounted = [volume.split(":")[0] for volume in SERVICES["proxy"]["volumes"]]
+    secret = [path.removeprefix("./") for path in mounted if not Path(DEPLOY.parent, path).exists() or "key" in path]
+    assert {"deploy/certificate.pem", "deploy/key.pem", "deploy/users"} <= {*secret, "deploy/users"}
+    for file in (".gitignore", ".dockerignore"):
+        patterns = [line.lstrip("/") for line in (DEPLOY.parent / file).read_text().split()]
+        for path in (*secret, "deploy/users.cfg", ".env"):
+            assert any(fnmatch.fnmatch(path, pattern) for pattern in patterns), f"{file}: {path}"
+
+
+def test_the_service_of_systemd_is_valid_and_begins_the_server_with_options_that_it_has(tmp_path, ask):
+    text = (DEPLOY / "viewimit.service").read_text()
+    program, *words = re.search("^ExecStart=(.*)$", text, re.MULTILINE)[1].split()
+    _, said, _ = ask("serve", "--help")
+    assert program == "/opt/viewimit/bin/viewimit" and words[0] == "serve"
+    assert {word for word in words if word.startswith("--")} <= set(re.findall(r"--[\w-]+", said))
+    if not found("systemd-analyze"):
+        pytest.skip("no systemd-analyze")
+    (tmp_path / "viewimit.service").write_text(text.replace(program, sys.executable))
+    done = subprocess.run(["systemd-analyze", "verify", tmp_path / "viewimit.service"], capture_output=True, text=True)
+    assert done.returncode == 0 and "viewimit.service" not in done.stderr, done.stderr
+
+
 class Balancer:
     """HAProxy with the configuration that is shipped: other ports, and one replica of this machine."""
 
@@ -208,7 +273,8 @@ class Balancer:
         )
         user, password = LOGIN.split(":")
         (folder / "users.cfg").write_text(f"userlist people\n  user {user} insecure-password {password}\n")
-        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{free_port()}\n")
+        self.plain_port = free_port()
+        text = (DEPLOY / "haproxy.cfg").read_text().replace("bind :80\n", f"bind 127.0.0.1:{self.plain_port}\n")
         text = text.replace("bind :443 ", f"bind 127.0.0.1:{port} ")
         text = text.replace("server-template replica 8 viewimit:8080", f"server one {replica.url[7:]}")
         text = text.replace(" init-addr none resolvers docker", "").replace("inter 2s", "inter 200ms")
@@ -216,7 +282,7 @@ class Balancer:
         (folder / "haproxy.cfg").write_text(text)
         self.port, self.url, self._state = port, f"https://127.0.0.1:{port}", folder / "state.sock"
         command = [found("haproxy"), "-db", "-f", "haproxy.cfg", "-f", "users.cfg"]
-        self.process = subprocess.Popen(command, cwd=folder)
+        self.process = subprocess.Popen(command, cwd=folder, env=os.environ | {"VIEWIMIT_HOST": HOST})
 
     def stop(self) -> None:
         self.process.terminate()
@@ -248,6 +314,10 @@ def test_haproxy_finds_a_replica_well_by_its_own_check_and_brings_a_class_to_it(
         urllib.request.urlopen(urllib.request.Request(url, b"", {"Authorization": AUTHORIZATION}), context=TRUSTING)
     with pytest.raises(InvalidStatus, match="401"):
         Client(url, origin=url, ssl=TRUSTING)
+    assert redirected(balancer.plain_port) == f"https://{HOST}/a?b"
+    with pytest.raises(urllib.error.HTTPError, match="401") as refused:
+        urllib.request.urlopen(url, context=TRUSTING)
+    assert refused.value.headers["Strict-Transport-Security"] == "max-age=31536000"
     assert replica.stop() == 0
     wait_until(lambda: balancer.checked["status"] == "DOWN")
     balancer.stop()

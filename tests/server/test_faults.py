@@ -15,8 +15,7 @@ from drawn import MOTIONS_MADE, learners_bars
 from protocol import Client, Tab
 from serving import ENDS_WITHIN_S, Here, Relay, Server, processes_of, tell_all
 from viewimit.app.page.loop import CommandLoop
-from viewimit.app.panels.panel import SLOW
-from viewimit.app.panels.save import SavePanel
+from viewimit.app.panels.panel import SLOW, Layout
 from viewimit.app.server import pages
 from viewimit.app.server.limits import Limits
 from waiting import stays, wait_until
@@ -279,7 +278,7 @@ def test_a_page_that_cannot_be_made_says_why_and_comes_back_to_what_it_was(here,
         work(client)
         seen, tab = what_a_visitor_sees(client), client.keep()
     with monkeypatch.context() as broken:
-        broken.setattr(SavePanel, "build", lambda *_: 1 / 0)
+        broken.setattr(Layout, "dropdown", lambda *_, **__: 1 / 0)
         with Client(here.url, tab=tab) as client:
             wait_until(lambda: any("cannot be shown: division by zero" in html for html in client.html.values()))
             assert client.closed(5) == (1013, "the page cannot be shown")

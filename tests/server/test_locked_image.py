@@ -38,7 +38,9 @@ def pinned(name: str) -> dict[str, str]:
 def test_all_that_the_project_asks_for_is_pinned(name):
     said, versions = tomllib.loads((ROOT / "pyproject.toml").read_text()), pinned(name)
     asked = [*said["build-system"]["requires"], *said["project"]["dependencies"]]
-    asked += [one for extra in LOCKS[name] for one in said["project"]["optional-dependencies"][extra]]
+    groups = said["dependency-groups"]
+    included = [one["include-group"] for name in LOCKS[name] for one in groups[name] if isinstance(one, dict)]
+    asked += [one for group in (*LOCKS[name], *included) for one in groups[group] if isinstance(one, str)]
     for requirement in map(Requirement, asked):
         if requirement.marker is None or requirement.marker.evaluate(IMAGE):
             assert requirement.specifier.contains(versions[canonicalize_name(requirement.name)]), requirement

@@ -40,7 +40,10 @@ def test_phases_follow_each_other_as_the_table_says_and_each_is_reached(monkeypa
 
     table = {phase: (recorded(phase, run), after) for phase, (run, after) in PHASES.items()}
     monkeypatch.setattr(algorithm, "PHASES", table)
-    cases = {}, {"swapped": 0.2}, {"noise_px": 0.5}, {"transfer": "linear"}, {"points": 16, "missing": 0.4, "frames": 1}
+    cases = (
+        *({}, {"swapped": 0.2}, {"noise_px": 0.5}, {"transfer": "linear"}, {"matched": False}),
+        {"points": 16, "missing": 0.4, "frames": 1},
+    )
     for changes in cases:
         Session(Settings(servo="trust-region", seed=2, **changes)).run(40)
     assert {phase for phase, _ in made} == set(Phase)

@@ -51,10 +51,10 @@ def test_a_claim_is_of_the_demonstrators_posture_and_not_of_its_mirror_image(mon
 
     last = end()
     assert last.status in ("converged", "settled") and error_deg(last) < 2 * np.degrees(last.expected_error) < 4
+    # The final adjustment alone prevents such a claim as well: a similarity of one head's images does not reflect.
     without_handedness(monkeypatch)
     last = end()
-    assert last.status == "converged" and np.degrees(last.expected_error) < 2
-    np.testing.assert_allclose(np.degrees(last.theta), np.negative(demonstrator), atol=2)
+    assert not last.status.is_claim or error_deg(last) < 2 * np.degrees(last.expected_error)
 
 
 @heads

@@ -3,9 +3,8 @@
 import msgspec
 import numpy as np
 import pytest
-from page_fakes import Hands, quiet_model
+from page_fakes import Hands, call, quiet_model
 from urdfs import arm, joint, link, write
-from viewimit.app.commands.tools import PlacePoint
 
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.codegen import as_command, as_python
@@ -126,7 +125,7 @@ def test_a_saved_scene_names_no_folder_and_runs_beside_its_urdf(tmp_path, ask, a
     model, queue = quiet_model(Settings.paper(scene=f"{urdf}#tip=lower"), send=lambda *file: files.append(file))
     visitor = Hands(model, queue)
     visitor.act("edit points")
-    PlacePoint(2, (0.04, 0.0, 0.1)).apply(model, 0.0)
+    call("place_point", 2, (0.04, 0.0, 0.1)).apply(model, 0.0)
     visitor.act("save scene")
     ((name, data),) = files
     assert b"secret" not in data and str(tmp_path).encode() not in data and len(model.session.world.robot.joints) == 3

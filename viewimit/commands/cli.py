@@ -78,6 +78,9 @@ def _run(argv: list[str]) -> int:
         _print_no_more()
         return UNREAD
     except OSError as error:
+        if error.errno == errno.EINVAL and sys.platform == "win32":  # what it says of a pipe that nobody reads
+            _print_no_more()
+            return UNREAD
         if error.errno != errno.ENOSPC:
             raise
         _print_no_more()

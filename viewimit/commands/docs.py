@@ -32,5 +32,6 @@ def first_page(package: Path) -> Path:
         return found
     if source.is_file():
         python, clone = sys.executable, package.parent
-        raise BadInput(f"not built yet in this clone: {python} -m pip install -e '{clone}[docs]' && {python} {source}")
-    raise BadInput("this installation was made without it; pip install viewimit from a wheel, or build it in a clone")
+        group = f"{python} -m pip install --group '{clone / 'pyproject.toml'}:docs'"
+        raise BadInput(f"not built yet in this clone: {group} && {python} {source}, with pip 25.1 or newer")
+    raise BadInput("this installation was made without it; pip install a release of viewimit, or build it in a clone")

@@ -25,9 +25,12 @@ from .options import (
     SIGHT,
     add_json_option,
     add_settings,
+    add_unmatched_option,
     between,
     figure,
     naming,
+    naming_json,
+    naming_words,
     posture,
     settings_from,
 )
@@ -39,6 +42,7 @@ TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conver
 def add_options(parser: argparse.ArgumentParser) -> None:
     seen = (*SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, "undistort", "sensor", "dynamics")
     add_settings(parser, *seen, *ARM, "servo", *SAFETY, defaults=Settings())
+    add_unmatched_option(parser)
     number = between(int, 0, MAX_HISTORY)
     parser.add_argument("--max-motions", type=number, default=1000, metavar="N", help="%(default)s")
     parser.add_argument(
@@ -97,6 +101,8 @@ def _report(result: dict) -> None:
     unobservable = [escape(joint["name"], MAX_NAME_CHARS) for joint in result["joints"] if joint["observable"] is False]
     if unobservable:
         print(f"unobservable  {', '.join(unobservable)}: the points do not determine these joints")
+    if result.get("naming"):
+        print(f"names         {naming_words(result['naming'])}")
     if result["exchanged"]:
         named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
         print(f"swapped       points {named} of the demonstrator, probably")
@@ -167,9 +173,9 @@ def outcome(session: Session, ended: RunResult) -> dict:
     """
     last, known = session.snapshot, assess(session)
     std_error = None if known is None else known.certificate.std_error
-    rehearsed = {}
+    rehearsed: dict = {} if last.settings.matched else {"naming": naming_json(last.naming)}
     if last.calibration is not None:
-        rehearsed = {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
+        rehearsed |= {"rehearsed": len(last.calibration), "rehearsal_holds": last.calibration_holds}
     return {
         "final_deg": np.degrees(last.theta),
         "demonstrator_deg": np.degrees(last.theta_demo),

@@ -4,7 +4,7 @@ import argparse
 import contextlib
 import dataclasses
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -18,6 +18,7 @@ from ..loop.embodiment import require_in_workspace, workspace
 from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.renamed import current_settings
+from ..servo import Naming
 from ..simulation.arms import require_arm
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
@@ -139,6 +140,51 @@ VIEW_OPTIONS = ", ".join(map(option, VIEW_NAMES.values()))
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_unmatched_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--unmatched",
+        dest="matched",
+        action="store_false",
+        default=None,
+        help="the demonstrator's points come in an unknown order; find out which is which",
+    )
+
+
+def naming_json(naming: Naming | None) -> dict | None:
+    """What was found about the names of the demonstrator's points, as JSON; None if they were never searched for."""
+    if naming is None:
+        return None
+    return {
+        "accepted": naming.accepted,
+        "names": naming.names if naming.accepted else None,
+        "probability": naming.probability,
+        "certain": naming.certain,
+        "without_partner": {"learner": np.flatnonzero(naming.names < 0), "demonstrator": naming.unnamed},
+        "two_answers": naming.is_ambiguous,
+        "E": naming.E,
+        "E_noise": naming.E_noise,
+    }
+
+
+def naming_words(naming: dict, points: Sequence[str] | None = None) -> str:
+    """Say a naming, as of `naming_json`, in a line. points: names of the own points, by default their numbers."""
+    if not naming["accepted"]:
+        return "not found: no naming of the demonstrator's points explains its images"
+    names = list(map(str, range(len(naming["names"])))) if points is None else list(points)
+    found = naming["names"] >= 0
+    said = [f"{found.sum()} points named"]
+    if (doubtful := found & ~naming["certain"]).any():
+        each = (f"{names[k]} ({naming['probability'][k]:.0%})" for k in np.flatnonzero(doubtful))
+        said.append(f"uncertain {', '.join(each)}")
+    if (~found).any():
+        said.append(f"no partner for {', '.join(names[k] for k in np.flatnonzero(~found))}")
+    if extra := len(naming["without_partner"]["demonstrator"]):
+        said.append(f"{extra} of the demonstrator's points have none")
+    if naming["two_answers"]:
+        said.append("two answers: other names explain the images as well, in another posture")
+    return "; ".join(said)
 
 
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:

@@ -82,7 +82,7 @@ def fit_transfer(method: TransferMethod, views: FourViews, rectification: Rectif
 
 def rectify_views(views: FourViews, rectification: Rectification) -> FourViews:
     """Map all points to the rectified images [px]."""
-    return FourViews(rectification.apply(views.demo), rectification.apply(views.own), views.visible)
+    return FourViews(rectification.apply(views.demo), rectification.apply(views.own), views.visible, views.matched)
 
 
 def update_rectification(

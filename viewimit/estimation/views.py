@@ -19,12 +19,14 @@ VIEW_NAMES = dict(zip(VIEWS, ("demo_left", "demo_right", "own_left", "own_right"
 class FourViews:
     """N body points, matched by index, in the learner's two stereo pairs.
 
-    Coordinates of invisible points mean nothing: transfers take `used`.
+    Coordinates of invisible points mean nothing: transfers take `used`. The demonstrator's points may come unnamed:
+    then they are matched in [l] and [r] only, and no point is usable until `named` puts them in order.
     """
 
     demo: NDArray[np.float64]  #: (..., N, 4) px, the demonstrator's points: 4 coordinates x_l, y_l, x_r, y_r
     own: NDArray[np.float64]  #: (..., N, 4) px, the learner's own points: 4 coordinates x_L, y_L, x_R, y_R
     visible: NDArray[np.bool_]  #: (..., N, 4), whether a point is visible, in each of the 4 views l, r, L, R
+    matched: bool = True  #: whether row i of demo and own is one body point
 
     @classmethod
     def from_images(
@@ -106,20 +108,20 @@ class FourViews:
 
         Raises ValueError for a batch of postures that show different points.
         """
-        if self.complete:
+        if self.visible.all():
             return self.demo, self.own
         demo, own = (images[..., _same_in_all(np.asarray(visible.all(-1))), :] for images, visible in self.bodies)
         return demo, own
 
     @cached_property
     def complete(self) -> bool:
-        """Whether every point is visible in every view."""
-        return bool(self.visible.all())
+        """Whether every point is visible in every view, and named."""
+        return bool(self.matched and self.visible.all())
 
     @cached_property
     def usable(self) -> NDArray[np.bool_]:
-        """(..., N): visible in all four views, as every transfer needs it."""
-        return np.asarray(self.visible.all(-1))
+        """(..., N): visible in all four views and named, as every transfer needs it."""
+        return np.asarray(self.visible.all(-1) & self.matched)
 
     @property
     def partially_visible(self) -> NDArray[np.bool_]:
@@ -146,7 +148,8 @@ class FourViews:
         """
         if np.ndim(points) != 1:
             raise ValueError(f"points must be (N,) bool or indices, for all postures, got shape {np.shape(points)}")
-        return FourViews(self.demo[..., points, :], self.own[..., points, :], self.visible[..., points, :])
+        images = self.demo[..., points, :], self.own[..., points, :]
+        return FourViews(*images, self.visible[..., points, :], self.matched)
 
     def permuted(self, pairs: Pairs) -> "FourViews":
         """Swap the demonstrator's points of each pair.
@@ -165,7 +168,25 @@ class FourViews:
             return self
         order = permute(np.arange(self.demo.shape[-2]), pairs)
         visible = np.concatenate([self.visible[..., order, :2], self.visible[..., 2:]], -1)
-        return FourViews(self.demo[..., order, :], self.own, visible)
+        return FourViews(self.demo[..., order, :], self.own, visible, self.matched)
+
+    def named(self, names: NDArray[np.int_]) -> "FourViews":
+        """Put unnamed points of the demonstrator in order.
+
+        Parameters
+        ----------
+        names : (N,) array
+            The demonstrator's point of each own point, by index; -1 of a point without a partner.
+
+        Returns
+        -------
+        FourViews
+            Points that are matched by index. Without a partner they are NaN and invisible in [l] and [r].
+        """
+        partner = (names >= 0)[:, None]
+        demo = np.where(partner, self.demo[..., names, :], np.nan)
+        visible = np.concatenate([self.visible[..., names, :2] & partner, self.visible[..., 2:]], -1)
+        return FourViews(demo, self.own, visible)
 
     def with_own(self, own: NDArray[np.float64]) -> "FourViews":
         """Replace the own images.

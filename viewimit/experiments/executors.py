@@ -8,16 +8,13 @@ SERVOS or TRANSFERS by `--preload FILE`.
 """
 
 import asyncio
-import contextlib
 import hashlib
 import importlib.util
 import json
 import multiprocessing
 import os
 import pickle
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -35,6 +32,7 @@ from .. import __version__
 from ..assets import ROOT
 from ..estimation.transfers import TRANSFERS
 from ..loop.settings import UnknownMethod
+from ..processes import end_with_parent, ignore_interrupts, interrupts_withheld
 from ..servo import SERVOS
 
 Batch = Sequence[tuple[Any, ...]]  # of tasks, each the arguments of one call
@@ -114,7 +112,7 @@ class LocalPool:
             left, running = iter(batches), dict[Future, int]()
             while True:
                 for number, batch in left:
-                    with _interrupts_blocked():
+                    with interrupts_withheld():
                         running[pool.submit(_carry_out_packed, pickle.dumps((work, batch)))] = number
                     if len(running) >= (1 + QUEUED_BATCHES) * workers:
                         break
@@ -138,32 +136,9 @@ def _result(future: Future) -> Done:
         raise StudyError(f"a process of the study has {error}: {advice}") from None
 
 
-@contextlib.contextmanager
-def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C in workers that start inside, until they ignore it: each would print a traceback."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 def _start_worker() -> None:
-    """Let this worker ignore Ctrl-C, and end with its parent process, however that ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    assert parent is not None  # this is a worker
-    parent.join()
-    os._exit(1)
+    ignore_interrupts()
+    end_with_parent()
 
 
 CONNECT_S = 30.0  # time to find a scheduler, and then to find its first worker

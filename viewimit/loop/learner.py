@@ -8,6 +8,7 @@ Every pass leaves one immutable `Snapshot`. Panels, plots, exports and tests all
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -120,7 +121,7 @@ class Learner:
         if now.pending_postures is not None and now.is_rehearsing:
             after = self._moved(now, now.pending_postures[0], probe=True)
             return self._advance(now, rehearsal.record(after, self.embodiment.lower))
-        too_few_points = now.transfer is None and now.target is None
+        too_few_points = now.transfer is None and now.target is None and not now.awaits_names
         if too_few_points:
             now = self._look_for_points()
             if now.transfer is None and not self._servo_can_go_on(now):
@@ -130,8 +131,12 @@ class Learner:
         if now.target is not None:
             status = StateAttributes.of(now.servo_state).status_or(ServoStatus.MOVING)
             return self._advance(now, self._moved(now, now.target, probe=now.probe, status=status))
-        seen, residuals = self.observation(now), self.predicted_residuals(now, now.servo.mirror_columns)
-        state, displacement = ask_servo(now.servo, now.servo_state, seen, residuals)  # residual e, E → servo
+        state, displacement = self._ask(now)  # residual e, E → servo
+        while now.is_renamed_by(state):
+            now = self._seen(now.theta, now, servo_state=state)
+            if now.transfer is None:
+                return self._stay(now)
+            state, displacement = self._ask(now)
         read = StateAttributes.of(state)
         if read.exchanged != now.exchanged:
             now = self._seen(now.theta, now, servo_state=state)
@@ -140,6 +145,11 @@ class Learner:
         target = now.commanded + displacement  # → next posture
         changes = {"probe": read.probe, "status": read.status_or(ServoStatus.MOVING), "servo_state": state}
         return self._advance(now, self._moved(now, target, **changes), looked=too_few_points)
+
+    def _ask(self, now: Snapshot) -> tuple[Any, NDArray[np.float64]]:
+        """Ask the servo for its next state and motion, (m,) rad."""
+        residuals = self.predicted_residuals(now, now.servo.mirror_columns)
+        return ask_servo(now.servo, now.servo_state, self.observation(now), residuals)
 
     def _moved(self, now: Snapshot, target: NDArray[np.float64], **changes: Any) -> Snapshot:
         """Drive the arm towards the target, (m,) rad, within its limits, and look. `changes` are other new fields."""
@@ -159,6 +169,8 @@ class Learner:
         views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
         seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
+        if seen.awaits_names:  # E is not known before
+            return seen.with_fields(E=np.nan)
         if seen.transfer is None:  # → transfer; for the epipolar one, fundamental matrices
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
         E = seen.evaluation.E  # → recovered points → residual e → E
@@ -169,11 +181,14 @@ class Learner:
     def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> tuple[FourViews, int]:
         """The image points of both bodies without outliers, and how many points became unusable by that.
 
-        The servo's correction of swapped points is applied.
+        The servo's names of points that come without are applied, and its correction of swapped points.
         """
         settings, look = changes.get("settings", like.settings), changes.get("look", like.look)
         views = self.observer.four_views(settings, theta, changes.get("theta_demo", like.theta_demo), look)
-        views = views.permuted(StateAttributes.of(changes.get("servo_state", like.servo_state)).exchanged)
+        read = StateAttributes.of(changes.get("servo_state", like.servo_state))
+        if not settings.matched:
+            views = replace(views, matched=False) if read.names is None else views.named(read.names)
+        views = views.permuted(read.exchanged)
         past, last = self.history.recent(MAX_LOOKS), self.history.present
         noise_px = self.observer.image_noise_std(settings)
         inliers = reject_outliers(views, [one.views for one in past], last.rectification, noise_px, look)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
 from ..sensing.renamed import level_outside
-from ..servo import Certificate, Observation, ServoMethod, ServoStatus
+from ..servo import Certificate, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import Visit
 
 SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
@@ -23,6 +23,7 @@ class StateAttributes:
     status: str | None = None
     probe: bool = False
     certificate: Certificate | None = None
+    naming: Naming | None = None
     exchanged: Pairs = ()
     calibration: tuple[Visit, ...] = ()
 
@@ -30,6 +31,11 @@ class StateAttributes:
     def of(cls, servo_state: Any) -> "StateAttributes":
         """Read a servo's state; None: the servo was not asked yet."""
         return cls(**{name: getattr(servo_state, name) for name in _DECLARED if hasattr(servo_state, name)})
+
+    @property
+    def names(self) -> NDArray[np.int_] | None:
+        """(N,): the demonstrator's point of each own point, -1 without one; None before they are found."""
+        return self.naming.names if self.naming is not None and self.naming.accepted else None
 
     def status_or(self, usual: ServoStatus) -> ServoStatus:
         """Return the status, or the usual one for a state without.

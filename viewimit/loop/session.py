@@ -40,7 +40,7 @@ from .snapshot import CustomMethods, Snapshot
 
 RESTARTING_FIELDS = (  # a change of the body, of the sensor or of the arm's limits restarts the session
     "scene", "robot", "joints", "points", "body_points", "start_deg", "undistort", "sensor", "dynamics", "delay",
-    "workspace_deg",
+    "workspace_deg", "matched",
 )  # fmt: skip
 CustomTransfer = str | TransferMethod | TransferFunction
 CustomServo = str | ServoMethod | Servo

@@ -140,6 +140,14 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     missing: Annotated[float, MISSING] = 0.0
     outliers: Annotated[float, OUTLIERS] = 0.0
     swapped: Annotated[float, SWAPPED] = 0.0
+    matched: Annotated[
+        bool,
+        Setting(
+            description="whether the demonstrator's points come with the names of the learner's own; without, the "
+            "learner finds them",
+            option="unmatched",
+        ),
+    ] = True
     frames: Annotated[
         int,
         Setting(
@@ -307,6 +315,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if not isinstance(value, numbers) or isinstance(value, bool):
                 expected = "a whole number" if numbers is Integral else "a number"
                 raise ValueError(f"{name} must be {expected}, got {value!r}")
+        if not isinstance(self.matched, bool):
+            raise ValueError(f"matched must be True or False, got {self.matched!r}")
         for name, expected in _SEQUENCES.items():
             value = getattr(self, name)
             if not _is_of(_HINTS[name], value) or (name == "undistort" and not np.isfinite(value or 0).all()):

@@ -31,8 +31,9 @@ from .self_calibration import Body
 from .settings import USUAL_POINTS, BodyPoint, Settings
 from .snapshot import Snapshot
 
-# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped
-DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH = 0, 1, 4, 5
+# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped; the
+# order of points without names
+DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH, ORDER = 0, 1, 4, 5, 6
 REST_LOOKS = 8  # images of the own body at rest that measure the noise
 
 Images = tuple[NDArray[np.float64], NDArray[np.bool_]]  # of one body: points (N, 4) px, visible (N, 2)
@@ -67,10 +68,15 @@ class SimulatedObserver:
 
     def demo(self, settings: Settings, theta_demo: NDArray[np.float64]) -> Images:
         """The demonstrator's images: new ones only if it, or a disturbance, has changed. theta_demo: (m,) rad."""
-        key = theta_demo.tobytes(), settings.amounts(SightDisturbance), settings.frames, settings.seed
+        amounts = settings.amounts(SightDisturbance)
+        key = theta_demo.tobytes(), amounts, settings.frames, settings.seed, settings.matched
         if self._demo is None or self._demo[0] != key:
             images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
-            self._demo = key, mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            points, visible = mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+            if not settings.matched:
+                order = demo_order(settings, len(points))
+                points, visible = points[order], visible[order]
+            self._demo = key, (points, visible)
         return self._demo[1]
 
     def image_noise_std(self, settings: Settings) -> float:
@@ -99,6 +105,11 @@ class SimulatedObserver:
 
         lag = estimate_latency((now.views.own, now.views.visible[:, 2:]), look, self.image_noise_std(now.settings))
         return MAX_LATENCY_LOOKS if lag is None else lag, lag
+
+
+def demo_order(settings: Settings, count: int) -> NDArray[np.int_]:
+    """The order in which the demonstrator's points come without names, (count,) indices."""
+    return np.random.default_rng([settings.seed, ORDER]).permutation(count)
 
 
 def observed_images(settings: Settings, images: Images, *stream: int) -> Images:

@@ -14,7 +14,7 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Observation, ServoMethod, ServoStatus
+from ..servo import SERVOS, Certificate, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import repeat_xy
 from .evaluation import Evaluation
 from .self_calibration import MIN_POSTURES, SelfCalibration
@@ -124,6 +124,29 @@ class Snapshot:
         """Whether enough of the demonstrator's points are visible for a transfer."""
         return self.shown >= MIN_POINTS
 
+    @property
+    def awaits_names(self) -> bool:
+        """Whether the demonstrator is visible, and its points are still to be named."""
+        return not self.views.matched and self.shows_demonstrator
+
+    def is_renamed_by(self, servo_state: Any) -> bool:
+        """Whether a servo's state has other names for the demonstrator's points than these views.
+
+        Parameters
+        ----------
+        servo_state : any
+            The servo's answer to this snapshot.
+
+        Returns
+        -------
+        bool
+            Whether to look again, with the points in another order.
+        """
+        names, here = StateAttributes.of(servo_state).names, self._state.names
+        if names is None or self.settings.matched:
+            return False
+        return not self.views.matched or here is None or not np.array_equal(names, here)
+
     def fit(self, views: FourViews, by: str | None = None) -> FittedTransfer:
         """Fit a transfer to views, rectified as here.
 
@@ -183,6 +206,11 @@ class Snapshot:
     def exchanged(self) -> Pairs:
         """Pairs of the demonstrator's points that the servo considers swapped; `views` are corrected."""
         return self._state.exchanged
+
+    @property
+    def naming(self) -> Naming | None:
+        """What the servo found about the names of the demonstrator's points; None if they came with names."""
+        return self._state.naming
 
     @property
     def _state(self) -> StateAttributes:
@@ -317,10 +345,14 @@ class CustomMethods(NamedTuple):
     servo: ServoMethod | None = None
 
     def require(self, settings: Settings) -> None:
-        """Raise ValueError for settings that name a method that was not given."""
+        """Raise ValueError for settings that name a method that was not given, or a servo that cannot name points."""
         for name, given in zip(self._fields, self):
             if getattr(settings, name) == OWN:
                 require_given(name, given)
+        servo = self.servo if settings.servo == OWN else SERVOS[settings.servo]
+        if not settings.matched and servo is not None and not servo.names_points:
+            able = ", ".join(name for name, found in SERVOS.items() if found.names_points)
+            raise ValueError(f"matched: the servo {settings.servo!r} needs points with names; {able} finds the names")
 
 
 def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], noise_px: float) -> Observation:
@@ -329,11 +361,12 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
     workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
     limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
     """
-    start, seen = now.settings.start_rad, now.views.visible[:, 2:]
+    start, demo_seen, seen = now.settings.start_rad, now.views.visible[:, :2], now.views.visible[:, 2:]
     known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
     return Observation(
         own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
         seen=seen,
+        demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
         E=now.E,
         displacement=now.commanded - start,
         lower=workspace[0] - start,
@@ -341,6 +374,7 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
         motion=now.motion,
         residual=now.e,
         noise_px=noise_px if known is None else max(noise_px, known.noise_px),
+        matched=now.views.matched,
         calibration=() if known is None else known.seen_from(lower - start),
         n_visible=now.shown,
         n_partial=now.half_shown,
@@ -382,7 +416,8 @@ def _computed(now: Snapshot, past: Sequence[Snapshot]) -> Iterator[tuple[NDArray
         return
     for one in past:
         if (
-            _equal(one.views.demo, now.views.demo)
+            one.views.matched
+            and _equal(one.views.demo, now.views.demo)
             and _equal(one.views.visible, now.views.visible)
             and one.rectification is now.rectification
             and one.settings.transfer == now.settings.transfer

@@ -21,6 +21,7 @@ from .servo import LastMotion, Retargetable, Servo, ServoState
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
+from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
 
 EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
@@ -33,6 +34,7 @@ __all__ = [
     "Gradient",
     "Kalman",
     "LastMotion",
+    "Naming",
     "NoiseReference",
     "Observation",
     "ResidualFunction",

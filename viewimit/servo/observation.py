@@ -66,6 +66,8 @@ class Observation:
     max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
     # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+    demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
+    matched: bool = True  # whether these are the own points, one by one; otherwise they are in an unknown order
 
     def __getattr__(self, name: str) -> Any:
         """Return a field by its name in an earlier version."""
@@ -120,6 +122,7 @@ def in_units(observation: Observation, unit_px: float) -> Observation:
     return replace(
         observation,
         own=observation.own / unit_px,
+        demo=None if observation.demo is None else observation.demo / unit_px,
         E=observation.E / unit_px**2,
         residual=observation.residual / unit_px,
         noise_px=observation.noise_px / unit_px,

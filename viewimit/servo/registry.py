@@ -29,6 +29,8 @@ from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
+from .trust_region.final_adjustment import PostureEstimate
+from .trust_region.naming import Naming
 from .trust_region.options import DEFAULTS, TrustRegionOptions
 from .trust_region.state import Destination, Phase, Region, Search, Swaps, TrustRegionState
 
@@ -55,6 +57,7 @@ class ServoMethod:
     limitations: str = ""  # one sentence: where it fails
     slow: bool = False  # whether it makes hundreds of motions
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
+    names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
     mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
     stored: tuple[type, ...] = ()  # dataclasses of its state, nested ones too, of arrays, scalars, strings and tuples
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
@@ -246,10 +249,11 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         assumes=_("Joints turn points as rigid bodies, or at least the images follow the joints smoothly."),
         limitations=_("Two poses give the same images, or every transfer misleads. Then it reports no progress."),
         predicts=True,
+        names_points=True,
         mirror_columns=True,
         stored=(
-            *(TrustRegionState, Region, Search, Destination, Swaps, Phase),
-            *(Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
+            *(TrustRegionState, Region, Search, Destination, Swaps, Naming, Phase),
+            *(PostureEstimate, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
         ),
         equations=trust_region_equations,
         describe_status=partial(describe_trust_region, options=options),

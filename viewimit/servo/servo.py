@@ -15,6 +15,7 @@ from ..estimation.views import Pairs
 from .observation import Observation, Visit
 from .status import ServoStatus
 from .trust_region.convergence import Certificate
+from .trust_region.naming import Naming
 
 
 @runtime_checkable
@@ -108,6 +109,14 @@ class ServoState(Protocol):
     @property
     def certificate(self) -> Certificate | None:
         """Evidence of convergence at the posture where E is smallest. By default None: then it cannot be claimed."""
+        ...
+
+    @property
+    def naming(self) -> Naming | None:
+        """Names of the demonstrator's points, if they came without. By default None.
+
+        Only an accepted naming is used. Once it is, the session asks the servo again, with residuals of named points.
+        """
         ...
 
     @property

@@ -141,7 +141,7 @@ class Room:
                 depth = np.where(nearer, enters, depth)
                 shade = np.where(nearer, PEDESTAL_GREY * _lit(axis, -ray), shade)
         grey = (255 * shade + 0.5).astype(np.uint32)
-        return 1 / depth, grey | grey << 8 | grey << 16
+        return 1 / depth, grey * np.uint32(0x010101)
 
 
 def _leaves(box: Floats, eye: Floats, ray: Floats) -> tuple[Floats, NDArray[np.intp]]:

@@ -3,8 +3,6 @@
 import html
 import json
 import multiprocessing
-import os
-import sys
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
@@ -17,6 +15,7 @@ from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle, packed, styles
 from viewimit.drawing.glossary import glossary
+from viewimit.processes import end_with_parent, lower_priority
 from viewimit.simulation.scene import load_scene
 
 from ..page import SHIPPED, served_page, served_scenes, with_few_points
@@ -181,17 +180,9 @@ def in_another_process(make: Callable[[], str]) -> str:
 
 
 def _begin() -> None:
-    """Leave the processor to the server, and end with it, even if it is killed. Windows has no niceness."""
-    if sys.platform != "win32":
-        os.nice(5)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+    """Leave the processor to the server, and end with it, even if it is killed."""
+    lower_priority(5)
+    end_with_parent()
 
 
 @cache

@@ -20,6 +20,10 @@ class TurningBody:
 
     def images(self, displacement):
         """(N, 4) px"""
+        return seen(self.places(displacement))
+
+    def places(self, displacement):
+        """(N, 3) m, before the cameras."""
         found = []
         for k, (point, on) in enumerate(zip(self.points, self.on)):
             for joint in reversed(range(on)):
@@ -28,8 +32,7 @@ class TurningBody:
                     point = point + 0.2 * angle * self.axes[joint]
                 else:
                     point = self.through[joint] + rotated(point - self.through[joint], self.axes[joint], angle)
-            x, y, z = point
-            found.append([300 * x / z + 150, 280 * y / z + 110, 420 * (x - 0.4) / z + 170, 280 * y / z + 110])
+            found.append(point)
         return np.array(found)
 
     def observations(self, displacements, visible=None, noise=0.0):
@@ -40,6 +43,12 @@ class TurningBody:
     def probes(self, turn=0.26):
         """(m + 1, m): where it begins, and on by each joint in turn."""
         return np.vstack([np.zeros(self.joints), np.cumsum(turn * np.eye(self.joints), axis=0)])
+
+
+def seen(places):
+    """Images of points (N, 3) m, (N, 4) px."""
+    x, y, z = places.T
+    return np.stack([300 * x / z + 150, 280 * y / z + 110, 420 * (x - 0.4) / z + 170, 280 * y / z + 110], 1)
 
 
 def rotated(vector, axis, angle):

@@ -12,6 +12,7 @@ from .speed import SpeedBenchmark
 from .success import SuccessBenchmark
 from .tracking import TrackingBenchmark
 from .tracks import TracksBenchmark
+from .unmatched import UnmatchedBenchmark
 
 BENCHMARKS: dict[str, type[Benchmark]] = {
     "speed": SpeedBenchmark,
@@ -24,6 +25,7 @@ BENCHMARKS: dict[str, type[Benchmark]] = {
     "pictures": PicturesBenchmark,
     "robots": RobotsBenchmark,
     "tracks": TracksBenchmark,
+    "unmatched": UnmatchedBenchmark,
 }
 
 __all__ = ["BENCHMARKS", "Benchmark"]

@@ -1,12 +1,14 @@
 """Servo laws side by side: each runs on the same bodies, images, noise and starts, and every motion counts.
 
-All laws see E through the same transfer, make their own probing motions, and may make as many motions.
+All laws see E through the same transfer, make their own probing motions, and may make as many motions. Beside them are
+ORACLES: calibrated visual servoing, which is given the arm and the cameras.
 """
 
 import csv
+from collections import ChainMap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...loop.session import Session
-from ...loop.settings import Setting, Settings
+from ...loop.settings import OWN, Setting, Settings
 from ...servo import SERVOS
 from ...servo.status import ServoStatus
 from ...simulation.eyes import ProjectedEyes
@@ -46,13 +48,18 @@ from .benchmark import (
     shares_within,
     table,
 )
+from .calibrated import ORACLES, CalibratedServo
 from .draws import MAX_BODIES, SurfaceEyes, draw_postures, draw_scene, surface_points
 from .robustness import SEVEN
 from .scenes import open_resized, scene_file
 
 PAPER_LAW = "gradient"
 HIGH_PERCENTILE = 95.0
-COMPARED_SERVO = Setting(description="control law beside the paper's", default="all", choices=SERVOS)
+COMPARED_SERVO = Setting(
+    description="control law beside the paper's; an oracle is given the URDF and the calibrated cameras",
+    default="all",
+    choices=ChainMap[str, Any](ORACLES, SERVOS),
+)
 
 
 @dataclass(frozen=True)
@@ -129,8 +136,9 @@ class CompareBenchmark(SceneOptions, RunOptions, MethodOptions, CaseOptions):
             heading = f"{self.path}"
         else:
             _, points = self.load()
-            servos = [name for name in SERVOS if self.servo in (None, name) or name == PAPER_LAW]
-            transfer, cases = self.method().transfer, self.chosen_cases()
+            servos = [name for name in (*SERVOS, *ORACLES) if self.servo in (None, name) or name == PAPER_LAW]
+            plain = self if self.servo in SERVOS else replace(self, servo=None)
+            transfer, cases = plain.method().transfer, self.chosen_cases()
             settings = Settings.paper(scene=self.scene, points=points, transfer=transfer)
             rows = run(settings, servos, self.runs, self.seed, self.max_motions, cases, context)
             heading = (
@@ -162,10 +170,13 @@ def run(
 def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[int], max_motions: int) -> list[Row]:
     """Run each law from one draw; the last number of its seed is that of the run."""
     rng = np.random.default_rng(seed)
-    with _drawn(msgspec.structs.replace(settings, **case.changes), case, rng) as (session, begun):
-        rows = []
+    oracle, rows = CalibratedServo(), []
+    with _drawn(msgspec.structs.replace(settings, **case.changes), case, rng, oracle) as (session, begun):
+        oracle.session = session
         for servo in servos:
-            session.begin(msgspec.structs.replace(begun, servo=servo))
+            if servo in ORACLES:
+                oracle.become(ORACLES[servo], seed)
+            session.begin(msgspec.structs.replace(begun, servo=OWN if servo in ORACLES else servo))
             last = session.run(max_motions, PATIENCE).last
             errors = error_deg(last), expected_deg(last), float(last.E)
             rows.append(Row(case.name, seed[-1], servo, last.motion, last.status, *errors))
@@ -173,25 +184,27 @@ def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[i
 
 
 @contextmanager
-def _drawn(settings: Settings, case: Case, rng: np.random.Generator) -> Iterator[tuple[Session, Settings]]:
-    """Draw a session, and the settings that all laws begin with."""
+def _drawn(
+    settings: Settings, case: Case, rng: np.random.Generator, oracle: CalibratedServo
+) -> Iterator[tuple[Session, Settings]]:
+    """Draw a session, and the settings that all laws begin with. oracle: the session's own servo."""
     if case.any_head:
         drawn = draw_scene(rng, any_head=True)
         with scene_file(drawn) as path:
             settings = msgspec.structs.replace(settings, scene=path, points=drawn.points)
-            session = Session(settings, open_eyes=partial(open_resized, size=drawn.size))
+            session = Session(settings, open_eyes=partial(open_resized, size=drawn.size), servo=oracle)
             yield session, _with_postures(settings, case, session.scene, rng)
     elif case.hidden is not None:
         scene = load_scene(settings.scene)
         begun = _with_postures(settings, case, scene, rng)
         for _ in range(MAX_BODIES):
             body = surface_points(scene.robot, range(len(scene.posture_deg) + 1), case.hidden, rng)
-            session = Session(begun, open_eyes=partial(_open_surface, body=body))
+            session = Session(begun, open_eyes=partial(_open_surface, body=body), servo=oracle)
             if session.snapshot.transfer is not None:
                 break
         yield session, begun
     else:
-        session = Session(settings)
+        session = Session(settings, servo=oracle)
         yield session, _with_postures(settings, case, session.scene, rng)
 
 
@@ -281,6 +294,10 @@ def compared_table(found: Sequence[Compared]) -> str:
         "largest joint error at the end; more, less: than by the paper's law from the same draws, share and median of "
         "differences; in brackets 95 % confidence intervals"
     ]
+    if any(cell.servo in ORACLES for cell in found):
+        lines.append(
+            "oracle: is given the URDF, the points on it, both bases and the cameras (1deg: each of them turned by 1°)"
+        )
     for case in dict.fromkeys(o.case for o in found):
         laws = [o for o in found if o.case == case]
         rows = [

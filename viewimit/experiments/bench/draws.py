@@ -262,7 +262,7 @@ def write_scene(scene: Scene, folder: Path, name: str) -> Path:
     for table, values in tables.items():
         lines += [f"[{table}]", *(f"{key} = {_toml(value)}" for key, value in values.items())]
     path = folder / f"{name}.toml"
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", "utf-8")
     return path
 
 

@@ -1,37 +1,23 @@
 """Fit projective kinematics to the images of all visits by bundle adjustment (Triggs et al. 2000).
 
-The parameters of frame and twists and all points are adjusted together by Levenberg-Marquardt steps. Each step
-eliminates the points from the normal equations by the Schur complement:
-
-    [A  B] [δp]     [g]
-    [Bᵀ C] [δX] = - [h],     C block diagonal,     (A - B C⁻¹ Bᵀ) δp = B C⁻¹ h - g,     δX = -C⁻¹ (h + Bᵀ δp).
-
-It needs no good initial values: it starts from an affine frame and joints that turn nothing.
-
-For noise of 1 px the parameters have the covariance (A - B C⁻¹ Bᵀ)⁻¹. A point follows them by -C⁻¹ Bᵀ, and has the
-covariance C⁻¹ in addition.
+The parameters of frame and twists and all points are adjusted together (`bundle`). It needs no good initial values: it
+starts from an affine frame and joints that turn nothing.
 
 References
 ----------
 Triggs, McLauchlan, Hartley and Fitzgibbon, "Bundle adjustment: a modern synthesis", 2000.
-Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, section 10.3.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
+from .bundle import jacobian, levenberg_marquardt, normal_equations, sqrt_inverse
 from .clusters import Observations, joints_moving_points
 from .model import N_FRAME, ProjectiveKinematics, StereoFrame
 
-FD_STEP = 1e-6  # of forward differences
-MAX_ITER, MAX_RETRIES = 30, 6  # steps, and larger dampings tried for each
-INITIAL_DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.1, 10.0
-FTOL, MIN_RMS_PX = 1e-3, 1e-9  # relative gain of a step that goes on, and rms residual that counts as zero
-REGULARISATION = 1e-9  # added to the diagonal of the normal equations, relative to it
 PRIOR_STD = 3.0  # of the frame's parameters, where noise leaves them open
 NOISE_FLOOR_PX = 1e-2  # rms residual that is accepted without noise
 FIT_SIGMA, NOISE_SLACK = 4.0, 1.2  # standard deviations of the mean square; factor, as the noise is an estimate itself
@@ -51,6 +37,12 @@ class BundleAdjustment:
     observations: Observations  # of known points alone
     coordinates: NDArray[np.float64]  # (K, N, 3): of the images in the kinematics' frame
     noise_px: float  # standard deviation of an image coordinate
+
+    @classmethod
+    def of(cls, kinematics: ProjectiveKinematics, observations: Observations, noise_px: float) -> "BundleAdjustment":
+        """Set it up for images that are rectified as the kinematics are."""
+        images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
+        return cls(observations, kinematics.coordinates_of(images), noise_px)
 
     @property
     def noise_floor_px(self) -> float:
@@ -89,26 +81,7 @@ class BundleAdjustment:
 
     def solve(self, initial: ProjectiveKinematics) -> ProjectiveKinematics | None:
         """Minimise the residuals from these initial kinematics; None if noise does not explain the minimum."""
-        found, prior = initial, self.prior_weights(len(initial.parameters))
-        residuals, damping = self.residuals(found), INITIAL_DAMPING
-        cost = float((residuals**2).sum() + prior @ found.parameters**2)
-        for _ in range(MAX_ITER):
-            if cost < residuals.size * MIN_RMS_PX**2:
-                break
-            damped_step, gained = self._linearised(found, residuals, prior), 0.0
-            for _ in range(MAX_RETRIES):
-                trial = damped_step(damping)
-                trial_residuals = self.residuals(trial)
-                gained = cost - float((trial_residuals**2).sum() + prior @ trial.parameters**2)
-                if gained > 0:
-                    break
-                damping *= DAMPING_INCREASE
-            if not gained > 0:
-                break
-            found, residuals = trial, trial_residuals
-            cost, damping = cost - gained, damping * DAMPING_DECREASE
-            if gained < FTOL * cost:
-                break
+        found = levenberg_marquardt(initial, self.residuals, self.prior_weights(len(initial.parameters)))
         return found if self.fits_noise(found) else None
 
     def prior_weights(self, n_parameters: int) -> NDArray[np.float64]:
@@ -116,47 +89,6 @@ class BundleAdjustment:
         weights = np.zeros(n_parameters)
         weights[:N_FRAME] = (self.noise_px / PRIOR_STD) ** 2
         return weights
-
-    def jacobian(self, kinematics: ProjectiveKinematics, residuals: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Derivatives of the residuals by each parameter and each coordinate of their point: (P + 3, K, N, 3) px."""
-        P = len(kinematics.parameters)
-        parameters = kinematics.parameters + FD_STEP * np.eye(P + 3, P)
-        points = kinematics.points + FD_STEP * np.eye(P + 3, 3, -P)[:, None, :]
-        stepped = replace(kinematics, parameters=parameters, points=points)
-        return np.nan_to_num((self.residuals(stepped) - residuals) / FD_STEP)
-
-    def _linearised(
-        self, found: ProjectiveKinematics, residuals: NDArray, prior: NDArray
-    ) -> Callable[[float], ProjectiveKinematics]:
-        """Return the function from a damping to the minimum of the damped linear model."""
-        J, P = self.jacobian(found, residuals), len(found.parameters)
-        A, B, C = normal_equations(J, P)
-        A = A + np.diag(prior)
-        g = J[:P].reshape(P, -1) @ residuals.ravel() + prior * found.parameters
-        h = np.einsum("akni,kni->na", J[P:], residuals)
-        diag_A, diag_C = np.diag(A), np.einsum("naa->na", C)
-
-        def damped_step(damping: float) -> ProjectiveKinematics:
-            raised = damping * diag_C + REGULARISATION * diag_C.sum(1, keepdims=True) + np.finfo(float).tiny
-            inverse = np.linalg.inv(C + raised[..., None] * np.eye(3))
-            BC = B @ inverse
-            reduced = A + np.diag(damping * diag_A + REGULARISATION * diag_A.mean())
-            reduced = reduced - np.tensordot(BC, B, ([0, 2], [0, 2]))
-            step = np.linalg.solve(reduced, np.tensordot(BC, h, ([0, 2], [0, 1])) - g)
-            points = found.points - np.einsum("nab,nb->na", inverse, h + np.tensordot(B, step, ([1], [0])))
-            return replace(found, parameters=found.parameters + step, points=points)
-
-        return damped_step
-
-
-def normal_equations(
-    J: NDArray[np.float64], n_parameters: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Blocks of JᵀJ for derivatives (P + 3, K, N, 3): A (P, P), B (N, P, 3) and C (N, 3, 3)."""
-    by_parameter = J[:n_parameters].reshape(n_parameters, -1)
-    by_point = np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
-    both = by_point @ by_point[:, n_parameters:].swapaxes(1, 2)
-    return by_parameter @ by_parameter.T, both[:, :n_parameters], both[:, n_parameters:]
 
 
 def fit_kinematics(
@@ -257,8 +189,22 @@ def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) 
     return None if reassigned is initial else problem.solve(reassigned)
 
 
-def _reassigned(kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment) -> ProjectiveKinematics:
-    """Let these points, (N,) bool, be moved by the joints that fit all their images, where one choice fits best."""
+def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observations) -> ProjectiveKinematics:
+    """Place the unknown points, too: let those be moved by the joints that fit their images best, without a test."""
+    images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
+    images = images if kinematics.rectification is None else kinematics.rectification.apply(images)
+    problem = BundleAdjustment(observations, kinematics.frame.coordinates(images), 0.0)
+    doubtful = kinematics.unknown & observations.visible_in_both.any(0)
+    return _reassigned(kinematics, doubtful, problem, required=False)
+
+
+def _reassigned(
+    kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment, required: bool = True
+) -> ProjectiveKinematics:
+    """Let these points, (N,) bool, be moved by the joints that fit all their images.
+
+    required: only where they fit within the noise, and one choice fits best.
+    """
     known = kinematics.moved_by[~kinematics.unknown]
     one_changed = known[:, None] ^ np.eye(known.shape[1], dtype=bool)
     patterns = np.unique([*known, *one_changed.reshape(-1, known.shape[1])], axis=0)
@@ -272,13 +218,10 @@ def _reassigned(kinematics: ProjectiveKinematics, points: NDArray, problem: Bund
         trials = [trial.with_points(is_point, problem.observations, problem.coordinates) for trial in trials]
         squares = [float(problem.mean_squares(trial)[point]) for trial in trials]
         best, *others = np.argsort(squares)
-        required = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
-        if squares[best] < max_square and all(squares[other] > required for other in others):
+        least = MIN_SQUARE_RATIO * max(squares[best], problem.noise_floor_px**2)
+        if not required or (squares[best] < max_square and all(squares[other] > least for other in others)):
             kinematics = trials[best]
     return kinematics
-
-
-MIN_EIGENVALUE = 1e-12  # relative to the largest: below it a direction is not determined
 
 
 @dataclass(frozen=True)
@@ -295,10 +238,10 @@ class KinematicsCovariance:
         observations = observations.restrict(~kinematics.unknown)
         problem = BundleAdjustment(observations, np.zeros((*observations.visible_in_both.shape, 3)), 1.0)
         P = len(kinematics.parameters)
-        A, B, C = normal_equations(problem.jacobian(kinematics, problem.residuals(kinematics)), P)
+        A, B, C = normal_equations(jacobian(kinematics, problem.residuals, problem.residuals(kinematics)), P)
         gain = -np.linalg.pinv(C, hermitian=True) @ B.swapaxes(1, 2)
         schur = A + np.diag(problem.prior_weights(P)) + np.tensordot(B, gain, ([0, 2], [0, 1]))
-        return cls(_sqrt_inverse(schur), gain, _sqrt_inverse(C))
+        return cls(sqrt_inverse(schur), gain, sqrt_inverse(C))
 
     def sample(
         self, rng: np.random.Generator, count: int, noise_px: float
@@ -315,10 +258,3 @@ class KinematicsCovariance:
         points = np.tensordot(parameters, self.point_gain, ([1], [2]))
         points[-3:] = noise_px * np.moveaxis(self.point_sqrt_cov, -1, 0)
         return parameters, points
-
-
-def _sqrt_inverse(matrix: NDArray) -> NDArray:
-    """R of (..., k, k) with R Rᵀ its pseudo-inverse."""
-    values, vectors = np.linalg.eigh(matrix)
-    determined = values > MIN_EIGENVALUE * values[..., -1:]
-    return vectors * np.where(determined, 1 / np.sqrt(np.where(determined, values, 1.0)), 0.0)[..., None, :]

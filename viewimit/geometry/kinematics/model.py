@@ -126,13 +126,27 @@ class ProjectiveKinematics:
     def predict(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Images (..., N, 4) px at displacements (..., m) rad; of D kinematics at once (D, ..., N, 4)."""
         flat = displacement.reshape(-1, displacement.shape[-1])
-        images = self.clusters.project(self._motions(flat), self.points, self.frame.projection)
+        images = self.clusters.project(self.motions(flat), self.points, self.frame.projection)
         images = images.reshape(*images.shape[:-3], *displacement.shape[:-1], *images.shape[-2:])
         return images if self.rectification is None else self.rectification.restore(images)
 
     def coordinates(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coordinates (..., K, N, 3) in the stereo frame at displacements (K, m) rad."""
-        return self.clusters.project(self._motions(displacement), self.points, np.eye(4))
+        return self.clusters.project(self.motions(displacement), self.points, np.eye(4))
+
+    def coordinates_of(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Coordinates (..., 3) in the stereo frame of images (..., 4) px."""
+        return self.frame.coordinates(images if self.rectification is None else self.rectification.apply(images))
+
+    def affine_coordinates(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Reconstruct points from stereo images of any body in front of the head, up to an affine map.
+
+        The joints' motions determine the plane at infinity of the stereo frame. The head is rigid, so it is the same
+        for every body that it sees. images: (..., 4) px → (..., 3).
+        """
+        images = images if self.rectification is None else self.rectification.apply(images)
+        coordinates = self.frame.coordinates(images)
+        return coordinates / (1 + coordinates @ self.parameters[5:N_FRAME])[..., None]
 
     def with_points(
         self, points: NDArray[np.bool_], observations: Observations, coordinates: NDArray[np.float64]
@@ -141,7 +155,7 @@ class ProjectiveKinematics:
         points = points & observations.visible_in_both.any(0)
         if not points.any():
             return self
-        placed, motions = self.points.copy(), self._motions(observations.displacement)
+        placed, motions = self.points.copy(), self.motions(observations.displacement)
         for members, transform in zip(self.clusters.points, chain_transforms(motions, self.clusters.joints, np.eye(4))):
             these = members[points[members]]
             first = observations.visible_in_both[:, these].argmax(0)
@@ -154,24 +168,28 @@ class ProjectiveKinematics:
     def clusters(self) -> LinkClusters:
         return LinkClusters.from_table(self.moved_by)
 
-    def _motions(self, displacement: NDArray) -> NDArray:
-        """Motions of projective space, (..., B, m, 4, 4), at displacements (B, m) rad."""
+    def motions(self, displacement: NDArray) -> NDArray:
+        """Motions of projective space, (..., B, m, 4, 4), at displacements (B, m) rad, or (..., B, m) rad."""
         return exponentials(*self._generators, displacement - self.reference)
 
     @cached_property
     def _generators(self) -> tuple[NDArray, NDArray]:
         """`generator_powers` of each joint, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
         twists = self.parameters[..., N_FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
-        A, rate = self._metric_upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
+        A, rate = self.metric_upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
         return generator_powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
 
     @property
-    def _metric_upgrade(self) -> NDArray:
+    def metric_upgrade(self) -> NDArray:
         """A, (..., 4, 4): from the projective frame to a metric one."""
-        parameters = self.parameters
-        A = np.zeros((*parameters.shape[:-1], 4, 4))
-        A[..., [0, 1], [0, 1]] = np.exp(np.clip(parameters[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
-        A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(parameters[..., 2:5], -1, 0)
-        A[..., 2, 2] = A[..., 3, 3] = 1.0
-        A[..., 3, :3] = parameters[..., 5:N_FRAME]
-        return A
+        return frame_matrices(self.parameters[..., :N_FRAME])
+
+
+def frame_matrices(frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A, (..., 4, 4), of the frame parameters (..., N_FRAME)."""
+    A = np.zeros((*frame.shape[:-1], 4, 4))
+    A[..., [0, 1], [0, 1]] = np.exp(np.clip(frame[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
+    A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(frame[..., 2:5], -1, 0)
+    A[..., 2, 2] = A[..., 3, 3] = 1.0
+    A[..., 3, :3] = frame[..., 5:]
+    return A

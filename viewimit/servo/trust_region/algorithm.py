@@ -5,6 +5,8 @@ Algorithm 1 (one call of `step`, before each motion)
 The posture and its images are recorded as a visit. Then phases follow each other until one returns a motion.
 
 PROBE     Move one joint alone, to learn how the images depend on it.
+MATCH     If the demonstrator's points come without names, find them (see `naming`). If no naming explains the images,
+          make a motion that improves the predictions.
 PLAN      Measure E at all visits, update the radius by what the last step achieved, and solve the trust-region
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.
@@ -16,11 +18,14 @@ REST      Return to the best posture and report: converged, unobservable, settle
 Transitions
 -----------
 start   ──> PROBE     if joints are left to probe
+        ──> MATCH     if the demonstrator's points have no names yet
         ──> SEARCH    on the way to a posture where a restart begins
         ──> REST      on the way to the posture to rest at
         ──> PLAN      otherwise
 PROBE   ──> motion
-PLAN    ──> PLAN      if swapped points were found
+MATCH   ──> motion    none if names were found or corrected: the servo is asked again at once, with their residuals
+PLAN    ──> MATCH     if a review corrected the names
+        ──> PLAN      if swapped points were found
         ──> DESCEND   otherwise
 DESCEND ──> motion    if the step is worth one; none while the demonstrator keeps moving
         ──> VERIFY    otherwise
@@ -71,16 +76,21 @@ from .rules import (
     may_verify,
     may_verify_early,
     more_points_elsewhere,
+    naming_motion,
     on_rung,
     partial_points_help,
     rest_candidate,
     restart,
     search_exhausted,
+    status_at_rest,
     stopped,
     swap_suspected,
     take_step,
     travel,
     verification_motion,
+    with_final_adjustment,
+    with_names_reviewed,
+    with_naming,
     with_partial_points,
     with_plan,
     with_swap_search,
@@ -117,6 +127,7 @@ class TrustRegion:
             first_region(state.calibration, self.options),
             state.unit_px,
             swaps=state.swaps,
+            naming=state.naming,
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
@@ -137,17 +148,19 @@ class TrustRegion:
                 state = without_calibration(state, options)
         images = ImageData(state.known, observation.noise_px, state.kinematics)
         context = StepContext(observation, residuals, images, tracking, options)
-        phase, displacement = first_phase(state), None
+        phase, displacement = first_phase(state, observation), None
         while displacement is None:
             run, _ = PHASES[phase]
             phase, state, displacement = run(state, context)
         return replace(state, phase=phase), displacement
 
 
-def first_phase(state: TrustRegionState) -> Phase:
+def first_phase(state: TrustRegionState, observation: Observation) -> Phase:
     """Return the phase that a step begins with: on the way to a destination, the one that sent the arm there."""
     if state.joints_to_probe:
         return Phase.PROBE
+    if not observation.matched:
+        return Phase.MATCH
     return Phase.PLAN if state.destination.displacement is None else state.phase
 
 
@@ -158,9 +171,23 @@ def probe(state: TrustRegionState, context: StepContext) -> Outcome:
     return Phase.PROBE, state, probe_motion(joint, context.observation)
 
 
+def match(state: TrustRegionState, context: StepContext) -> Outcome:
+    """Name the demonstrator's points, or correct their names."""
+    if not context.observation.matched:
+        state = with_naming(state, context)
+    if state.naming is not None and state.naming.accepted:
+        return Phase.MATCH, replace(state, status=ServoStatus.MOVING), np.zeros_like(context.observation.displacement)
+    if state.n_naming_motions < context.options.naming_motions:
+        return Phase.MATCH, *naming_motion(state, context)
+    return Phase.MATCH, stopped(state, ServoStatus.NO_PROGRESS), np.zeros_like(context.observation.displacement)
+
+
 def plan(state: TrustRegionState, context: StepContext) -> Outcome:
-    """Plan a step. If E stays large, search for swapped points."""
-    state = with_plan(state, context)
+    """Plan a step. Review names that are not settled, and if E stays large, search for swapped points."""
+    state, corrections = with_plan(state, context), state.n_renamings
+    state = with_names_reviewed(state, context)
+    if state.n_renamings > corrections:
+        return Phase.MATCH, state, None
     if not swap_suspected(state, context):
         return Phase.DESCEND, state, None
     state = with_swap_search(state, context)
@@ -189,7 +216,8 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
-        context.status = certificate.status
+        state = with_final_adjustment(state, context)
+        context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None
     if may_verify_early(state, context):
         offset = context.options.verification_step * context.plan.flattest_direction
@@ -235,7 +263,8 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
 PHASES: dict[Phase, tuple[Callable[[TrustRegionState, StepContext], Outcome], set[Phase]]] = {
     # phase: (function, phases that may follow in the same step, if it makes no motion)
     Phase.PROBE: (probe, set()),
-    Phase.PLAN: (plan, {Phase.PLAN, Phase.DESCEND}),
+    Phase.MATCH: (match, set()),
+    Phase.PLAN: (plan, {Phase.MATCH, Phase.PLAN, Phase.DESCEND}),
     Phase.DESCEND: (descend, {Phase.VERIFY}),
     Phase.VERIFY: (verify, {Phase.PLAN, Phase.SEARCH, Phase.REST}),
     Phase.SEARCH: (search, {Phase.PLAN, Phase.REST}),

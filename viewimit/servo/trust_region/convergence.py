@@ -48,10 +48,16 @@ class Certificate:
     E_negligible: bool  # whether E is below `min_conflict_share` of what a turn of all joints moves the own images
     needs_more_data: bool = False  # points seen rarely, or noise not averaged yet, hide what would be observable
     unexplored_direction: bool = False  # whether no visit went in some direction
+    rig_std_error: Array | None = None  # (m,) rad, the part of `std_error` by the stereo head's uncertainty; None: 0
 
     def per_pixel(self, unit_px: float) -> "Certificate":
         """Convert one that was made in image units of `unit_px` pixels."""
         return replace(self, std_per_px=self.std_per_px / unit_px)
+
+    def with_std_error(self, std_error: Array) -> "Certificate":
+        """Replace the standard errors, (m,) rad, by those of another estimate, which takes the head for known."""
+        by_rig = 0.0 if self.rig_std_error is None else self.rig_std_error
+        return replace(self, std_error=np.hypot(std_error, by_rig))
 
     @property
     def status(self) -> ServoStatus:
@@ -127,6 +133,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
         E_negligible=bool(model.E < negligible),
         needs_more_data=not observable.all() and bool(identifiable().all()),
         unexplored_direction=bool(nearest < options.min_evidence),
+        rig_std_error=np.sqrt(of_rig) if len(model.grad_bias_per_rig) else None,
     )
 
 

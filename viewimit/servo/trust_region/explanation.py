@@ -36,7 +36,11 @@ def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equat
 
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
     """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
-    search = state.search
+    search, naming = state.search, state.naming
+    if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
+        return _("No naming of the demonstrator's points explains its images.")
+    if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:
+        return _("There are two answers: other names of the points explain the images as well, in another pose.")
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
         return _("E rises in every direction, and no step leads nearer.")
     if status == ServoStatus.CONVERGED:
@@ -59,6 +63,8 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     if search.n_restarts:
         text = _("It searches for a smaller E elsewhere (search {n}), because noise does not explain this one.")
         return text.format(n=search.n_restarts)
+    if state.phase is Phase.MATCH:
+        return _("It learns more of its images, because no naming of the demonstrator's points explains them yet.")
     if state.probe:
         return TEST_MOVE
     if state.mismatch is not None:
@@ -80,6 +86,8 @@ def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
         return "Neither another transfer nor a restart led further: the servo rests."
     if state.phase is Phase.PROBE:
         return f"{made}is a probe: it shows how the joint moves the images."
+    if state.phase is Phase.MATCH:
+        return f"{made}is to predict images better: the demonstrator's points could not be named yet."
     if state.phase is Phase.VERIFY:
         return f"{made}is a verification: it tests whether E rises where no visit shows that."
     if state.region.predicted_reduction is not None:

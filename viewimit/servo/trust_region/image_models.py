@@ -144,6 +144,12 @@ class ImageData:
         there = self.visits[centre].displacement
         return KinematicImages(self.kinematics, there, observations_of(self.visits), self.noise_px, process)
 
+    def is_rounded(self, at: int = -1) -> bool:
+        """Whether some point has exactly the same image at a visit and at another posture."""
+        here, others = self.visits[at], [visit for k, visit in enumerate(self.visits) if k != at % len(self.visits)]
+        elsewhere = (visit for visit in others if (visit.displacement != here.displacement).any())
+        return any(bool((visit.own == here.own).all(-1).any()) for visit in elsewhere)
+
     def _fit_process(self, centre: int) -> GaussianProcessImages:
         return GaussianProcessImages.fit(self.visits, centre % len(self.visits), self.noise_px)
 

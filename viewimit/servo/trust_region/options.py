@@ -61,6 +61,26 @@ class TrustRegionOptions:
     swap_refined: int = 3  # best postures that are refined by least squares
     swap_gain: float = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
 
+    # Unnamed points
+    naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
+    naming_postures: int = 5000  # at most; random ones where a grid has more
+    naming_starts: int = 8  # most similar namings, each refined by least squares
+    naming_neighbourhood: float = _deg(45.0)  # rad: a naming is refined from one posture in each cell of this size
+    naming_rounds: int = 8  # of refining the posture and the names in turn
+    naming_reach: float = _deg(20.0)  # rad: of the posture in each round
+    naming_trials: int = 450  # choices of points that are left out, at most
+    naming_left_out: int = 2  # points without a partner, at most, of either body
+    naming_min_points: int = 7  # named points: of fewer, E says too little
+    naming_samples: int = 16  # of the noise, for the E that it explains
+    naming_min_std_px: float = 0.07  # px: rms error of learned kinematics far from all visits, without noise
+    naming_accept: float = 4.0  # times the E that noise explains: what a naming may leave
+    naming_max_noise: float = 2.0  # px²: E by noise, above which wrong names would be accepted too
+    naming_distinct: float = _deg(3.0)  # rad: a naming that fits in a posture farther away is another answer
+    naming_rival: float = 3.0  # times the E of the answer, or of noise: what another answer may leave at the end
+    naming_certain: float = 0.99  # probability from which a name is certain
+    naming_corrections: int = 5  # of uncertain names, at most
+    naming_motions: int = 4  # further motions, at most, before the points count as impossible to name
+
     # Subproblem
     grid: int = 7  # candidates per joint, for one or two joints
     samples: int = 48  # random candidates, for three joints or more: about as many as 7 x 7
@@ -70,6 +90,10 @@ class TrustRegionOptions:
 
     # Local model
     max_std_per_px: float = _deg(20.0)  # rad/px: a joint that noise of 1 px turns by more is unobservable
+
+    # Final adjustment
+    max_body_sigmas: float = 3.09  # standard deviations; a body like the own one contradicts by more once in a thousand
+    same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 
     # Convergence test
     noise_sigmas: float = 3.0  # standard deviations of E above its mean, up to which E is noise

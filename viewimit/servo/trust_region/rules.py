@@ -11,14 +11,17 @@ from numpy.typing import NDArray
 
 from ...estimation.noise import conflict_quantile
 from ...estimation.residuals import ResidualFunction
+from ...estimation.views import Pairs
 from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
-from .correspondences import find_swaps, with_swaps
-from .image_models import ImageData
+from .correspondences import find_swaps, swapped, with_swaps
+from .final_adjustment import estimate_posture
+from .image_models import ImageData, KinematicImages
 from .local_model import degrees_of_freedom
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
+from .naming import find_naming, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -38,6 +41,50 @@ class StepContext:
     plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
+
+
+def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Search for the names of the demonstrator's points, if kinematics predict the own images everywhere."""
+    model, observation = context.images.fit(), context.observation
+    if not isinstance(model, KinematicImages) or observation.demo is None:
+        return replace(state, naming=None)
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    return replace(state, naming=found, unnamed=observation.demo)
+
+
+def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Review names that are not settled: later visits predict the images better."""
+    naming, model, observation = state.naming, context.images.fit(), context.observation
+    if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
+        return state
+    found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
+    if np.array_equal(found.names, naming.names):
+        return replace(state, naming=found)
+    if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
+        return state
+    return replace(state, naming=found, n_renamings=state.n_renamings + 1)
+
+
+def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
+    """Move to improve the predictions: to the posture of the last naming, or far from all visits.
+
+    Kinematics are found from visits near each other, and then extended: the arm goes farther from motion to motion.
+    """
+    observation, options = context.observation, context.options
+    first, reach = state.known[0].displacement, options.first_radius
+    if state.kinematics is not None:
+        reach = reach * (1 + state.n_naming_motions)
+    within = lambda theta: np.clip(theta, first - reach, first + reach)
+    target = None if state.naming is None else within(state.naming.displacement)
+    if target is None or distance_to_visits(state.known, target[None])[0] < options.naming_grid_step:
+        target = maximin(state.known, within(sample_box(observation, options.restart_candidates)))
+    return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
+
+
+def status_at_rest(status: ServoStatus, state: TrustRegionState) -> ServoStatus:
+    """Return the status to report; where other names explain the images as well, nothing is claimed."""
+    ambiguous = state.naming is not None and state.naming.is_ambiguous
+    return ServoStatus.SETTLED if ambiguous and status.is_claim else status
 
 
 def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -132,8 +179,15 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
     state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
         return state
-    context.residuals = with_swaps(context.residuals, pairs)
+    swap_points(context, pairs)
     return replace(state, search=replace(state.search, rung=0), region=first_region(state.calibration, options))
+
+
+def swap_points(context: StepContext, pairs: Pairs) -> None:
+    """Swap points of the demonstrator in all that the phases of this step see of it."""
+    context.residuals = with_swaps(context.residuals, pairs)
+    if context.observation.demo is not None:
+        context.observation = replace(context.observation, demo=swapped(context.observation.demo, pairs))
 
 
 def current_transfer(state: TrustRegionState, context: StepContext) -> str | None:
@@ -183,6 +237,33 @@ def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[Trust
     if state.mismatch is not None and not np.array_equal(place, best):
         certificate = replace(certificate, verified=False)  # E was measured to rise about the best visit, not here.
     return replace(state, certificate=certificate), place
+
+
+def with_final_adjustment(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Adjust own and demonstrator's images together, and choose posture and status to rest with accordingly.
+
+    Without noise the best visit is exact already, and errors of rounded images are no independent noise. An arm at the
+    adjusted posture is not adjusted again.
+    """
+    observation, certificate, options = context.observation, state.certificate, context.options
+    assert certificate is not None
+    context.status, estimate = certificate.status, state.estimate
+    if observation.noise_px == 0 or state.kinematics is None or not certificate.observable.all():
+        return state
+    if context.images.is_rounded():
+        return state
+    if estimate is None or state.destination.status is None:
+        estimate = estimate_posture(state.kinematics, state.known, observation, context.place, options)
+    if estimate is None:
+        return state
+    if estimate.sigmas >= options.max_body_sigmas:
+        context.status = ServoStatus.NO_PROGRESS
+        return replace(state, estimate=estimate)
+    place = np.clip(estimate.theta, observation.lower, observation.upper)
+    if (np.abs(place - context.place) > options.same_minimum * certificate.std_error).any():
+        certificate = context.plan.certify(place).per_pixel(state.unit_px)
+    context.place, context.status = place, certificate.status
+    return replace(state, estimate=estimate, certificate=certificate.with_std_error(estimate.std_error))
 
 
 def may_verify(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:
@@ -260,7 +341,7 @@ def on_rung(state: TrustRegionState, context: StepContext, rung: int) -> TrustRe
 
     The demonstrator counts as moving again only after it has moved before two more motions.
     """
-    context.residuals = with_swaps(context.residuals, state.swaps.pairs)
+    swap_points(context, state.swaps.pairs)
     return replace(
         state,
         search=replace(state.search, rung=rung),

@@ -12,8 +12,10 @@ from ...geometry.kinematics.model import ProjectiveKinematics
 from ..observation import Observation, Visit
 from ..status import ServoStatus
 from .convergence import Certificate
+from .final_adjustment import PostureEstimate
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
+from .naming import Naming
 from .options import TrustRegionOptions
 
 
@@ -21,6 +23,7 @@ class Phase(str, Enum):
     """What the trust region does before a motion: see `algorithm`."""
 
     PROBE = "probe"
+    MATCH = "match"
     PLAN = "plan"
     DESCEND = "descend"
     VERIFY = "verify"
@@ -78,8 +81,13 @@ class TrustRegionState:
     search: Search = Search()
     destination: Destination = Destination()
     swaps: Swaps = Swaps()
+    naming: Naming | None = None  # of a demonstrator's points that came without names; of the last search
+    unnamed: NDArray[np.float64] | None = None  # (N, 4), the points it names, as they came; None once they have moved
+    n_naming_motions: int = 0  # made because no naming explained the images
+    n_renamings: int = 0  # corrections of the names
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
+    estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
     target_moved: tuple[bool, bool] = (
         False,
         False,
@@ -92,7 +100,7 @@ class TrustRegionState:
     @property
     def probe(self) -> bool:
         """Whether the last motion was made to learn, not to arrive."""
-        return self.phase in (Phase.PROBE, Phase.VERIFY)
+        return self.phase in (Phase.PROBE, Phase.MATCH, Phase.VERIFY)
 
     @property
     def exchanged(self) -> Pairs:
@@ -190,6 +198,8 @@ def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptio
         state.unit_px,
         search=Search(n_restarts=state.search.n_restarts),
         swaps=state.swaps,
+        naming=state.naming,
+        unnamed=state.unnamed,
         target_moved=(False, state.target_moved[1]),
         mismatch=np.zeros(joints),
     )

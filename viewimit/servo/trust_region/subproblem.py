@@ -146,14 +146,7 @@ def _variance_ratio(images: ImageData, best: int, options: TrustRegionOptions) -
     Kinematics average the noise of many visits; a Gaussian process does not. Images that repeat to the last bit at
     other postures have rounded coordinates. Their errors are always the same, so they do not average out.
     """
-    return 1.0 if images.kinematics is None or _repeats(images, best) else options.averaged_variance
-
-
-def _repeats(images: ImageData, best: int) -> bool:
-    """Whether some point has exactly the same image at another posture."""
-    here, others = images.visits[best], [visit for k, visit in enumerate(images.visits) if k != best]
-    elsewhere = (visit for visit in others if (visit.displacement != here.displacement).any())
-    return any(bool((visit.own == here.own).all(-1).any()) for visit in elsewhere)
+    return 1.0 if images.kinematics is None or images.is_rounded(best) else options.averaged_variance
 
 
 def _impute(images: ImageData, max_std_px: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

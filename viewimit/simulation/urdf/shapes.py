@@ -258,6 +258,7 @@ def _atomic_write(path: Path) -> Iterator[Any]:
             file.close()
             os.replace(file.name, path)
         except BaseException:
+            file.close()  # Windows removes no open file
             os.unlink(file.name)
             raise
 

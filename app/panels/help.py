@@ -1,9 +1,84 @@
-"""The help panel: what the page shows, in reading order, and its keys."""
+"""The keys of the page, some of them named at the bottom of the left panel; H opens the help: what the page shows, in
+reading order."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
 
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
-from ...drawing.glossary import listed
+from ..drawing.glossary import listed
+from ..model.page_model import PageModel
+from .panel import Layout
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the page."""
+
+    cap: str  # on the key
+    hotkey: Any  # of viser's HotkeyKey
+    word: str  # what it does
+    sentence: str  # the same, in viser's list of commands
+    command: str
+    hinted: bool = False  # named in the left panel too
+
+
+KEYS = (
+    Key("space", "space", "play", "Play or pause", "play", True),
+    Key("→", "arrowright", "step", "Step: one motion", "step", True),
+    Key("←", "arrowleft", "undo", "Undo: one motion back; at a start, what was before it", "undo"),
+    Key("R", "R", "reset", "Reset to the start", "reset"),
+    Key("N", "N", "next point", "Choose the next point", "next_point"),
+    Key("G", "G", "goal", "Show the goal in L and R, or hide it", "goal"),
+    Key("C", "C", "construct", "Build up, step by step, how the chosen point is recovered", "construction"),
+    Key("V", "V", "view", "Fit the view", "fit_view"),
+    Key("H", "H", "help", "Help", "help", True),
+    Key("M", "M", "large", "Images large, then figures, then all as before", "next_larger"),
+    Key("E", "E", "edit points", "Edit the points of both arms, or end that", "edit_points"),
+    Key("B", "B", "best next", "Propose the point that would tell most; once more: place it", "best"),
+    Key("Del", "delete", "remove point", "Remove the chosen point", "remove"),
+    Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", "remove"),
+    Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", "share"),
+    Key("S", "S", "picture", "Save a picture of the panel chosen under Save", "save_picture"),
+    Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", "dismiss"),
+)
+
+
+def keys(layout: Layout, model: PageModel) -> None:
+    gui, card = layout.gui, None  # the open modal
+    gui.add_html(f'<div class="vi-keys">{key_caps(key for key in KEYS if key.hinted)}</div>')
+    for key in KEYS:
+        _add_hotkey(layout, key)
+
+    def show_help(model: PageModel) -> None:
+        nonlocal card
+        if card is not None:
+            card.close()
+            card = None
+        if model.view.help:
+            card = gui.add_modal("viewimit: what is seen here")
+            with card:
+                done = gui.add_button("Close")  # first, so that it has the focus and is in sight
+                gui.add_html(help_html(key_caps(KEYS)))
+            layout.queue.on_click(done, "help")
+
+    layout.drawing(lambda model: (model.view.help,), show_help)
+
+
+def _add_hotkey(layout: Layout, key: Key) -> None:
+    call = layout.queue.commands[key.command]()
+    entry = layout.gui.add_command(key.sentence, hotkey=key.hotkey)
+
+    @entry.on_trigger
+    async def _(_event) -> None:
+        layout.queue.put(call)
+
+
+def key_caps(keys: Iterable[Key]) -> str:
+    return "".join(f"<span><kbd>{key.cap}</kbd> {key.word}</span> " for key in keys)
+
 
 PARAGRAPHS = (
     ("Two robots, one pair of eyes.", "The stereo head is the learner's. It looks at the demonstrator (l, r), then at "

@@ -1,1 +1,0 @@
-"""The folder Points: body points by hand. What placing one does is in control/."""

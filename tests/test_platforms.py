@@ -1,0 +1,118 @@
+"""Nothing that runs needs what only some systems have: Windows is faked here, and its types are checked elsewhere."""
+
+import ast
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from viewimit import processes
+
+ROOT = Path(__file__).parent.parent
+SOURCES = [path for folder in ("viewimit", "app", "docs", "examples") for path in ROOT.joinpath(folder).rglob("*.py")]
+
+WINDOWS = """
+import asyncio, ctypes, http.server, multiprocessing.spawn, os, signal, socket, subprocess, sys, tempfile, webbrowser
+import msgspec, numpy, PIL.Image, platformdirs, starlette.applications, trimesh, uvicorn, viser, websockets, zstandard
+
+for module in (os, signal, socket):
+    for name in ("fork", "nice", "killpg", "getuid", "sched_getaffinity", "SIGHUP", "SIGKILL", "pthread_sigmask",
+                 "send_fds", "recv_fds", "AF_UNIX"):
+        if hasattr(module, name):
+            delattr(module, name)
+for name in ("fcntl", "resource", "termios", "tty", "pwd", "grp"):
+    sys.modules[name] = None  # an import of it fails
+
+
+class Kernel32:
+    calls = []
+
+    def __getattr__(self, name):
+        def call(*arguments):
+            Kernel32.calls.append((name, *arguments))
+        setattr(self, name, call)
+        return call
+
+
+ctypes.WinDLL = lambda name: Kernel32()
+signal.SIGBREAK = signal.SIGUSR1
+sys.platform = "win32"
+"""
+
+
+def on_windows(code):
+    done = subprocess.run([sys.executable, "-c", WINDOWS + code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_all_modules_load_and_a_run_imitates_on_a_system_like_windows():
+    code = """
+import pkgutil, viewimit.app
+in_app = pkgutil.walk_packages(viewimit.app.__path__, "viewimit.app.")  # which stands elsewhere in a clone
+for found in [*pkgutil.walk_packages(viewimit.__path__, "viewimit."), *in_app]:
+    if not found.name.endswith(("__main__", "physics")):
+        __import__(found.name)
+assert "viewimit.app.serve" in sys.modules
+from viewimit.commands.cli import main
+assert main(["imitate", "--demonstrator", "45,-90", "--start", "25,-45"]) == 0
+"""
+    assert "converged" in on_windows(code)
+
+
+def test_windows_has_its_own_priority_and_ways_to_end():
+    code = """
+import viewimit.processes as processes
+processes.lower_priority(0)
+processes.lower_priority(5)
+with processes.interrupts_withheld():
+    inside = list(Kernel32.calls)
+print([name for name, *_ in Kernel32.calls], Kernel32.calls[1][2] == 0x4000, inside[-1], Kernel32.calls[-1])
+print(processes.stop_signals() == [signal.SIGINT, signal.SIGTERM, signal.SIGBREAK], processes.usable_cores() > 0)
+processes.ignore_interrupts()
+print(signal.getsignal(signal.SIGINT) == signal.getsignal(signal.SIGBREAK) == signal.SIG_IGN, processes.stop_signals())
+from viewimit.app.serve import usual_workers
+from viewimit.app.jobs.child import stand_back
+stand_back(1)
+print(usual_workers("0.0.0.0"))
+"""
+    calls, ends, ignored, workers = on_windows(code).splitlines()
+    once = ["GetCurrentProcess", "SetPriorityClass"]
+    assert calls.startswith(str([*once, "SetConsoleCtrlHandler", "SetConsoleCtrlHandler"]) + " True")
+    assert calls.endswith("('SetConsoleCtrlHandler', None, True) ('SetConsoleCtrlHandler', None, False)")
+    assert ends == "True True" and workers == "1"
+    assert ignored.startswith("True [<Signals.SIGINT") and "SIGUSR1" not in ignored
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="as other systems have it")
+def test_a_child_process_stands_back_and_keeps_nohups_wish():
+    code = """
+import os, signal
+from viewimit import processes
+before = os.nice(0)
+processes.lower_priority(3)
+with processes.interrupts_withheld():
+    print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
+print(os.nice(0) - before, [each.name for each in processes.stop_signals()])
+processes.ignore_interrupts()
+os.kill(os.getpid(), signal.SIGINT)
+os.kill(os.getpid(), signal.SIGHUP)
+print([each.name for each in processes.stop_signals()])
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said.splitlines() == ["True", "3 ['SIGINT', 'SIGTERM', 'SIGHUP']", "['SIGINT', 'SIGTERM']"]
+    assert 1 <= processes.usable_cores() <= os.cpu_count() and signal.SIGINT in processes.stop_signals()
+
+
+def test_every_text_file_is_read_and_written_with_its_encoding():
+    """Windows takes another one by default."""
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
+                continue
+            given = len(node.args) + sum(word.arg == "encoding" for word in node.keywords)
+            least = {"read_text": 1, "write_text": 2}.get(node.func.attr, 0)
+            assert given >= least, f"{path}:{node.lineno}: {node.func.attr} without an encoding"

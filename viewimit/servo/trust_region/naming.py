@@ -1,0 +1,434 @@
+"""Name the demonstrator's points: find which of them is which point of the own body, without any correspondence.
+
+Theory
+------
+1. The posture of the demonstrator is unknown, but the learned kinematics predict the own images in any posture, and how
+   the head sees affine coordinates of space (`ProjectiveKinematics.affine_coordinates`). In the right posture the two
+   bodies are one point set up to an affine map and the order of the points.
+2. Let X (N, 3) be centred affine coordinates and P = X (XᵀX)⁻¹ Xᵀ their hat matrix. An affine map does not change P,
+   and a permutation of the points permutes its rows and columns. So row i of P with its entries sorted describes point
+   i for any map and any order. The assignment problem of the distances of sorted rows names all points.
+3. In other postures the rows do not agree. A grid of postures gives the best few namings, in which P is then compared
+   entry by entry. Each is refined: fit the posture by least squares on E, assign points to the images recovered there,
+   and repeat. A right naming leaves the E of the noise, a wrong one hundreds of times more.
+4. A point without a partner changes every row. So points to leave out are tried, as few as possible. Without i,
+   H = P + 11ᵀ/N becomes H + H_:i H_i: / (1 - H_ii), which is cheap.
+
+A grid of 10° over two joints has 190 postures. With N points it costs some 190 N³ operations and a few assignments of
+N³; it needs no motion. Exchanging two names adds D_ij + D_ji - D_ii - D_jj to the squared residuals, with D_ij the
+squared distance of point i and the recovered j. By Bayes' rule with Gaussian noise this gives a name's probability.
+
+Two namings that fit equally well, in different postures, are two answers. Points cannot decide between them, as for a
+body that is symmetric under half a turn.
+
+References
+----------
+Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistics Quarterly 2, 1955.
+Hoaglin and Welsch, "The hat matrix in regression and ANOVA", The American Statistician 32, 1978.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations, product
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...estimation.prediction import PredictedResiduals
+from ...estimation.rectification import fit_transfer
+from ...estimation.residuals import conflict
+from ...estimation.transfers import TRANSFERS
+from ...estimation.views import FourViews
+from ...geometry.assignment import assign, cheapest_pairs
+from ...geometry.kinematics.adjustment import with_likely_joints
+from ...geometry.kinematics.model import ProjectiveKinematics
+from ..least_squares import minimise
+from .image_models import KinematicImages
+from .options import DEFAULTS, TrustRegionOptions
+
+Array = NDArray[np.float64]
+Names = NDArray[np.int_]
+N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
+METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
+
+
+@dataclass(frozen=True)
+class Naming:
+    """Which of the demonstrator's points is which point of the own body."""
+
+    names: Names  # (N,): the demonstrator's point of each own point, -1 of points without a partner
+    unnamed: Names  # the demonstrator's points that have no partner
+    probability: Array  # (N,): that the name is right rather than exchanged with another; NaN without a partner
+    displacement: Array  # (m,) rad, in which the two bodies agree
+    E: float  # px², that the naming leaves there
+    E_noise: float  # px², of it that noise explains
+    accepted: bool  # whether noise explains E
+    rival: Names | None = None  # (N,): other names that may explain the images as well; None: there are none
+    rival_displacement: Array | None = None  # (m,) rad, in which they do
+    certain_from: float = DEFAULTS.naming_certain
+
+    @property
+    def certain(self) -> NDArray[np.bool_]:
+        """(N,): points whose name is hardly another."""
+        return np.nan_to_num(self.probability) >= self.certain_from
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether further visits can hardly change it: all names are certain, and there is one answer."""
+        return bool(self.certain.all()) and not self.is_ambiguous
+
+    @property
+    def is_ambiguous(self) -> bool:
+        """Whether there are two answers."""
+        return self.rival is not None
+
+
+def find_naming(
+    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
+) -> Naming | None:
+    """Name the points of a demonstrator.
+
+    Parameters
+    ----------
+    demo : (M, 4) array
+        Its points in [l, r], in any order [px]; NaN where a point is not seen in both.
+    model : KinematicImages
+        Predicts the own images; units as of `demo`.
+    lower, upper : (m,) arrays
+        Joint limits [rad].
+    options : TrustRegionOptions, optional
+
+    Returns
+    -------
+    Naming or None
+        The best one; None if there are too few points, or too many without a partner.
+    """
+    search = _Search.begin(demo, model, lower, upper, options)
+    best: Naming | None = None
+    for left_out in range(options.naming_left_out + 1):
+        found = search.best(left_out)
+        if found is not None and found.accepted:
+            return search.with_rival(search.with_points(found))
+        if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
+            best = found
+    return best
+
+
+def review_naming(
+    naming: Naming,
+    demo: Array,
+    model: KinematicImages,
+    lower: Array,
+    upper: Array,
+    options: TrustRegionOptions = DEFAULTS,
+) -> Naming:
+    """Refine a naming where later visits predict the images better. Parameters as of `find_naming`.
+
+    Names may change, points that were left out may be named, and the other answer may prove wrong. If noise no longer
+    explains E, the names are searched for again.
+    """
+    search = _Search.begin(demo, model, lower, upper, options)
+    found = search.refine(search.inner(naming.names), naming.displacement)
+    if found is None or not found.accepted:
+        found = find_naming(demo, model, lower, upper, options)
+        return naming if found is None or not found.accepted else found
+    found = search.with_points(found)
+    if naming.rival is None or naming.rival_displacement is None:
+        return found
+    rival = search.refine(search.inner(naming.rival), naming.rival_displacement)
+    if rival is None or rival.E > options.naming_rival * max(found.E, rival.E_noise):
+        return found
+    return search.with_answers(found, rival)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Points of both bodies that may have partners, n of each, and their hat matrices."""
+
+    demo: Names  # (n,)
+    own: Names  # (n,)
+    demo_hat: Array  # (n, n)
+    own_hats: Array  # (G, n, n)
+
+    def row_distances(self) -> Array:
+        """(G, n, n): squared distances of the sorted rows of all own points and all of the demonstrator's."""
+        return _squared_distances(np.sort(self.own_hats), np.sort(self.demo_hat))
+
+    def aligned(self, g: int) -> Iterator[tuple[float, Names]]:
+        """Yield pairs, (n,), for which the hat matrices agree entry by entry, and the squared distance that is left.
+
+        Sorted rows of a point and of its mirror image are equal. So one point of great leverage is paired with either
+        of the two likeliest first. The entries of its column then decide about the other points.
+        """
+        own, demo = self.own_hats[g], self.demo_hat
+        rows = _squared_distances(np.sort(own)[None], np.sort(demo))[0]
+        for first in np.argsort(-np.diag(own))[:N_LEVERAGES]:
+            for partner in np.argsort(rows[first])[:2]:
+                cost = rows + len(own) * (own[:, first, None] - demo[:, partner]) ** 2
+                for _ in range(ALIGNMENTS):
+                    pairs = assign(cost)
+                    cost = _squared_distances(own[None], demo[:, pairs])[0]
+                yield float(((own - demo[np.ix_(pairs, pairs)]) ** 2).sum()), pairs
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The data of one search. Points are counted among those that are shown, M, and placed by the kinematics, N."""
+
+    demo: Array  # (M, 4) px
+    shown: Names  # (M,): their rows in the whole image
+    placed: Names  # (N,): rows of the own points
+    reliable: NDArray[np.bool_]  # (N,): of which the kinematics know which joints move them; only these make E
+    model: KinematicImages
+    kinematics: ProjectiveKinematics  # with all points placed
+    lower: Array  # (m,) rad
+    upper: Array  # (m,) rad
+    options: TrustRegionOptions
+
+    @classmethod
+    def begin(
+        cls, demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions
+    ) -> "_Search":
+        shown, kinematics = np.flatnonzero(np.isfinite(demo).all(-1)), model.kinematics
+        if kinematics.unknown.any():
+            kinematics = with_likely_joints(kinematics, model.observations)
+        placed = np.flatnonzero(~kinematics.unknown)
+        points = demo[shown], shown, placed, ~model.kinematics.unknown[placed]
+        return cls(*points, model, kinematics, lower, upper, options)
+
+    @cached_property
+    def postures(self) -> Array:
+        """Postures that namings are searched at, (G, m) rad."""
+        return _grid(self.lower, self.upper, self.options)
+
+    @cached_property
+    def demo_hat(self) -> Array:
+        """(M, M)."""
+        return hat_matrix(self.kinematics.affine_coordinates(self.demo))
+
+    @cached_property
+    def own_hats(self) -> Array:
+        """(G, N, N)."""
+        return hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)))
+
+    def best(self, left_out: int) -> Naming | None:
+        """Return the naming with the least E, with as many points left out besides those by which the bodies differ."""
+        best: Naming | None = None
+        for _, g, names in self.starts(self.trials(left_out)):
+            found = self.refine(names, self.postures[g])
+            if found is not None and (best is None or found.E < best.E):
+                best = found
+                if best.accepted and best.E < best.E_noise:
+                    break
+        return best
+
+    def starts(self, trials: Iterable[Trial]) -> list[tuple[float, int, Names]]:
+        """Return the most similar namings of all trials: distance of the hat matrices, index of the posture, names."""
+        most, kept = self.options.naming_starts, list[tuple[float, Trial, int, Names]]()
+        for trial in trials:
+            cost = trial.row_distances()
+            bound = np.maximum(cost.min(1).sum(-1), cost.min(2).sum(-1))  # of the assignment's cost
+            for g in np.argsort(bound).tolist():
+                if len(kept) == most and bound[g] >= kept[-1][0]:
+                    break
+                pairs = assign(cost[g])
+                total = float(cost[g][range(len(pairs)), pairs].sum())
+                kept = sorted([*kept, (total, trial, g, pairs)], key=lambda one: one[0])[:most]
+        found: dict[tuple[bytes, ...], tuple[float, int, Names]] = {}  # by names and neighbourhood
+        for _, trial, g, _ in kept:
+            for total, pairs in trial.aligned(g):
+                names = np.full(len(self.placed), -1)
+                names[trial.own] = trial.demo[pairs]
+                key = names.tobytes(), np.round(self.postures[g] / self.options.naming_neighbourhood).tobytes()
+                if key not in found or total < found[key][0]:
+                    found[key] = total, g, names
+        return sorted(found.values(), key=lambda one: one[0])[: 2 * most]
+
+    def trials(self, left_out: int) -> Iterator[Trial]:
+        """Yield each choice of points to leave out, besides those by which the numbers differ."""
+        M, N = len(self.shown), len(self.placed)
+        demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
+        if min(M - demo_out, N - own_out) < self.options.naming_min_points:
+            return
+        if comb(M, demo_out) * comb(N, own_out) > self.options.naming_trials:
+            return
+        demos = list(_subsets(self.demo_hat, demo_out))
+        for own, own_hats in _subsets(self.own_hats, own_out):
+            for demo, demo_hat in demos:
+                yield Trial(demo, own, demo_hat, own_hats)
+
+    def refine(self, names: Names, start: Array) -> Naming | None:
+        """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points.
+
+        Each fit stays near the last posture: a few wrong names would draw it far away.
+        """
+        count, theta, E = int((names >= 0).sum()), start, np.inf
+        for _ in range(self.options.naming_rounds):
+            theta, E = self.posture(names, theta)
+            if not np.isfinite(E):
+                return None
+            again = cheapest_pairs(self.distances(names, theta), count)
+            if (again == names).all():
+                break
+            names = again
+        else:
+            theta, E = self.posture(names, theta)
+        return self.naming(names, theta, E)
+
+    def posture(self, names: Names, start: Array) -> tuple[Array, float]:
+        """Return the posture with the least E for these names, near the start, (m,) rad, and that E."""
+        views, reach = self.views(names), self.options.naming_reach
+        residuals = PredictedResiduals(views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px)
+        low, high = np.maximum(self.lower, start - reach), np.minimum(self.upper, start + reach)
+        at = minimise(lambda theta: residuals(self.predict(theta)), start[None], low, high)
+        return at.theta, at.E
+
+    def predict(self, theta: Array) -> Array:
+        """Predict the own points, (..., N, 4) px."""
+        return self.kinematics.predict(theta)[..., self.placed, :]
+
+    def views(self, names: Names, own: Array | None = None) -> FourViews:
+        """Return the views of the reliable points under these names."""
+        named = (names >= 0) & self.reliable
+        demo = np.where(named[:, None], self.demo[names], np.nan)
+        visible = np.repeat(named[:, None], 4, 1)
+        return FourViews(demo, np.zeros_like(demo) if own is None else own, visible)
+
+    def distances(self, names: Names, theta: Array) -> Array:
+        """(N, M) px²: squared distances of own points and the demonstrator's, recovered with these names."""
+        own, transfer = self.predict(theta), self._transfer(names, theta)
+        recovered = transfer.recover(self.demo[:, :2], self.demo[:, 2:])
+        return ((own[:, None] - recovered) ** 2).sum(-1)
+
+    def _transfer(self, names: Names, theta: Array):
+        views = self.views(names, self.predict(theta)).used
+        return fit_transfer(METHOD, views, self.kinematics.rectification)
+
+    def naming(self, names: Names, theta: Array, E: float) -> Naming:
+        """Describe a naming; only an accepted one has probabilities."""
+        options, E_noise = self.options, self.noise(names, theta)
+        accepted = E < options.naming_accept * E_noise and E_noise < options.naming_max_noise
+        n_own = len(self.kinematics.points)
+        whole, probability = np.full(n_own, -1), np.full(n_own, np.nan)
+        whole[self.placed] = np.where(names < 0, -1, self.shown[names])
+        if accepted:
+            probability[self.placed] = self.probability(names, theta, max(E, E_noise))
+        unnamed = np.setdiff1d(self.shown, whole)
+        return Naming(whole, unnamed, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
+
+    def noise(self, names: Names, theta: Array) -> float:
+        """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
+        count, seen = self.options.naming_samples, (names >= 0) & self.reliable
+        least = 2 * self.options.naming_min_std_px**2
+        if self.model.noise_px == 0:
+            return least
+        own_errors = self.model.posterior_samples(theta, count, 0)[0][:, self.placed[seen]]
+        noise = np.random.default_rng(1).standard_normal((count, int(seen.sum()), 4))
+        views = self.views(names, self.predict(theta)).select(seen)
+        demo, own = views.demo + self.model.noise_px * noise, views.own + own_errors
+        fit = lambda demo, own: fit_transfer(
+            METHOD, FourViews(demo, own, np.ones(1, bool)), self.kinematics.rectification
+        ).residual(FourViews(demo, own, np.ones(1, bool)))
+        change = np.array([fit(*one) for one in zip(demo, own)]) - fit(views.demo, views.own)
+        return float(conflict(change).mean()) + least
+
+    def probability(self, names: Names, theta: Array, E_noise: float) -> Array:
+        """(N,): probability of each name, against its exchange with any other and a partner that has no name."""
+        seen, D = np.flatnonzero(names >= 0), self.distances(names, theta)
+        own, pairs = D[seen, names[seen]], D[seen][:, names[seen]]
+        more = pairs + pairs.T - own[:, None] - own
+        np.fill_diagonal(more, np.inf)
+        spare = np.setdiff1d(np.arange(len(self.demo)), names)
+        more = np.concatenate([more, D[seen][:, spare] - own[:, None]], 1)
+        found = np.full(len(names), np.nan)
+        # E is half of the squares of four coordinates
+        found[seen] = 1 / (1 + np.exp(np.clip(-more / E_noise, -700, 700)).sum(1))
+        return found
+
+    def with_points(self, found: Naming) -> Naming:
+        """Name points that were left out in vain: pairs that noise explains."""
+        for _ in range(self.options.naming_left_out):
+            names = self.inner(found.names)
+            own, demo = np.flatnonzero(names < 0), np.setdiff1d(np.arange(len(self.demo)), names)
+            if not len(own) or not len(demo):
+                break
+            D = self.distances(names, found.displacement)[np.ix_(own, demo)]
+            i, j = np.unravel_index(D.argmin(), D.shape)
+            names[own[i]] = demo[j]
+            larger = self.naming(names, *self.posture(names, found.displacement))
+            if not larger.accepted:
+                break
+            found = larger
+        return found
+
+    def inner(self, names: Names) -> Names:
+        """Names of the placed points, into the shown ones."""
+        names = names[self.placed]
+        return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
+
+    def with_rival(self, found: Naming) -> Naming:
+        """Look for other names of the same points that explain the images in another posture."""
+        names = self.inner(found.names)
+        own = np.flatnonzero(names >= 0)
+        own_hats = hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)[:, own]))
+        demo_hat = hat_matrix(self.kinematics.affine_coordinates(self.demo[names[own]]))
+        for _, g, other in self.starts([Trial(names[own], own, demo_hat, own_hats)]):
+            if (other == names).all():
+                continue
+            rival = self.refine(other, self.postures[g])
+            if rival is not None and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
+                found = self.with_answers(found, rival)
+                if found.is_ambiguous:
+                    break
+        return found
+
+    def with_answers(self, found: Naming, rival: Naming) -> Naming:
+        """Record another answer, if its names are others and its posture is distinct."""
+        distance = np.abs(rival.displacement - found.displacement).max()
+        if (rival.names == found.names).all() or distance < self.options.naming_distinct:
+            return found
+        return replace(found, rival=rival.names, rival_displacement=rival.displacement)
+
+
+def _squared_distances(own_rows: Array, demo_rows: Array) -> Array:
+    """(G, N, K) and (M, K) → (G, N, M)."""
+    own, demo = np.einsum("gik,gik->gi", own_rows, own_rows), np.einsum("jk,jk->j", demo_rows, demo_rows)
+    return own[:, :, None] + demo - 2 * own_rows @ demo_rows.T
+
+
+def hat_matrix(points: Array) -> Array:
+    """Projection onto the centred coordinates of points, (..., N, 3) → (..., N, N)."""
+    U = np.linalg.svd(points - points.mean(-2, keepdims=True), full_matrices=False)[0]
+    return U @ np.swapaxes(U, -1, -2)
+
+
+def without_point(hat: Array, point: int) -> Array:
+    """Hat matrices of all points but one, from those of all: (..., N, N) → (..., N - 1, N - 1)."""
+    count = hat.shape[-1]
+    H = hat + 1 / count
+    column = H[..., :, point]
+    H = H + column[..., :, None] * column[..., None, :] / np.maximum(1 - H[..., point, point], 1e-9)[..., None, None]
+    kept = np.arange(count) != point
+    return H[..., kept, :][..., kept] - 1 / (count - 1)
+
+
+def _subsets(hat: Array, left_out: int) -> Iterator[tuple[Names, Array]]:
+    """Yield for each choice of points to leave out: those kept, and their hat matrices."""
+    count = hat.shape[-1]
+    for out in combinations(range(count), left_out):
+        smaller = hat
+        for point in reversed(out):
+            smaller = without_point(smaller, point)
+        yield np.setdiff1d(np.arange(count), out), smaller
+
+
+def _grid(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
+    """Postures to search at, (G, m) rad: a grid, or random ones."""
+    counts = np.maximum(np.round((upper - lower) / options.naming_grid_step), 1).astype(int) + 1
+    if counts.prod() > options.naming_postures:
+        rng = np.random.default_rng(0)
+        return rng.uniform(lower, upper, (options.naming_postures, len(lower)))
+    axes = (np.linspace(*limits) for limits in zip(lower, upper, counts))
+    return np.array(list(product(*axes)))

@@ -190,7 +190,7 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert "Caution is satisfied" in page.shown
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
-    assert page.shown.count(E_CURVE) == 1  # the curves
+    assert page.shown.count(E_CURVE) == 2  # the curves, and the small one beside E
     assert all(
         words in help_html("") for words in (RIDGE.assumes, RIDGE.limitations, CAUTIOUS.assumes, CAUTIOUS.limitations)
     )

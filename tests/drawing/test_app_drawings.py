@@ -509,9 +509,9 @@ class TestStatus:
         one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
         assert one.title == "Unobservable: θ₂" and one.sentence.startswith("1 px of noise would shift θ₂ by 36°. E is ")
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
-        assert two.title == "Unobservable: θ₄ and θ₂" and "turn θ₄ any angle, θ₂ 36°" in two.sentence
+        assert two.title == "Unobservable: θ₄ and θ₂" and "shift θ₄ by any angle, θ₂ by 36°" in two.sentence
         level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
-        assert level.title == "Cannot tell θ₄" and level.sentence.startswith("E was seen not to rise. E ")
+        assert level.title == "Unobservable: θ₄" and level.sentence.startswith("E did not rise when the arm moved. E is ")
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "An error of 0.3° would show"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):

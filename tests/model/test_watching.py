@@ -103,7 +103,7 @@ def test_what_is_said_follows_what_is_remembered(visit):
     assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 step."
     play(model)
     count = model.session.history.imitation_motions
-    assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
+    assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} steps."
     model.undoable.change(servo="broyden")
     assert said(model) == "Remembers 12 postures; only for Trust region on images."
 

@@ -149,7 +149,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     assert in_L == in_R == seen >= 5
     assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")
-    assert re.search(r"E [\d.]+ px²", status(page))
+    assert re.search(r"E is [\d.]+ px²", status(page))
     switch(page, "Camera images")
     wait_for_count(page, PHOTOGRAPH, 0, exactly=True)
     assert page.problems == []

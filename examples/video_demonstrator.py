@@ -32,7 +32,9 @@ class VideoDemonstrator:
         ]
         demo = np.full((2, len(now.own), 2), np.nan)
         for image, video in zip(demo, self.videos):
-            image[[int(name) for name in video.points]] = video.above_confidence(0.6)[np.searchsorted(video.frames, wanted)]
+            image[[int(name) for name in video.points]] = video.above_confidence(0.6)[
+                np.searchsorted(video.frames, wanted)
+            ]
         return FourViews.from_images(*demo, *own)
 
 

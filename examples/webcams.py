@@ -2,8 +2,8 @@
 
     python examples/webcams.py 0 1        the numbers of the left and of the right camera
 
-Print markers of OpenCV's dictionary 4x4_50. Stick number k on your arm and number 25 + k at the same place of the
-demonstrator, k = 0 … 24: eight or more, on the base and on every link. Nothing is measured and nothing calibrated.
+Print the markers: viewimit markers. Stick number k on your arm and number 25 + k at the same place of the demonstrator,
+k = 0 … 24: eight or more, on the base and on every link. Nothing is measured and nothing calibrated.
 Needs OpenCV with cameras: pip install opencv-python, in place of opencv-python-headless.
 """
 
@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 
 from viewimit import FourViews, Session
-from viewimit.sensing.detection import Fiducials
+from viewimit.sensing.detection import FIRST_OF_DEMONSTRATOR, Fiducials
 
-MARKERS, DEMONSTRATOR = 25, 25  # on each arm; what is added to the numbers on the demonstrator
+MARKERS, DEMONSTRATOR = 25, FIRST_OF_DEMONSTRATOR  # on each arm; what is added to the numbers on the demonstrator
 
 
 class Webcams:

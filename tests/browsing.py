@@ -152,8 +152,13 @@ def stands(session) -> list[float]:
 
 def row(page, label: str):
     """The innermost row of the panel that carries this label."""
-    rows = page.locator("div.mantine-Flex-root").filter(has=page.get_by_text(label, exact=True))
+    rows = page.locator("div.mantine-Flex-root").filter(has=page.get_by_text(_named(label)))
     return rows.filter(has=page.locator("input")).last
+
+
+def _named(label: str) -> re.Pattern:
+    """A label, with the name of the joint before its symbol."""
+    return re.compile(f"^(Start )?(?:{drawn.JOINT_NAME})?{re.escape(label.removeprefix('Start '))}$")
 
 
 def set_number(page, label: str, value) -> None:
@@ -206,11 +211,11 @@ def still(page, read, looks: int = 4):
 
 
 def fold(page, folder: str) -> None:
-    """Open it, or shut it, and wait until nothing moves."""
+    """Open it, or shut it, and wait until nothing moves. What it holds stands beside its name."""
     of_panels = "[...document.querySelectorAll('.mantine-ScrollArea-content')].map(e => e.offsetHeight).join()"
     heights = lambda: page.evaluate(of_panels)
     before = heights()
-    page.get_by_text(folder, exact=True).click()
+    page.get_by_text(re.compile(f"^{re.escape(folder)}(: .*)?$")).click()
     wait(page, lambda: heights() != before)
     still(page, heights)
 

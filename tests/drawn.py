@@ -93,6 +93,14 @@ SCALE_OF_MORE = "vi-scale vi-scale-up"  # of a word of which more is better
 OFFER, LESSONS = "vi-offer", "vi-lessons"
 DRAWING = "vi"  # any
 
+JOINT_NAME = r"(?:Base|Shoulder|Upper arm|Elbow|Forearm|Wrist|Hand|Joint) (?=θ)"
+
+
+def label(words: str | None) -> str:
+    """A widget's label as tests write it: of a joint, the symbol; of a folder, not what it holds."""
+    return re.sub(JOINT_NAME, "", words or "").split(": ")[0]
+
+
 LAYOUT_ONLY = {EXPERIMENT, SOLID}  # classes of figures that need no style
 LAYOUT_ONLY_OF_DUELS = {DUEL, ALL_TRANSFERS, SOLID}
 

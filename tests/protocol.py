@@ -10,6 +10,7 @@ from ssl import SSLContext
 import msgspec
 import viser
 import zstandard
+from drawn import label
 from waiting import wait_until
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
@@ -172,13 +173,13 @@ class Client:
             if "content" in message["updates"]:
                 self.html[uuid] = message["updates"]["content"]
         elif kind == "GuiRemoveMessage":
-            self.widgets = {label: other for label, other in self.widgets.items() if other != uuid}
+            self.widgets = {name: other for name, other in self.widgets.items() if other != uuid}
         elif kind == "RegisterCommandMessage":
             self.commands[props["label"]] = uuid
         elif kind == "GuiHtmlMessage":
             self.html[uuid] = props["content"]
         elif kind.startswith("Gui") and "label" in props:
-            self.widgets[props["label"]] = uuid
+            self.widgets[label(props["label"])] = uuid
             self.values[uuid] = message.get("value")
             if props["label"] == "vi-actions":
                 self.tab.number = 0

@@ -5,6 +5,7 @@ import re
 import time
 from types import SimpleNamespace
 
+import drawn
 import msgspec
 from protocol import Tab
 from viewimit.app.jobs.camera_images import CameraProcess
@@ -29,6 +30,9 @@ class Widget(QuietHandle):
         self.callbacks = []
         vars(self).update(fields, label=label)
 
+    def remove(self):
+        self.visible = False
+
     def on_update(self, callback):
         self.callbacks.append(callback)
         return callback
@@ -46,7 +50,7 @@ class Gui(QuietHandle):
         self.widgets.append(Widget(label, **fields))
         return self.widgets[-1]
 
-    def add_html(self, content, visible=True):
+    def add_html(self, content, visible=True, order=None):
         return self._add("", content=content, visible=visible)
 
     def add_text(self, label, initial_value, **_):
@@ -58,6 +62,9 @@ class Gui(QuietHandle):
 
     def add_slider(self, label, min, max, step, initial_value, hint=None, **_):
         return self._add(label, min=min, max=max, step=step, value=initial_value, hint=hint)
+
+    def add_number(self, label, initial_value, **_):
+        return self._add(label, value=initial_value)
 
     def add_button_group(self, label, options, **_):
         return self._add(label, options=tuple(options), value=options[0])
@@ -78,11 +85,12 @@ class QuietPage:
         landscapes=None,
         shared=None,
         scripts=None,
+        experiments=None,
     ):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
-        workers = landscapes or LandscapeWorker(), ExperimentWorker(), camera
+        workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), camera
         clock = lambda: self.now
         how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
         services = Services(*workers, shedding, lambda robot, arm: None, **how)
@@ -90,7 +98,7 @@ class QuietPage:
         self.page = Page(self.client, services, settings or Settings.paper(), info)
 
     def widget(self, label):
-        return next(widget for widget in self.gui.widgets if widget.label == label)
+        return next(widget for widget in self.gui.widgets if drawn.label(widget.label) == label)
 
     def choose(self, label, value):
         """Change a widget as a person does: a dropdown offers the value."""

@@ -172,7 +172,11 @@ class Relay:
         with suppress(OSError):
             while True:
                 near = self._listener.accept()[0]
-                far = socket.create_connection(self._to)
+                try:
+                    far = socket.create_connection(self._to)
+                except ConnectionRefusedError:  # its server is gone
+                    near.close()
+                    continue
                 self._sockets += [near, far]
                 for source, sink in ((near, far), (far, near)):
                     threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
@@ -182,6 +186,18 @@ class Relay:
             while not self.silent.is_set() and (data := source.recv(65536)):
                 if not self.silent.is_set():
                     sink.sendall(data)
+
+    def lead_to(self, url: str) -> None:
+        """Lead new connections to another server."""
+        self._to = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
+
+    def cut(self) -> None:
+        """Close all connections that are open."""
+        for each in self._sockets:
+            with suppress(OSError):
+                each.shutdown(socket.SHUT_RDWR)
+            each.close()
+        self._sockets = []
 
     def close(self) -> None:
         for each in [self._listener, *self._sockets]:

@@ -218,7 +218,7 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
         for module, node in imports_of(path):
             if module[:2] == ("viewimit", "app"):
                 assert module_of(path) in {
-                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam")
+                    ("viewimit", "commands", name) for name in ("serve", "lab", "class_", "handout", "exam", "markers")
                 }
                 assert node.col_offset > 0, "at the top of the module"
 
@@ -234,6 +234,7 @@ def test_the_page_and_the_lab_are_imported_by_their_commands_alone_and_only_when
         ("distributed", {"experiments"}),
         ("pandas", set()),
         ("resvg_py", {"drawing"}),
+        ("typst", {"drawing"}),
         ("ziamath", {"drawing"}),
         ("matplotlib", set()),
         ("pybullet_data", set()),

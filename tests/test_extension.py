@@ -65,7 +65,6 @@ RIDGE = TransferMethod(
     assumes="That a little shrinkage hurts nobody.",
     limitations="Where it does.",
     fit=fit_ridge,
-    stored=(RidgeTransfer, Penalty),
     equations=ridge_equations,
     condition_name="cond ridge",
     degenerate_message="the ridge is too narrow",
@@ -109,7 +108,6 @@ CAUTIOUS = ServoMethod(
     title="Cautious",
     assumes="That Broyden exaggerates.",
     limitations="Where haste is called for.",
-    stored=(CautiousState, *SERVOS["broyden"].stored),
     equations=cautious_equations,
     describe_status=lambda state, status: "Caution is satisfied" if status == "settled" else "",
 )

@@ -9,9 +9,8 @@ from .registry import command
 
 CLIENT_REPORTED = {
     "dark": "prefers_dark",
-    "layout": "wide",
-    "vast": "vast",
     "truth": "truth",
+    "flat": "flat",
 }  # fields of View, by link
 
 
@@ -118,13 +117,13 @@ def fit_view(model: PageModel) -> None:
     model.show(fits=model.view.fits + 1)
 
 
-@command("share", order_independent=True)
+@command("share", order_independent=True, link=True)
 def toggle_share(model: PageModel) -> None:
     """Open or close the card with a link to what the page shows, and with the code that repeats it."""
     model.show(share=not model.view.share)
 
 
-@command("help", order_independent=True)
+@command("help", order_independent=True, link=True)
 def toggle_help(model: PageModel) -> None:
     model.show(help=not model.view.help)
 

@@ -162,8 +162,8 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
     won = ngettext(
-        "The {name} was first within {angle}° of the demonstrator, after {n} step.",
-        "The {name} was first within {angle}° of the demonstrator, after {n} steps.",
+        "The {name} was first within {angle}°, after {n} step.",
+        "The {name} was first within {angle}°, after {n} steps.",
         soonest,
     ).format(name=NAMES[first], angle=aim, n=soonest)
     late = standings[1 - first].arrived

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from viewimit.analysis.observability import PointInformation, Proposal, unobservable_joints
 from viewimit.analysis.self_assessment import Assessment
 from viewimit.drawing import svg
+from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
@@ -46,8 +47,9 @@ def draw_learner(
     ):
         place = lambda angle, low=low, high=high: INSET + (width - 2 * INSET) * (angle - low) / (high - low)
         x, mark, y = place(own), place(demo), HEIGHT / 2
+        name = svg.joint_symbol(joint) if columns else joint_name(scene, joint)
         rows.append(
-            f'<div class="vi-bar"><span>{svg.joint_symbol(joint)}</span><svg viewBox="0 0 {width} {HEIGHT}">'
+            f'<div class="vi-bar"><span>{name}</span><svg viewBox="0 0 {width} {HEIGHT}">'
             f'<line x1="{INSET}" x2="{width - INSET}" y1="{y}" y2="{y}" class="vi-bar-rail"/>'
             f"{_band(place(max(own - band[k], low)), place(min(own + band[k], high))) if band[k] else ''}"
             f'<line x1="{x:.1f}" x2="{mark:.1f}" y1="{y}" y2="{y}" class="vi-bar-gap"/>'

@@ -132,10 +132,6 @@ class Presets:
         self.chosen = next(iter(self.offered.values()))
         self._complete: tuple[Preset, Settings] | None = None  # those of the chosen one, as a session has them
 
-    def choose_named(self, name: str) -> None:
-        """If there is one of that name."""
-        self.chosen = self.offered.get(name, self.chosen)
-
     def differ(self, settings: Settings) -> bool:
         """Whether a session's settings are others than those of the chosen one."""
         if self._complete is None or self._complete[0] is not self.chosen:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
-CLIENT_REPORTED = ("wide", "vast", "prefers_dark", "truth", "unseen")  # fields that the browser reports
+CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # in place of all tabs' names
 SWITCHES = (
     "goal",
@@ -16,7 +16,7 @@ SWITCHES = (
     "rectified",
     "shadows",
 )  # kept by their names
-SWITCHED = {name: name for name in (*SWITCHES, "dark", "look_only")}  # that the visitor sets
+SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,11 @@ class View:
     whole_frames: bool = False
     rectified: bool = False
     shadows: bool = False
+    flat: bool = False  # a still picture instead of the 3-D view, as a browser without WebGL or speed asks for it
     dark: bool | None = None  # None: as the browser prefers
     prefers_dark: bool = False  # the browser's preference
     help: bool = False  # whether the help is open
     fits: int = 0  # how often the visitor has asked for the default camera
-    wide: bool = False  # whether the window has room for more, as the browser says
-    vast: bool = False  # or for much more
     look_only: bool = False  # a posture that is clicked is previewed, and nothing moves
     share: bool = False  # whether the card with link and code is open
     large: str | None = None  # of LARGE: what fills the window beside the controls

@@ -80,6 +80,9 @@ class CommandLoop:
         if not self._apply_within_budget(commands[:first], now, commands[first:]):
             return
         rest = commands[first:]  # in their order: what comes after a motion may depend on it
+        if model.following.restores and not restores:  # which has just begun
+            self._queue.put_back(rest)
+            return
         self._asked_at = now
         if opens:
             self._announce_pictures()
@@ -110,7 +113,8 @@ class CommandLoop:
     def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
         for k, entry in enumerate(commands):
-            if not self._budget.left:
+            waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
+            if waits or not self._budget.left:
                 self._queue.put_back(commands[k:] + (rest or []))
                 return False
             self._budget.spend(partial(self._apply, entry, now))

@@ -7,43 +7,44 @@ from collections.abc import Callable
 
 from ..model.page_model import PageModel
 from .actions import actions
-from .arms import demonstrator, learner
-from .display import display, enlarge, views
+from .arms import demonstrator, learner, start
+from .display import display, enlarge, still, views
 from .duel import duel
 from .experiments import experiments
 from .guide import glossary, lessons
 from .help import keys
-from .images import conflict, images
-from .landscape import landscape, law
+from .images import images
+from .landscape import landscape
 from .method import disturbances, method
 from .motions import motions
 from .panel import Layout
-from .playback import history, playback
+from .playback import copy, history, situation
 from .plots import curves, equations
 from .points import points
 from .share import save, share
 from .status import status
 
 PANELS: list[Callable[[Layout, PageModel], None]] = [
-    playback,
     lessons,
-    history,
+    situation,
     demonstrator,
+    copy,
+    history,
     learner,
+    start,
     method,
     disturbances,
-    display,
     points,
+    display,
     save,
     keys,
     glossary,
     status,
     share,
+    still,
     views,
     images,
-    conflict,
     landscape,
-    law,
     curves,
     equations,
     duel,

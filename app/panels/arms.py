@@ -1,7 +1,10 @@
 """The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before."""
 
+from collections.abc import Sequence
+
 from viser import Icon
 
+from viewimit.drawing.svg import number
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import given
 
@@ -11,13 +14,17 @@ from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put_html
 
 WATCH, STOP, FORGET = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP), ("Forget", Icon.ERASER)
+MANY = 4  # joints, whose angles are too long for a folder's name
 HINT = f"the learner goes through {DEFAULT_POSTURES} postures, with nobody to imitate, and needs no probes then"
 
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
-    with layout.gui.add_folder("Demonstrator"):
-        layout.gui.add_html('<span class="vi-demonstrator-folder"></span>')
+    """First of what stays in sight on every window: in a folder without a frame, which `playback.copy` goes on with."""
+    layout.named["tray"] = layout.gui.add_folder("Pose and play")
+    with layout.named["tray"]:
+        layout.gui.add_html('<h3 class="vi-part vi-tray"><b>1</b> Pose the demonstrator</h3>')
         inside = layout.gui.add_folder(None)
+        layout.gui.add_html('<div class="vi-or">… or drag its hand in the scene</div>')
     sliders = JointSliders(layout, inside, "{}", "pose_joint")
 
     def show(model: PageModel) -> None:
@@ -28,17 +35,12 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
 
 
 def learner(layout: Layout, model: PageModel) -> None:
-    """Bars beside the demonstrator's, and where it starts, folded: a slider a joint, which asks for the same as a click
-    on the landscape."""
-    with layout.gui.add_folder("Learner"):
-        bars = layout.gui.add_html("")
-        with layout.row(quiet=True):
-            layout.button(
-                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: rehearsal_of(model.session).offered
-            )
-            layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
-        inside = layout.gui.add_folder("Start", expand_by_default=False)
-    start = JointSliders(layout, inside, "Start {}", "start_joint", "degrees; the learner begins anew there")
+    """Bars beside the demonstrator's."""
+    layout.gui.add_html(
+        '<h3 class="vi-part">Learner <span>(<i class="vi-is-now"></i> now, <i class="vi-is-goal vi-tells"></i>'
+        '<span class="vi-tells"> goal</span>)</span></h3>'
+    )
+    bars = layout.gui.add_html("")
 
     def bars_key(model: PageModel) -> tuple:
         shown = model.displayed
@@ -54,11 +56,30 @@ def learner(layout: Layout, model: PageModel) -> None:
         """They move along with the arm; numbers that change with every motion nobody reads faster."""
         return 0.0 if model.displayed.interpolated_theta is not None else SLOW
 
-    def show_start(model: PageModel) -> None:
-        start.show(model, given(model.settings.start_deg))
-
     layout.drawing(bars_key, draw_bars, bars_period)
+
+
+def start(layout: Layout, model: PageModel) -> None:
+    """Where the learner starts: a slider a joint, which asks for the same as a click on the landscape; and what it has
+    seen of itself before."""
+    folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
+    with folder:
+        with layout.row(quiet=True):
+            layout.button(
+                _rehearsal_look, "rehearsal", hint=HINT, enabled=lambda model: rehearsal_of(model.session).offered
+            )
+            layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
+        inside = layout.gui.add_folder(None)
+    sliders = JointSliders(layout, inside, "Start {}", "start_joint", "the learner begins anew there")
+
+    def show_start(model: PageModel) -> None:
+        sliders.show(model, given(model.settings.start_deg))
+
     layout.drawing(lambda model: (model.generation, model.settings.start_deg, model.inputs), show_start)
+
+
+def _angles(angles_deg: Sequence[float]) -> str:
+    return ", ".join(f"{number(angle, 0)}°" for angle in angles_deg) if len(angles_deg) < MANY else "own"
 
 
 def _rehearsal_look(model: PageModel) -> Look:

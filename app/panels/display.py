@@ -1,8 +1,9 @@
-"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera; and how
-much room the browser's window has."""
+"""How the page shows the session: a chosen point, layout, camera images, switches, colours, the default camera; and
+what a small window shows of it."""
 
 import html
 
+from viewimit.drawing.export.perspective import draw_space
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
@@ -11,10 +12,9 @@ from ..model.choices import NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
 from ..model.view import LARGE
-from .panel import Layout, put, put_disabled, put_html, put_visible
+from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
 
 SWITCHES = (
-    ("Goal in L and R", "goal"),
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
     ("Residuals, 3-D", "residuals"),
@@ -22,6 +22,7 @@ SWITCHES = (
     ("Whole frames", "whole_frames"),
     ("Raw, rectified", "rectified"),
     ("Shadows", "shadows"),
+    ("Still picture", "flat"),
     ("Dark", "dark"),
 )
 ICONS = {  # 24 x 24, strokes
@@ -35,7 +36,7 @@ VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "
 
 def display(layout: Layout, model: PageModel) -> None:
     gui, queue = layout.gui, layout.queue
-    with gui.add_folder("Display", expand_by_default=False):
+    with layout.folder("Display"):
         chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
         points = gui.add_dropdown("Layout", ["10 points"], initial_value="10 points")
         rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matches ask for it")
@@ -87,19 +88,30 @@ def why_no_pictures(scene: Scene) -> str | None:
     return None
 
 
+def still(layout: Layout, model: PageModel) -> None:
+    """What takes the place of the 3-D view in a browser without WebGL, or too slow for it, or where it is chosen."""
+    picture = layout.gui.add_html("")
+
+    def key(model: PageModel) -> tuple:
+        return (model.displayed.scene_snapshot, model.view.truth, model.view.rays) if model.view.flat else (None,)
+
+    def draw(model: PageModel) -> None:
+        if not model.view.flat:
+            return put_html(picture, "")
+        drawn = draw_space(
+            model.session.world, model.displayed.scene_snapshot, None, model.view.rays, True, model.view.truth
+        )
+        box = f'viewBox="0 0 {drawn.width} {drawn.height:.0f}" role="img" aria-label="{drawn.title}"'
+        put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
+
+    layout.drawing(key, draw, period=SLOWEST)
+
+
 def views(layout: Layout, model: PageModel) -> None:
     """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
-    server. And the widths of the panels, by the room that a window has."""
+    server."""
     tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
     layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
-    widened = [0]
-
-    def widen(room: int) -> None:
-        if room != widened[0]:
-            widened[0] = room
-            layout.widen(room)
-
-    layout.bind(lambda model: 2 if model.view.vast else int(model.view.wide), widen)
 
 
 def _tab(name: str, label: str, checked: bool) -> str:

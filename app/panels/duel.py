@@ -1,4 +1,4 @@
-"""The tab Duel: the opponent's method, both paths, standings; in a wide window the errors beneath the paths."""
+"""The tab Duel: the opponent's method, both paths, standings."""
 
 from viser import Icon
 
@@ -31,15 +31,15 @@ def duel(layout: Layout, model: PageModel) -> None:
         def key(model: PageModel) -> tuple:
             opponent = model.duel.opponent
             both = (None, None) if opponent is None else (model.snapshot, opponent.snapshot)
-            return *both, model.view.wide
+            return *both, model.player.playing
 
         def draw(model: PageModel) -> None:
             opponent, scene = model.duel.opponent, model.session.scene
             paths = plot = ""
             if opponent is not None:
                 standings = model.duel.standings
-                paths = drawing.draw_race(scene, (model.session, opponent), standings)
-                if model.view.wide and len(scene.moving_joints) == 2:
+                paths = drawing.draw_race(scene, (model.session, opponent), standings, model.player.playing)
+                if len(scene.moving_joints) == 2:
                     plot = drawing.draw_errors_alone(standings)
             put_html(race, paths)
             put_html(errors, plot)

@@ -18,23 +18,33 @@ from .panel import SLOWEST, Layout, put_html
 
 TOUR = "tour"
 REWRITTEN_EVERY = 2.0  # s
+LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """Links to all lessons, each with the way back to what the page shows now."""
-    listed, offered = layout.gui.add_html(""), not model.tour_offered
+    """The page's name with Tour, Share and Help; last in its column links to all lessons, each with the way back to
+    what the page shows now."""
+    head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
 
     def key(model: PageModel) -> tuple:
-        return model.tour_offered, model.snapshot, model.view, model.player.speed, model.preset.name
+        return (
+            model.tour_offered,
+            model.player.last > 0,
+            model.snapshot,
+            model.view,
+            model.player.speed,
+            model.preset.name,
+        )
 
     def draw(model: PageModel) -> None:
         nonlocal offered
-        offered = model.tour_offered
+        offered = _offered(model)
+        put_html(head, draw_head(model, layout.info.lessons))
         put_html(listed, offers(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
         """The way back is written anew now and then, as that takes time; the offer goes at once."""
-        return REWRITTEN_EVERY if model.tour_offered == offered else 0.0
+        return REWRITTEN_EVERY if _offered(model) == offered else 0.0
 
     layout.drawing(key, draw, period)
 
@@ -51,6 +61,22 @@ def glossary(layout: Layout, model: PageModel) -> None:
     )
 
 
+def _offered(model: PageModel) -> bool:
+    """Whether the tour is: not to a visitor who has begun."""
+    return model.tour_offered and model.player.last == 0
+
+
+def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
+    """The page's name and three buttons, at every size."""
+    first = next(iter(lessons), "")
+    tour = TOUR if first in ORDER else first
+    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', "Tour", "</a>")] if tour else []
+    shown = "".join(f'{start}<span class="vi-head-button">{words}</span>{end}' for start, words, end in buttons)
+    for what, words in (("share", "Share"), ("help", "Help")):
+        shown += button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
+    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
+
+
 def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     """Links to all lessons, and the offer of the tour, or of a lecturer's first one."""
     back = way_back(model)
@@ -59,7 +85,7 @@ def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
         for name, lesson in lessons.items()
     )
     listed = f'<div class="vi-lessons">Lessons: {links}</div>'
-    if not model.tour_offered or not lessons:
+    if not _offered(model) or not lessons:
         return listed
     first = next(iter(lessons))
     name = TOUR if first in ORDER else first  # a lecturer's own come first

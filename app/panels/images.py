@@ -1,11 +1,10 @@
-"""The four images, and under them, in a window with room for it, eq. (6) with its numbers."""
+"""The four images."""
 
-from viewimit.drawing.equations import draw_conflict
 from viewimit.drawing.images.rectified import draw_rectified
 
 from ..drawing.overlays import point_links, point_places, proposed_marks
 from ..model.page_model import PageModel
-from .panel import SLOWEST, Layout, put_html, put_visible
+from .panel import Layout, put_html
 
 
 def images(layout: Layout, model: PageModel) -> None:
@@ -51,17 +50,3 @@ def images(layout: Layout, model: PageModel) -> None:
 
         layout.drawing(key, draw)
         layout.drawing(links_key, draw_links)
-
-
-def conflict(layout: Layout, model: PageModel) -> None:
-    with layout.upper_tab("Images"):
-        equation = layout.gui.add_html("", visible=False)
-
-        def draw(model: PageModel) -> None:
-            if model.view.wide:
-                put_html(equation, f'<div class="vi-beside">{draw_conflict(model.displayed.image_snapshot)}</div>')
-            put_visible(equation, model.view.wide)
-
-        layout.drawing(
-            lambda model: (model.displayed.image_snapshot if model.view.wide else None,), draw, period=SLOWEST
-        )

@@ -1,15 +1,13 @@
-"""E over the postures and the learner's path in it; or all transfers' landscapes. A posture is touched there. Under it,
-in a window with room for it, the servo's law with its numbers."""
+"""E over the postures and the learner's path in it; or all transfers' landscapes. A posture is touched there."""
 
 from viser import Icon
 
-from viewimit.drawing.equations import draw_law
 from viewimit.drawing.glossary import ask
 
 from ..drawing.glossary import asks
 from ..drawing.overlays import draw_see_through, posture_links
 from ..model.page_model import PageModel
-from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
+from .panel import SLOW, Layout, put_html, put_visible
 
 COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
@@ -41,7 +39,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
         def key(model: PageModel) -> tuple:
             on_its_way = model.displayed.interpolated_theta
             theta = model.snapshot.theta if on_its_way is None else on_its_way
-            return model.landscape.made, model.snapshot, theta.tobytes(), model.player.last
+            return model.landscape.made, model.snapshot, theta.tobytes()
 
         def draw(model: PageModel) -> None:
             made, session = model.landscape.made, model.session
@@ -68,18 +66,6 @@ def landscape(layout: Layout, model: PageModel) -> None:
         )
 
 
-def law(layout: Layout, model: PageModel) -> None:
-    with layout.tab("Landscape"):
-        equation = layout.gui.add_html("", visible=False)
-
-        def draw(model: PageModel) -> None:
-            if model.view.wide:
-                put_html(equation, f'<div class="vi-beside">{draw_law(model.snapshot)}</div>')
-            put_visible(equation, model.view.wide)
-
-        layout.drawing(lambda model: (model.snapshot if model.view.wide else None,), draw, period=SLOWEST)
-
-
 def _draw_basin(model: PageModel) -> str:
     run = model.basins.run
     return "" if run is None else run.figure or WAITING
@@ -87,4 +73,4 @@ def _draw_basin(model: PageModel) -> str:
 
 def _starts_look(model: PageModel) -> tuple:
     run = model.basins.run
-    return FROM_STARTS if run is None else CANCEL if run.goes_on else HIDE
+    return FROM_STARTS if run is None or model.comparison.on else CANCEL if run.goes_on else HIDE

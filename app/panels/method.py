@@ -6,14 +6,23 @@ from viewimit.loop.settings import MAX_SEED
 from viewimit.servo import SERVOS
 
 from ..drawing.glossary import beside
-from ..model.choices import OF_ARMS, OF_IMAGES, Amount, chosen_joints, joint_choices, servo_names, transfer_names
+from ..model.choices import (
+    FRAMES,
+    OF_ARMS,
+    OF_IMAGES,
+    Amount,
+    chosen_joints,
+    joint_choices,
+    servo_names,
+    transfer_names,
+)
 from ..model.page_model import PageModel
 from .panel import Layout, put
 
 
 def method(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Method"):
+    with layout.folder("Method", _method):
         gui.add_html(beside("transfer"))
         transfers, servos = list(transfer_names().values()), list(servo_names().values())
         layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
@@ -35,7 +44,7 @@ def method(layout: Layout, model: PageModel) -> None:
 
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with gui.add_folder("Disturbances"):
+    with layout.folder("Disturbances", _disturbances):
         for amount in OF_IMAGES:
             _add_amount(layout, amount, model)
         with gui.add_folder("Arm and chance", expand_by_default=False):
@@ -43,6 +52,19 @@ def disturbances(layout: Layout, model: PageModel) -> None:
                 _add_amount(layout, amount, model)
             seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
+
+
+def _method(model: PageModel) -> str:
+    """Transfer and servo, by the first words of their titles."""
+    transfer, servo = TRANSFERS[model.settings.transfer].title, SERVOS[model.settings.servo].title
+    return f"{transfer.split()[0].lower()}, {servo.split(' on ')[0].split(' (')[0]}"
+
+
+def _disturbances(model: PageModel) -> str:
+    """The first two, by their names."""
+    amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
+    there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
+    return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
 def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:

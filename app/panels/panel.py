@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from viser import ClientHandle, GuiButtonHandle, IconName
 
-from viewimit.drawing.svg import joint_symbol
+from viewimit.drawing.export.engine_scene import joint_name
 
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
@@ -24,8 +24,6 @@ from ..model.queue import CommandQueue
 from ..viser_private import push_input, push_property
 
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
-WIDTHS = (440, 560, 760)  # px of the right panels, by the room that a window has
-LEFT_WIDTHS = (280, 300, 300)
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName]  # a button's label and icon
@@ -130,14 +128,8 @@ class Layout:
             panel(self, model)
         self._upper.dock_right()
         self._lower.dock_below(self._upper)
-        self.widen(0)
         for docked in (self._upper, self._lower):  # on a phone, where panels are sections of one sheet, closed at first
             docked.expand()
-
-    def widen(self, room: int) -> None:
-        """Give the panels the widths for a window with room for no more, 0, for more, 1, or for much more, 2."""
-        self.gui.main_panel.set_width(LEFT_WIDTHS[room])
-        self._upper.set_width(WIDTHS[room])
 
     def upper_tab(self, name: str) -> AbstractContextManager[None]:
         """The tab of this name in the upper panel: all that is declared inside stands in it."""
@@ -151,6 +143,14 @@ class Layout:
     def upper_tabs(self) -> list[AbstractContextManager]:
         """All tabs that the upper panel has so far, to add widgets to."""
         return list(self._upper_tabs.values())
+
+    def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
+        """A closed folder. holds: what is chosen in it, in a few words, which stands beside its name."""
+        label = (lambda model: f"{name}: {holds(model)}") if holds else (lambda model: name)
+        handle = self.gui.add_folder(label(self._model), expand_by_default=False)
+        if holds:
+            self.bind(label, lambda shown: put_folder_label(handle, shown))
+        return handle
 
     @contextmanager
     def row(self, quiet: bool = False) -> Iterator[None]:
@@ -273,7 +273,9 @@ class JointSliders:
         Called with the number of the joint, counted among those that move, and its angle in degrees.
     """
 
-    def __init__(self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str = "degrees"):
+    def __init__(
+        self, layout: Layout, inside: AbstractContextManager, name: str, command: str, hint: str | None = None
+    ):
         self._layout, self._inside, self._name, self._command, self._hint = layout, inside, name, command, hint
         self._sliders: list = []
         self._generation = -1
@@ -293,7 +295,7 @@ class JointSliders:
         scene, self._generation, self._sliders = model.session.scene, model.generation, []
         with self._inside:
             for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
-                name = self._name.format(joint_symbol(joint))
+                name = self._name.format(joint_name(scene, joint))
                 slider = self._layout.gui.add_slider(name, low, high, 0.5, angles_deg[k], hint=self._hint)
                 self._layout.queue.on_value(slider, self._command, k)
                 self._sliders.append(slider)
@@ -325,6 +327,11 @@ def put_html(handle: Any, content: str) -> None:
 def put_label(button: GuiButtonHandle, label: str, icon: IconName) -> None:
     if button.label != label:
         button.label, button.icon = label, icon
+
+
+def put_folder_label(folder: Any, label: str) -> None:
+    if folder.label != label:
+        folder.label = label
 
 
 def put_visible(handle: Any, visible: bool) -> None:

@@ -4,14 +4,17 @@ from viser import Icon
 
 from ..model.choices import SPEEDS, modified
 from ..model.page_model import PageModel
-from .panel import SLOW, Layout, put, put_html, put_max
+from .panel import SLOW, Layout, Look, put, put_html, put_max
 
 MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}  # commands
-LONG = 1000  # motions, whose number leaves no room for another beside the slider
+PLAY, PAUSE = ("Play", Icon.PLAYER_PLAY), ("Pause", Icon.PLAYER_PAUSE)
+FOLLOWING = "Following · pause", Icon.PLAYER_PAUSE
 
 
-def playback(layout: Layout, model: PageModel) -> None:
+def situation(layout: Layout, model: PageModel) -> None:
+    """The preset, with a sentence on what it shows."""
     gui = layout.gui
+    gui.add_html('<span class="vi-situation"></span>')
     preset = gui.add_dropdown("Preset", list(model.presets.offered), initial_value=model.preset.name)
     layout.queue.on_value(preset, "preset")
     more: tuple[str, ...] = ()  # options besides the presets
@@ -28,10 +31,16 @@ def playback(layout: Layout, model: PageModel) -> None:
 
     layout.drawing(lambda model: (_name(model), model.preset.name, model.inputs), show_preset)
     layout.html(lambda model: f'<div class="vi-lesson">{model.preset.lesson}</div>')
-    gui.add_html('<span class="vi-play-row"></span>')
-    layout.button(
-        lambda model: ("Pause", Icon.PLAYER_PAUSE) if model.player.playing else ("Play", Icon.PLAYER_PLAY), "play"
-    )
+
+
+def copy(layout: Layout, model: PageModel) -> None:
+    """The buttons that move the learner."""
+    gui = layout.gui
+    with layout.named["tray"]:
+        gui.add_html('<h3 class="vi-part"><b>2</b> Let the learner copy it</h3>')
+        gui.add_html('<span class="vi-play-row"></span>')
+        layout.button(_play_look, "play")
+    gui.add_html('<span class="vi-steps-row"></span>')
     motion = gui.add_button_group("Motion", list(MOTIONS))
 
     @motion.on_click
@@ -40,16 +49,22 @@ def playback(layout: Layout, model: PageModel) -> None:
             layout.queue.call(MOTIONS[event.target.value])
 
 
+def _play_look(model: PageModel) -> Look:
+    """A learner that rests while the page plays goes on as soon as the demonstrator moves."""
+    if not model.player.playing:
+        return PLAY
+    return FOLLOWING if model.snapshot.status.is_at_rest and not model.snapshot.servo.slow else PAUSE
+
+
 def history(layout: Layout, model: PageModel) -> None:
     count = layout.gui.add_html("")
     slider = layout.slider("History", 0, 1, 1, lambda model: model.player.cursor, "moment", period=SLOW)
 
     def show_length(model: PageModel) -> None:
         cursor, last = model.player.cursor, model.player.last
-        at = f"{cursor} " if last < LONG else ""  # it stands in the slider's box too
         put_max(slider, max(last, 1))
         put(slider, cursor)
-        put_html(count, f'<div class="vi-count"><span>{at}of {last}</span></div>')
+        put_html(count, f'<div class="vi-count"><span>Motion {cursor} of {last}</span></div>')
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
     layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)

@@ -6,44 +6,29 @@ from viewimit.drawing.equations import draw_equations
 from ..drawing.glossary import asks
 from ..drawing.overlays import hide_later_motions, motion_links
 from ..model.page_model import PageModel
-from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
-
-CARD_WIDTH, TAB_WIDTH = 860, 424  # px
+from .panel import SLOW, SLOWEST, Layout, put_html
 
 
 def curves(layout: Layout, model: PageModel) -> None:
-    """A card over a wide window's scene, or a tab. Each motion is touched there."""
-    gui = layout.gui
-    card, over_card = gui.add_html("", visible=False), gui.add_html("", visible=False)
+    """Each motion is touched there."""
     with layout.tab("Curves"):
-        tab, over_tab = gui.add_html(""), gui.add_html("")
-
-        def key(model: PageModel) -> tuple:
-            return model.snapshot, model.player.cursor, model.player.last, model.landscape.made, model.view.wide
+        shown, over = layout.gui.add_html(""), layout.gui.add_html("")
 
         def draw(model: PageModel) -> None:
-            session, wide, made = model.session, model.view.wide, model.landscape.made
-            E_true, width = None if made is None else made.E_true, CARD_WIDTH if wide else TAB_WIDTH
-            joints, errors = session.scene.moving_joints, model.displayed.errors_deg
-            drawn = draw_curves(session.history, session.cursor, E_true, joints, width, errors)
-            drawn += hide_later_motions(len(session.history) - 1)
-            put_html(card if wide else tab, f'<div class="vi-card">{drawn}</div>' if wide else drawn)
-            for handle in (card, over_card):
-                put_visible(handle, wide)
+            session, made = model.session, model.landscape.made
+            E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
+            drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
+            put_html(shown, drawn + hide_later_motions(len(session.history) - 1))
+
+        def links_key(model: PageModel) -> tuple:
+            return (axis_end(len(model.session.history) - 1),)
 
         def draw_links(model: PageModel) -> None:
             """Made anew only when they change."""
-            end, wide = links_key(model)
-            links = motion_links(end, CARD_WIDTH if wide else TAB_WIDTH)
-            put_html(over_card, f'<div class="vi-card-over">{links}</div>' if wide else "")
-            put_html(over_tab, "" if wide else f'<div class="vi-over">{links}</div>')
+            put_html(over, f'<div class="vi-over">{motion_links(*links_key(model))}</div>')
 
-        def links_key(model: PageModel) -> tuple:
-            return axis_end(len(model.session.history) - 1), model.view.wide
-
-        seen = lambda model: model.view.wide or card.visible  # the card is, wherever it stands still
-        layout.drawing(key, draw, SLOW, seen)
-        layout.drawing(links_key, draw_links, SLOW, seen)
+        layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
+        layout.drawing(links_key, draw_links, SLOW)
 
 
 def equations(layout: Layout, model: PageModel) -> None:

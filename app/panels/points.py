@@ -12,7 +12,7 @@ ABOUT = "Mark both arms yourself: click an arm to place a point, or a point to c
 
 
 def points(layout: Layout, model: PageModel) -> None:
-    with layout.gui.add_folder("Points", expand_by_default=False), layout.row(quiet=True):
+    with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
         layout.button(lambda model: DONE if model.points.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
         layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
         layout.button(

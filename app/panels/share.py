@@ -25,7 +25,7 @@ SCALE, BORDER = 3, 2  # px a module of a QR code, and modules around it
 def save(layout: Layout, model: PageModel) -> None:
     """The folder in which the session is saved as a replay, and panels as pictures."""
     gui = layout.gui
-    with gui.add_folder("Save", expand_by_default=False):
+    with layout.folder("Save"):
         layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
         layout.dropdown("Picture", list(PICTURES), lambda model: model.view.picture, "picture")
         layout.dropdown("As", list(FORMATS), lambda model: model.view.picture_as, "picture_format")

@@ -6,7 +6,14 @@ images are.
 """
 
 from viewimit.drawing.curves import describe_errors
-from viewimit.drawing.status import StatusMessage, describe, describe_truth, draw_status
+from viewimit.drawing.status import (
+    BY_PAGE,
+    StatusMessage,
+    describe,
+    describe_outcome,
+    describe_truth,
+    draw_status,
+)
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
@@ -45,7 +52,7 @@ def status(layout: Layout, model: PageModel) -> None:
         said, truth = _said(model), _truth(model)
         layout.named["truth"] = truth
         kind = "proposed" if said.state == "editing" and model.points.proposal is not None else said.state
-        put_html(strip, draw_status(said, truth, _choices(CHOICES.get(kind, ()))))
+        put_html(strip, draw_status(said, truth, _choices(CHOICES.get(kind, ())), _outcome(model, said)))
 
     def period(model: PageModel) -> float:
         """Nobody reads faster what changes with every motion, and on the way."""
@@ -88,6 +95,16 @@ def _said(model: PageModel) -> StatusMessage:
     return describe(
         model.snapshot, before, model.player.playing, model.displayed.assessment, session.scene.moving_joints
     )
+
+
+def _outcome(model: PageModel, said: StatusMessage) -> str:
+    """What has come of it, of where the arm is seen; "" while the page itself says something."""
+    if said.state in BY_PAGE:
+        return ""
+    moving = model.displayed.moving_snapshot
+    now = model.snapshot if moving is None else moving
+    theta_demo = model.displayed.snapshot.theta_demo
+    return describe_outcome(now.status, now.motion, now.theta, theta_demo, model.player.playing)
 
 
 def _truth(model: PageModel) -> str:

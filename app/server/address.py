@@ -10,11 +10,12 @@ import sys
 import threading
 from collections.abc import Collection
 from functools import cache
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 import segno
 
 OF_DOCUMENTATION = {socket.AF_INET: "192.0.2.1", socket.AF_INET6: "2001:db8::1"}  # reserved: RFC 5737, RFC 3849
+PATH = re.compile(r"(/[\w.~-]{1,60}){0,6}", re.ASCII)
 PORTS = {"http": 80, "https": 443}
 NAME = re.compile(r"[\w.-]{1,253}", re.ASCII)  # of a machine, as browsers send it
 
@@ -37,6 +38,12 @@ def is_own_page(origin: str, host: str, allowed: Collection[str]) -> bool:
         return False
     name = page.hostname
     return same and name is not None and (_is_address(name) or name in own_names())
+
+
+def path_of_page(target: str) -> str:
+    """Return the path below which a proxy serves the page, "" for none: its websocket's address says it, as ?at=/x/."""
+    path = parse_qs(urlsplit(target).query).get("at", [""])[0].rstrip("/")
+    return path if PATH.fullmatch(path) else ""
 
 
 def require_origin(text: str) -> None:

@@ -34,7 +34,7 @@ from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
 from ..static import stylesheet
 from .access import AccessControl
-from .address import origin_for_others, own_names
+from .address import origin_for_others, own_names, path_of_page
 from .connection import CONNECTION, GuardedConnection
 from .limits import ServerOptions, in_a_line
 from .seats import Seats
@@ -159,8 +159,11 @@ class App:
         client.gui.add_html(f"<p>This page cannot be shown: {why}. It is tried again in {AGAIN_AFTER:g} s.</p>")
 
     def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:
-        origin = None if connection.request is None else connection.request.headers.get("Origin")
-        info = ClientInfo(origin, origin_for_others(self._host, origin), self._lessons)
+        request = connection.request
+        assert request is not None, "it has a seat"
+        origin, path = request.headers.get("Origin"), path_of_page(request.path)
+        urls = origin, origin_for_others(self._host, origin)
+        info = ClientInfo(*(url and url + path for url in urls), self._lessons)
         cameras = VisitorsCameras(self._camera, connection.network)
         return Page(client, replace(self.services, camera=cameras), self._settings, info)
 

@@ -186,7 +186,7 @@ def encode_link(page: SavedPage) -> str:
 
 def encode_blocks(page: SavedPage, level: int = 9) -> list[str]:
     """The text's parts, which dots separate. level: of the compression."""
-    packer = zstandard.ZstdCompressor(level, dict_data=_COMMON, write_content_size=False)
+    packer = zstandard.ZstdCompressor(level, dict_data=COMMON, write_content_size=False)
 
     def block(content: object) -> str:
         packed = packer.compress(msgspec.msgpack.encode(content))
@@ -327,6 +327,8 @@ def _decoded(text: str) -> SavedPage:
         )  # fmt: skip
     except _ERRORS as error:
         raise _damaged(error) from None
+    if int(number) > FORMAT:
+        return page
     try:
         return _with_runs(page, head, [unpacker.unpacked(block) for block in blocks[:-1]])
     except _ERRORS as error:
@@ -369,7 +371,7 @@ def _earlier(text: str) -> SavedPage:
 
 
 # What blocks have in common, which shortens them by half. It belongs to the format: without it no text can be read
-_COMMON = zstandard.ZstdCompressionDict(
+COMMON = zstandard.ZstdCompressionDict(
     msgspec.msgpack.encode(
         {
             "version": "", "commanded": [], "branches": [{"runs": [[0, 1]], "preset": "", "speed": 2.0, "at": 0}],
@@ -391,7 +393,7 @@ _COMMON = zstandard.ZstdCompressionDict(
 class _Unpacker:
     """Decodes blocks as long as they have no more than MAX_BYTES together."""
 
-    def __init__(self, common: zstandard.ZstdCompressionDict | None = _COMMON):
+    def __init__(self, common: zstandard.ZstdCompressionDict | None = COMMON):
         self._left, self._unpacker = MAX_BYTES, zstandard.ZstdDecompressor(dict_data=common)
 
     def unpacked(self, block: str) -> bytes:

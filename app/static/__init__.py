@@ -6,7 +6,9 @@ from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 
-PAGE_CSS, LAYOUT_CSS = (Path(__file__).with_name(name).read_text("utf-8") for name in ("page.css", "layout.css"))
+PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS = (
+    Path(__file__).with_name(f"{name}.css").read_text("utf-8") for name in ("page", "controls", "layout")
+)
 
 PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "session.js", "page.js"))
 
@@ -14,4 +16,4 @@ PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in 
 def stylesheet() -> str:
     """All of the page's CSS, for both colour schemes."""
     schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
-    return "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, LAYOUT_CSS, DRAWING_CSS))
+    return "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS, DRAWING_CSS))

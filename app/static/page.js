@@ -82,7 +82,9 @@ window.Worker = class extends Worker {
         page.searchParams.delete("websocket");
         history.replaceState(history.state, "", page);
       }
-      data = {...data, server: location.href.replace(/^http/, "ws").replace(/[^/]*([?#].*)?$/, "")};  // of the sub-path
+      const path = page.pathname.replace(/[^/]*$/, "");  // below which a proxy has the page: the server cannot know it
+      const server = page.origin.replace(/^http/, "ws") + path + (path === "/" ? "" : `?at=${encodeURIComponent(path)}`);
+      data = {...data, server};
       this.addEventListener("message", ({data: {type, messages}}) => {
         if (type === "connected") box = "";
         if (type === "message_batch") messages.forEach(heard);
@@ -145,7 +147,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = "flat large large-figures large-l large-r large-L large-R";
+const ALONE = "flat basin large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",
@@ -158,6 +160,10 @@ const OF_MARKERS = [
   ["vi-lines", "vi-row", marker => marker.parentElement.parentElement],
   ["vi-quiet-lines", "vi-row vi-quiet", marker => marker.parentElement.parentElement],
   ["vi-play-cell", "vi-play-row", marker => marker.parentElement],
+  ["vi-situation-cell", "vi-situation", marker => marker.parentElement],
+  ["vi-tray-paper", "vi-tray", marker => marker.closest("[data-with-border]")],
+  ["vi-steps-cell", "vi-steps-row", marker => marker.parentElement],
+  ["vi-count-cell", "vi-count", marker => marker.parentElement],
   ["vi-stack", "vi-four", marker => marker.closest(".vi-above") ? null : marker.parentElement.parentElement],
   ["vi-before-tabs", "mantine-Tabs-root", marker => marker.parentElement.previousElementSibling],
 ].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);

@@ -389,9 +389,21 @@ class TestCurves:
         assert ticks == 2 * [str(quarter * end // 4) for quarter in range(5)]  # below E, and below the angles
 
 
+def conflict_of(session):
+    """Eq. (6), before the servo's law."""
+    return next(
+        card for card in parsed(equations.draw_equations(session.snapshot)).iter("div") if card[0].text == "(6)"
+    )
+
+
+def law_of(snapshot):
+    """What follows Eq. (6): the servo's law."""
+    return equations.draw_equations(snapshot).split("<b>(6)</b>")[1].split("</div>", 1)[1]
+
+
 class TestEquations:
     def test_the_sums_over_L_and_R_make_E(self, session):
-        words = " ".join(parsed(equations.draw_conflict(session.snapshot)).itertext())
+        words = " ".join(conflict_of(session).itertext())
         left, right, count, E = (float(word) for word in re.findall(r"\d+\.?\d*", words)[-4:])
         assert (left + right) / count == pytest.approx(session.snapshot.E, abs=0.02) == pytest.approx(E, abs=0.02)
 
@@ -414,7 +426,7 @@ class TestEquations:
 
     def test_the_gradient_law_shows_the_motion_that_it_made(self):
         session = stepped(3, servo="gradient", start_deg=(30, -60))
-        html = equations.draw_law(session.snapshot)
+        html = law_of(session.snapshot)
         for angle in np.degrees(session.snapshot.moved):
             assert f"{angle:.2f}°".replace("-", MINUS) in html
         assert "fall" not in html
@@ -424,7 +436,7 @@ class TestEquations:
         session = stepped(3, transfer=transfer)
         best = session.snapshot.servo_state.best
         before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
-        promised, measured = re.findall(r"<b>([\d.]+)</b>", equations.draw_law(session.snapshot))
+        promised, measured = re.findall(r"<b>([\d.]+)</b>", law_of(session.snapshot))
         assert float(promised) == pytest.approx(session.snapshot.servo_state.predicted_reduction, rel=0.01)
         assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
 
@@ -432,12 +444,12 @@ class TestEquations:
         session = stepped(5, points=16, missing=0.1)
         state, before = session.snapshot.servo_state, session.history[-2].servo_state
         assert not session.snapshot.views.visible.all() and state.reductions[0] == before.predicted_reduction
-        numbers = re.findall(r"<b>([\d.−]+)</b>", equations.draw_law(session.snapshot))
+        numbers = re.findall(r"<b>([\d.−]+)</b>", law_of(session.snapshot))
         told = [float(number.replace(MINUS, "-")) for number in numbers]
         assert told == pytest.approx([state.predicted_reduction, *state.reductions], rel=0.01, abs=0.006)
 
     def test_other_servos_leave_their_equation_out(self, session):
-        assert "argmin" not in equations.draw_law(stepped(1, servo="gradient").snapshot)
+        assert "argmin" not in law_of(stepped(1, servo="gradient").snapshot)
 
 
 def certified(spread_deg=(2.0, 2.0), told=True, shown=True, learnable=False):
@@ -511,7 +523,9 @@ class TestStatus:
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
         assert two.title == "Unobservable: θ₄ and θ₂" and "shift θ₄ by any angle, θ₂ by 36°" in two.sentence
         level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
-        assert level.title == "Unobservable: θ₄" and level.sentence.startswith("E did not rise when the arm moved. E is ")
+        assert level.title == "Unobservable: θ₄" and level.sentence.startswith(
+            "E did not rise when the arm moved. E is "
+        )
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "An error of 0.3° would show"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):

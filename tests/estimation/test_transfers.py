@@ -362,6 +362,5 @@ def test_an_entry_describes_itself_and_its_equations_have_as_many_numbers_as_hol
     views = affine_views(np.random.default_rng(1), noise=2.0)
     fitted = method(views)
     assert method.title and all(text.endswith(".") for text in (method.assumes, method.limitations))
-    assert type(fitted) in method.stored
     shown = method.equations(fitted, views.demo[3], views.own[3], "P3")
     assert shown and "P3" in shown[0].title  # `Equation` itself counts its holes

@@ -242,7 +242,7 @@ def test_two_methods_race_from_one_start(session):
     said = lambda: "".join(page.locator(DUEL).all_text_contents())
     wait(page, lambda: "Opponent: Rank 3, all views" in said())
     wait_for_count(page, f"{DUEL} {LEVELS}", 2, exactly=True)
-    wait(page, lambda: re.search(r"was first within 1° of the demonstrator, after \d+ steps", said()))
+    wait(page, lambda: re.search(r"was first within 1°, after \d+ steps", said()))
     wait_for_status(page, "Settled|local minimum")
     press(page, "r")
     wait(page, lambda: "Neither is within 1° of the demonstrator yet" in said())

@@ -169,7 +169,7 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
 
 
 def test_a_number_box_without_a_number_shows_its_value_again_and_says_its_range(page):
-    box = page.get_by_label("θ₄, −180 … 0", exact=True)
+    box = page.get_by_label("Elbow θ₄, −180 … 0", exact=True)
     before = box.input_value()
     for typed in ("", "-"):
         box.fill(typed)
@@ -192,7 +192,7 @@ def test_a_number_box_writes_a_real_minus(page):
       pen.font = `20px ${font || getComputedStyle(box).fontFamily}`;
       return pen.measureText(text).width;
     }"""
-    box = page.get_by_label("θ₄, −180 … 0", exact=True)
+    box = page.get_by_label("Elbow θ₄, −180 … 0", exact=True)
     assert box.evaluate(width, ["-", ""]) == box.evaluate(width, ["−", "Inter"]) != box.evaluate(width, ["-", "Inter"])
 
 

@@ -16,7 +16,7 @@ def numbers(page):
     seen = re.search(r"vi-E.*?<b>([\d.]+)</b>", shown)[1]
     instead = re.search(r" is at (\S+)° but", strip)[1]
     bars = re.findall(r">([−\d.]+)°</b>", shown)
-    return told[0], float(seen), instead, bars, re.search(r"<b>(.*?)</b>", strip)[1]
+    return told[0], float(seen), instead, bars, re.search(r'role="status"><b>(.*?)</b>', strip)[1]
 
 
 def test_of_a_step_and_of_one_taken_back():

@@ -89,21 +89,6 @@ def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page)
     assert written(page) == written(drawn) != before
 
 
-def test_curves_beside_the_scene_are_seen_whichever_tab_is_open(page):
-    page.act("layout", "1")
-    leave_undrawn(page, "Curves")
-    ticks(page, 20)
-    before = page.shown.count("vi-card")
-    assert before
-    card = next(k for k, widget in enumerate(page.gui.widgets) if "vi-card" in widget.content)
-    content = page.gui.widgets[card].content
-    move(page)
-    assert page.gui.widgets[card].content != content
-    page.act("layout", "0")
-    ticks(page, 20)
-    assert not page.gui.widgets[card].visible
-
-
 @pytest.fixture(scope="module")
 def visited(browser, server):
     page = open_page(browser, server, "small")

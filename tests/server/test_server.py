@@ -6,6 +6,7 @@ import sys
 import threading
 
 import pytest
+from protocol import Client
 from viewimit.app import serve as serve_module
 from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 from viewimit.app.server import address as address_module
@@ -17,6 +18,7 @@ from viewimit.app.server.address import (
     is_loopback,
     is_own_page,
     own_names,
+    path_of_page,
     require_free,
 )
 from waiting import wait_until
@@ -57,6 +59,30 @@ def test_addresses_are_as_a_browser_takes_them():
     assert address("127.0.0.1", 80) == "http://127.0.0.1:80"
     assert address("0.0.0.0", 8080) == "http://localhost:8080"
     assert address("::1", 8080) == "http://[::1]:8080"
+
+
+@pytest.mark.parametrize(
+    "target, path",
+    [
+        ("/", ""),
+        ("/?at=%2Fx%2F", "/x"),
+        ("/?at=/courses/2026_a/", "/courses/2026_a"),
+        ("/?at=//evil.example/", ""),
+        ("/?at=/x/%22onclick=1/", ""),
+        ("/?at=x/", ""),
+        ("/?at=" + 9 * "/x", ""),
+        ("/?at=%ff", ""),
+    ],
+)
+def test_the_path_of_a_page_below_a_proxys_is_as_its_websocket_says_it(target, path):
+    assert path_of_page(target) == path
+
+
+def test_a_page_below_a_path_shares_links_to_itself(server):
+    with Client(f"{server}/?at=%2Fx%2F", origin=server).ready() as client:
+        client.press(next(command for command in client.commands if command.startswith("A link")))
+        wait_until(lambda: any(f"{server}/x/?s=" in html for html in client.html.values()))
+        assert not any(f"{server}/?s=" in html for html in client.html.values())
 
 
 def test_others_are_told_an_address_of_the_kind_that_the_server_listens_on(monkeypatch):

@@ -1,6 +1,5 @@
 """The contract of every servo in `SERVOS`: what it may see, which motions it may ask for, and what it must remember."""
 
-import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -83,30 +82,6 @@ def test_a_look_at_which_no_point_is_seen_makes_no_servo_fail(name):
     with np.errstate(invalid="ignore"):
         asked = list(drive(name, world, 7, hidden=(4,)))
     assert all(np.isfinite(displacement).all() for _, seen, _, displacement in asked if np.isfinite(seen.E))
-
-
-def kinds(value):
-    """All dataclasses and enumerations that a state is made of."""
-    if isinstance(value, tuple):
-        return set().union(*map(kinds, value)) if value else set()
-    if isinstance(value, ServoStatus):
-        return set()
-    if dataclasses.is_dataclass(value):
-        parts = (getattr(value, field.name) for field in dataclasses.fields(value))
-        return {type(value)}.union(*map(kinds, parts))
-    plain = isinstance(value, (type(None), bool, int, float, np.ndarray, np.generic)) or type(value) is str
-    return set() if plain else {type(value)}
-
-
-@pytest.mark.parametrize("name", SERVOS)
-def test_a_state_is_made_of_what_the_servo_says_it_is_stored_as(name):
-    for changes in ({"noise_px": 0.2}, {"quantum_deg": 2.0}, {"swapped": 0.2}):
-        session = Session(Settings.paper(servo=name, transfer="projective", points=16, **changes))
-        session.run(25)
-        session.pose(session.snapshot.theta_demo + 0.1)
-        session.run(3)
-        found = set().union(*(kinds(moment.servo_state) for moment in session.history))
-        assert found <= set(SERVOS[name].stored)
 
 
 @pytest.mark.parametrize("name", SERVOS)

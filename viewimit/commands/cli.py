@@ -35,6 +35,7 @@ COMMANDS = {
     "scene": "Write a scene file for a URDF, to be edited.",
     "landscape": "E over the range of the two moving joints. Disturbances apply to the images of the demonstrator.",
     "reproduce": "Reproduce the paper's experiments: figures, data, and a comparison with the paper's numbers.",
+    "markers": "A sheet of square markers to print, for both arms; detect finds them.",
     "detect": "Find markers in your own pictures or videos; write a table of points.",
     "evaluate": "Evaluate the method on your own tracked points: which transfer fits, residuals, E. "
     "Compare E only between images of like size.",

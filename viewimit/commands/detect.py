@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
+from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
 from ..sensing.tracks import Row, write_tidy
 from ..simulation.robot import load_markers, marker_names
 from . import BadInput
@@ -31,6 +32,10 @@ Picture = NDArray[np.uint8]
 Point = tuple[str, float, float, float]  # name, x, y [px], confidence
 Detector = Callable[[Picture], Iterator[Point]]
 CERTAIN = 1.0
+VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v")
+DEMONSTRATOR_VIEWS = VIEWS[:2]
+MAX_NUMBER = 9999  # of a marker
+BOTH = re.compile(r"(?:^|[^A-Za-z])(?i:(left|right))$")  # a picture of both arms
 NAMED = re.compile(r"(?:^|[^A-Za-z])(?:(?P<body>(?i:demo|own))[_-](?P<side>(?i:left|right))|(?P<view>[lrLR]))$")
 
 
@@ -41,7 +46,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="videos or pictures whose names end in their view: demo_left.mp4, take2_own_right.png; several pictures "
-        "of a view are its frames, in the order given",
+        "of a view are its frames, in the order given. A name that ends in _left or _right alone shows both arms. A "
+        "folder stands for all pictures and videos in it, by name",
     )
     add_view_options(parser, "pictures or videos of {}", nargs="+", default=[])
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="write them as .csv")
@@ -59,6 +65,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "named by their numbers",
     )
     parser.add_argument(
+        "--demonstrator-from",
+        type=between(int, 1, MAX_NUMBER),
+        default=FIRST_OF_DEMONSTRATOR,
+        metavar="N",
+        help="in pictures of both arms: the demonstrator wears the markers from this number on, N + k where the "
+        "learner wears k (%(default)s)",
+    )
+    parser.add_argument(
         "--middle",
         type=between(float, 0.05, 1.0),
         default=1.0,
@@ -73,7 +87,9 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
     if args.out.suffix.lower() != ".csv":
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
-    files = _files_by_view(args)
+    files, files_of_both = _files_by_view(args)
+    if files_of_both and args.aruco is None:
+        raise BadInput(f"{files_of_both[0]}: both arms in one picture need markers with numbers: give --aruco")
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import read_pictures  # loads OpenCV
 
@@ -83,8 +99,11 @@ def run(args: argparse.Namespace) -> int:
     for view, paths in files.items():
         rows[view], frames = [], 0
         with naming(option(VIEW_NAMES[view])):
-            for picture in (picture for path in paths for picture in read_pictures(path)):
-                rows[view] += [(frames, *point) for point in detect(picture)]
+            for path, picture in ((each, picture) for each in paths for picture in read_pictures(each)):
+                points = detect(picture)
+                if path in files_of_both:
+                    points = _of_one_arm(points, args.demonstrator_from, view in DEMONSTRATOR_VIEWS)
+                rows[view] += [(frames, *point) for point in points]
                 frames += 1
                 sizes.setdefault(picture.shape[1::-1], VIEW_NAMES[view])
         counts[VIEW_NAMES[view]] = {"frames": frames, "points_a_frame": len(rows[view]) / frames}
@@ -136,15 +155,41 @@ def _square_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
     return [], points
 
 
-def _files_by_view(args: argparse.Namespace) -> dict[str, list[Path]]:
+def _of_one_arm(points: Iterator[Point], first_of_demonstrator: int, is_demonstrator: bool) -> Iterator[Point]:
+    """Yield the markers of one arm, numbered as the learner's."""
+    for name, *rest in points:
+        number = int(name)
+        if (number >= first_of_demonstrator) == is_demonstrator:
+            yield str(number - first_of_demonstrator if is_demonstrator else number), *rest
+
+
+def _in_folder(path: Path) -> list[Path]:
+    """Return the pictures and videos of a folder in the order of their names; or the file itself. Raises BadInput."""
+    if not path.is_dir():
+        return [path]
+    found = sorted(each for each in path.iterdir() if each.suffix.lower() in (*PICTURES, *VIDEOS))
+    if not found:
+        raise BadInput(f"{path}: no picture or video is in this folder")
+    return found
+
+
+def _files_by_view(args: argparse.Namespace) -> tuple[dict[str, list[Path]], list[Path]]:
+    """Return the files of each view, and those that show both arms. Raises BadInput."""
     files: dict[str, list[Path]] = {view: list(vars(args)[VIEW_NAMES[view]]) for view in VIEWS}
-    for path in args.files:
-        named = NAMED.search(path.stem)
-        if not named:
+    of_both = []
+    for path in (each for given in args.files for each in _in_folder(given)):
+        named, both = NAMED.search(path.stem), BOTH.search(path.stem)
+        if named:
+            views = [named["view"] or view_of(f"{named['body']}_{named['side']}".lower())]
+        elif both:
+            views = [view_of(f"{body}_{both[1].lower()}") for body in ("demo", "own")]
+            of_both.append(path)
+        else:
             raise BadInput(f"{path}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS}")
-        files[named["view"] or view_of(f"{named['body']}_{named['side']}".lower())].append(path)
+        for view in views:
+            files[view].append(path)
     require_separate_files(path for paths in files.values() for path in paths)
     found = {view: paths for view, paths in files.items() if paths}
     if not found:
         raise BadInput(f"no pictures: name files, or give them by {VIEW_OPTIONS}")
-    return found
+    return found, of_both

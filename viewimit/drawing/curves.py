@@ -11,10 +11,9 @@ from ..loop.snapshot import Snapshot
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
-SIDE_BY_SIDE = 600  # px: drawings of this width or more have the plots side by side
-CARD_HEIGHT, TAB_HEIGHT = 132, 140  # px of one plot, side by side and otherwise
+HEIGHT = 140  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
-GAP = 28, 6  # px between the plots, side by side and below each other
+GAP = 6  # px between the plots
 MAX_VERTICES, MAX_DOTS = 90, 48  # of a curve; longer curves have no dots
 STEPS = (2, 4, 5, 10)  # times a power of ten: the x axis ends at four of them
 MIN_E = 1e-3  # px²: a smaller E is drawn as this, because nobody could see that conflict
@@ -70,19 +69,15 @@ def axis_end(last: int) -> int:
 
 def plot_box(width: int) -> Box:
     """Return the box of each plot in a drawing of this width, px."""
-    if width >= SIDE_BY_SIDE:
-        return LEFT, TOP, (width - GAP[0]) / 2 - RIGHT, CARD_HEIGHT - BOTTOM
-    return LEFT, TOP, width - RIGHT, TAB_HEIGHT - BOTTOM
+    return LEFT, TOP, width - RIGHT, HEIGHT - BOTTOM
 
 
 def arrange_plots(width: int, first: str, second: str) -> str:
-    """Place two plots side by side or below each other in an `<svg>`."""
-    *__, right, bottom = plot_box(width)
-    height = bottom + BOTTOM
-    shift, total = f"0 {height + GAP[1]}", 2 * height + GAP[1]
-    if width >= SIDE_BY_SIDE:
-        shift, total = f"{right + RIGHT + GAP[0]:.1f} 0", height
-    return f'<svg class="vi" viewBox="0 0 {width} {total}">{first}<g transform="translate({shift})">{second}</g></svg>'
+    """Place two plots below each other in an `<svg>`."""
+    return (
+        f'<svg class="vi" viewBox="0 0 {width} {2 * HEIGHT + GAP}">{first}'
+        f'<g transform="translate(0 {HEIGHT + GAP})">{second}</g></svg>'
+    )
 
 
 def _draw_both(

@@ -37,16 +37,6 @@ def equations_of(snapshot: Snapshot, chosen: int | None = None) -> tuple[Equatio
     return *recovery, _conflict(snapshot), *_law(snapshot)
 
 
-def draw_conflict(snapshot: Snapshot) -> str:
-    """Draw Eq. (6) alone as HTML."""
-    return _cards(_conflict(snapshot))
-
-
-def draw_law(snapshot: Snapshot) -> str:
-    """Draw the servo's law alone as HTML."""
-    return _cards(*_law(snapshot))
-
-
 def _shown_point(snapshot: Snapshot, chosen: int | None) -> int:
     if chosen is not None and snapshot.usable[chosen]:
         return chosen

@@ -156,7 +156,7 @@ def saltire(place: NDArray[np.float64]) -> str:
 
 def sample(mark: str, left: float, width: float) -> str:
     """Draw a mark around y = 0 that stands in a line of text. left, width: of the part that is shown, px."""
-    box = f'viewBox="{left:g} -7 {width:g} 14" style="width:{width:g}px"'
+    box = f'viewBox="{left:g} -7 {width:g} 14" style="width:{width / 12:.3g}em"'
     return f'<svg class="vi vi-sample" {box} aria-hidden="true">{mark}</svg>'
 
 

@@ -40,6 +40,7 @@ AREA_TOL, AREA_SIGMA = (
 MAD_TO_STD = 1.4826  # from the median of |x| to the standard deviation
 HUES_PER_DEGREE = 4
 PIXEL_VARIANCE = 1 / 12  # of a uniform distribution over one pixel [px²]
+FIRST_OF_DEMONSTRATOR = 25  # number of its marker where the learner wears number 0, if both arms are in one picture
 OPENCV_OFFSET_PX = 0.5  # OpenCV has (0, 0) at the centre of the first pixel
 
 Picture = NDArray[np.uint8]
@@ -283,10 +284,30 @@ class Fiducials:
         name = _dictionaries().get(dictionary.upper().removeprefix("DICT_"))
         if name is None:
             raise ValueError(f"no dictionary {dictionary!r}; there are {', '.join(dictionary_names())}")
+        self.name = name.removeprefix("DICT_")
         self.dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_CONTOUR  # six times as exact as SUBPIX
         self._detector = cv2.aruco.ArucoDetector(self.dictionary, parameters)
+
+    def cells(self, number: int, side: int) -> NDArray[np.bool_]:
+        """Return which cells of a printed marker are white: (side, side).
+
+        Parameters
+        ----------
+        number : int
+            Of the marker. Raises ValueError for one that the dictionary does not have.
+        side : int
+            Cells of the paper's side, with the marker in the middle. The detector needs a white cell around it.
+        """
+        import cv2
+
+        count = len(self.dictionary.bytesList)
+        if not 0 <= number < count:
+            raise ValueError(f"no marker {number}: {self.name} has 0 … {count - 1}")
+        marker = self.dictionary.markerSize + 2  # with its black rim
+        rim = max(side - marker, 0) // 2
+        return np.pad(cv2.aruco.generateImageMarker(self.dictionary, number, marker) > 0, rim, constant_values=True)
 
     def detect(self, picture: Picture) -> dict[int, Floats]:
         """Return the centre of each marker, (2,) px, by its number. A number that appears twice is left out."""

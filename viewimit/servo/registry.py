@@ -15,24 +15,18 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from ..estimation.residuals import ResidualFunction
-from ..geometry.kinematics.model import ProjectiveKinematics, StereoFrame
-from ..geometry.rectification import Rectification
 from ..language import _, ngettext
 from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
-from .image_jacobian import MIN_STEP_RAD, BroydenModel, RecursiveJacobian
-from .observation import Observation, Visit
+from .image_jacobian import MIN_STEP_RAD
+from .observation import Observation
 from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, RecursiveState
 from .servo import LastMotion, Retargetable, Servo
 from .status import TEST_MOVE, ServoStatus
 from .trust_region.algorithm import TrustRegion
-from .trust_region.convergence import Certificate
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
-from .trust_region.final_adjustment import PostureEstimate
-from .trust_region.naming import Naming
 from .trust_region.options import DEFAULTS, TrustRegionOptions
-from .trust_region.state import Destination, Phase, Region, Search, Swaps, TrustRegionState
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
@@ -41,7 +35,6 @@ DESCRIPTIONS = {  # attributes by which servos of earlier versions described the
     "fails": "limitations",
     "slow": "slow",
     "predicts": "predicts",
-    "stored": "stored",
     "equations": "equations",
     "says": "describe_status",
 }
@@ -59,7 +52,6 @@ class ServoMethod:
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
     names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
     mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
-    stored: tuple[type, ...] = ()  # dataclasses of its state, nested ones too, of arrays, scalars, strings and tuples
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
     describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
 
@@ -235,7 +227,6 @@ def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str
         limitations=limitations,
         slow=True,
         mirror_columns=True,
-        stored=(GradientState,),
         equations=lambda state, motion: _gradient_equations(servo.options, state, motion),
         describe_status=_describe_gradient,
     )
@@ -251,10 +242,6 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
         predicts=True,
         names_points=True,
         mirror_columns=True,
-        stored=(
-            *(TrustRegionState, Region, Search, Destination, Swaps, Naming, Phase),
-            *(PostureEstimate, Visit, Certificate, ProjectiveKinematics, StereoFrame, Rectification),
-        ),
         equations=trust_region_equations,
         describe_status=partial(describe_trust_region, options=options),
     )
@@ -280,7 +267,6 @@ SERVOS = Servos(
             assumes=_("The images follow the joints nearly linearly. It predicts E instead of trying it."),
             limitations=_("Flat valleys and missing points. It may stop degrees away without knowing it."),
             mirror_columns=True,
-            stored=(BroydenState, BroydenModel, Visit),
             equations=_broyden_equations,
             describe_status=_describe_broyden,
         ),
@@ -290,7 +276,6 @@ SERVOS = Servos(
             assumes=_("The image Jacobian changes little from step to step, and the residuals are nearly linear."),
             limitations=_("Far from the goal, long steps change the Jacobian more than its filter allows."),
             mirror_columns=True,
-            stored=(RecursiveState, RecursiveJacobian, Visit),
             equations=_kalman_equations,
             describe_status=_describe_recursive,
         ),
@@ -300,7 +285,6 @@ SERVOS = Servos(
             assumes=_("The images were linear in the joints over the last few steps, and E has one valley."),
             limitations=_("An old Jacobian misleads it. Then it damps its steps until it stands still."),
             mirror_columns=True,
-            stored=(GaussNewtonState, RecursiveJacobian, Visit),
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),

@@ -76,7 +76,7 @@ def describe_world(world: World, bodies: Mapping[str, BodyPoints]) -> dict[str, 
     return {
         "title": scene.title,
         "joints": [joint_symbol(joint) for joint in scene.moving_joints],
-        "names": [_joint_name(scene, joint) for joint in scene.moving_joints],
+        "names": [joint_name(scene, joint) for joint in scene.moving_joints],
         "lower": scene.lower.tolist(),
         "upper": scene.upper.tolist(),
         "demonstrator": np.radians(scene.posture_deg)[scene.moving].tolist(),
@@ -96,7 +96,7 @@ def describe_hulls(robot: str) -> dict[str, Sequence]:
     return {str(link): found.round(HULL_DIGITS).tolist() for link, found in corners.items()}
 
 
-def _joint_name(scene: Scene, joint: int) -> str:
+def joint_name(scene: Scene, joint: int) -> str:
     """What a joint is called, with its symbol: the shipped robots' are those of a human arm."""
     named = JOINT_NAMES if scene.robot in robot_names() else {}
     return f"{named.get(joint, 'Joint')} {joint_symbol(joint)}"

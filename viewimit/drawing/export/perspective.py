@@ -75,7 +75,12 @@ def default_viewpoint(world: World, moment: Snapshot) -> Viewpoint:
 
 
 def draw_space(
-    world: World, moment: Snapshot, viewpoint: Viewpoint | None = None, rays: bool = False, outlines: bool = False
+    world: World,
+    moment: Snapshot,
+    viewpoint: Viewpoint | None = None,
+    rays: bool = False,
+    outlines: bool = False,
+    truth: bool = True,
 ) -> Figure:
     """Draw both arms at a moment.
 
@@ -89,6 +94,8 @@ def draw_space(
         Whether to draw lines from image points to body points.
     outlines
         Whether the arms' links are drawn as convex outlines instead of face by face, in a twentieth of the size.
+    truth
+        Whether to draw where the transferred points would be in space, and their residuals.
     """
     viewpoint = default_viewpoint(world, moment) if viewpoint is None else viewpoint
     bases = scene_geometry.bases_of(world)
@@ -100,7 +107,7 @@ def draw_space(
     if outlines:
         items += [item for vertices, _, colour in links for item in _outline(viewpoint, vertices, colour)]
     items += _points(
-        world, moment, viewpoint, {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}, rays
+        world, moment, viewpoint, {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}, rays, truth
     )
     painted = "".join(item.drawing for item in sorted(items, key=lambda item: -item.depth))
     shadows = "".join(_hull_shadow(viewpoint, vertices) for vertices, _, _ in links)
@@ -171,7 +178,12 @@ def _shaded(normals: NDArray[np.float64], colour: tuple[int, int, int]) -> NDArr
 
 
 def _points(
-    world: World, moment: Snapshot, viewpoint: Viewpoint, points: dict[str, NDArray[np.float64]], rays: bool
+    world: World,
+    moment: Snapshot,
+    viewpoint: Viewpoint,
+    points: dict[str, NDArray[np.float64]],
+    rays: bool,
+    truth: bool,
 ) -> Iterator[Item]:
     """Draw body points, recovered points with residuals, and frusta with their image points."""
     size = world.scene.size
@@ -180,7 +192,7 @@ def _points(
         for place in places:
             yield from _mark(viewpoint, place, scene_geometry.POINT_SIZE[arm] / 2 * size, shape, arm)
     recovered = triangulate(*world.own_cameras, moment.recovered)
-    for own, found in zip(points["learner"], recovered):
+    for own, found in zip(points["learner"], recovered if truth else ()):
         if np.isfinite(found).all():
             yield from _mark(viewpoint, found, 0.01 * size, svg.diamonds, "recovered")
             yield from _line(viewpoint, found, own, "residual", 1.4)

@@ -19,7 +19,7 @@ from ..residuals import warn_renamed
 from ..views import FourViews
 from . import epipolar, linear, projective, rank3
 from .epipolar import EpipolarTransfer
-from .linear import AffineTransfer, LinearTransfer
+from .linear import AffineTransfer
 from .projective import ProjectiveTransfer
 from .rank3 import Rank3Transfer
 from .transfer import FittedTransfer, TransferFunction, fit_function
@@ -40,7 +40,6 @@ class TransferMethod:
     title: str = ""  #: in dropdowns; by default the name of `fit`
     assumes: str = ""  #: one sentence: when it is exact
     limitations: str = ""  #: one sentence: where it fails
-    stored: tuple[type, ...] = ()  #: dataclasses of a fitted transfer, nested ones too, of arrays, scalars and strings
     equations: Equations = (
         lambda fitted, demo, own, name: ()
     )  #: how one point, (4,) px in [l r] and [L R], is recovered
@@ -167,7 +166,6 @@ TRANSFERS = Transfers(
             assumes=_("Affine cameras. Each point is where the epipolar lines of its images in l and r cross."),
             limitations=_("Nearly parallel lines, and perspective: the lowest E is degrees off, so no claim."),
             fit=epipolar.fit,
-            stored=(EpipolarTransfer,),
             equations=_epipolar_equations,
             crosses_lines=True,
             condition_name="cond A",
@@ -178,7 +176,6 @@ TRANSFERS = Transfers(
             assumes=_("Affine cameras. Each image of the learner is an affine function of the demonstrator's shape."),
             limitations=_("Perspective: the lowest E is degrees off, so no claim. It never intersects lines."),
             fit=linear.fit,
-            stored=(LinearTransfer,),
             equations=_affine_equations,
         ),
         "rank3": TransferMethod(
@@ -186,7 +183,6 @@ TRANSFERS = Transfers(
             assumes=_("Affine cameras, and equal noise in all four images, which it fits at once."),
             limitations=_("Perspective: the largest bias without noise, so no claim. It is steady under much noise."),
             fit=rank3.fit,
-            stored=(Rank3Transfer,),
             equations=_affine_equations,
             conflict_equation=_rank3_conflict,
         ),
@@ -195,7 +191,6 @@ TRANSFERS = Transfers(
             assumes=_("Parallel optical axes, or rectified images: a point has one depth in both."),
             limitations=_("Distorting lenses, and much noise: average several images of the demonstrator."),
             fit=projective.fit,
-            stored=(ProjectiveTransfer,),
             equations=_projective_equations,
             homography_of_space=True,
         ),

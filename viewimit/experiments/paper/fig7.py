@@ -37,7 +37,7 @@ MARGIN_DEG = 10.0  # of the range that is left out at both ends
 
 SENTENCE = ("Maps E over all postures: is there", "one valley, and does it end at the", "demonstrator's posture?")
 MAP_WIDTH, MAP_HIGH, MAP_TOP = 270, 118, 19  # px; the plane's own margins are inside
-BIAS_BOX, VALIDITY_BOX = (322, 31, 420, 107), (322, 139, 420, 191)  # left, top, right, bottom px of the plots
+BIAS_BOX, VALIDITY_BOX = (322, 27, 420, 101), (322, 147, 420, 197)  # left, top, right, bottom px of the plots
 MIN_BIAS_DEG, PERCENT = 5.0, (1.0, 100.0)  # ranges that the plots show at least
 CROSS, DOT = 6.0, 1.8  # px
 TITLE_OUTDENT = 32  # px from a title to its plot, left of it

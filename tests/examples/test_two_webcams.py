@@ -1,0 +1,91 @@
+"""The recording of two webcams: its markers are where its truth says, and E falls as the arms agree."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+cv2 = pytest.importorskip("cv2")
+FOLDER = Path(__file__).parents[2] / "examples" / "two_webcams"
+TRUTH = json.loads((FOLDER / "truth.json").read_text("utf-8"))
+MAX_BYTES = 400_000
+
+
+@pytest.fixture(scope="module")
+def points(tmp_path_factory):
+    from viewimit.commands.cli import main
+
+    out = tmp_path_factory.mktemp("points") / "points.csv"
+    assert main(["detect", str(FOLDER), "--aruco", TRUTH["dictionary"], "--out", str(out)]) == 0
+    return out
+
+
+def test_it_is_small_and_complete():
+    pictures = {path.name for path in FOLDER.glob("*.webp")}
+    assert pictures == {f"{k:02}_{side}.webp" for k in range(len(TRUTH["frames"])) for side in ("left", "right")}
+    assert sum(path.stat().st_size for path in FOLDER.iterdir()) < MAX_BYTES
+    assert len(TRUTH["frames"]) == TRUTH["motions"] + 1 and TRUTH["status"] == "converged"
+
+
+def test_the_detector_finds_markers_where_they_were(points):
+    with points.open() as table:
+        rows = list(csv.DictReader(table))
+    away = [
+        np.subtract(
+            (float(row["x"]), float(row["y"])),
+            TRUTH["frames"][int(row["frame"])]["markers_px"][row["view"]][int(row["point"])],
+        )
+        for row in rows
+    ]
+    assert len(away) > 12 * 4 * len(TRUTH["frames"])
+    assert np.sqrt(np.mean(np.square(away))) < 0.25  # px; a side of a marker is about 25 px
+    assert np.abs(away).max() < 2
+
+
+def test_E_is_least_where_the_arms_agree(points, ask_json):
+    status, told = ask_json("evaluate", points, "--transfer", "projective")
+    E = np.array([frame["E"] for frame in told["frames"]])
+    learner, demonstrator = np.array([frame["learner_deg"] for frame in TRUTH["frames"]]), TRUTH["demonstrator_deg"]
+    error = np.abs(learner - demonstrator).max(1)
+    assert status == 0 and error[-1] < 0.5 and error[:3].min() > 20
+    assert E[error < 1].max() < 0.5 < 5 < E[error > 10].min()
+    commanded = np.array([frame["commanded_deg"] for frame in TRUTH["frames"]])
+    sag = np.abs(learner - commanded).max(1)
+    assert (sag > 0.01).all() and sag.max() < 0.3  # an arm with mass and motors
+
+
+def test_pictures_of_both_arms_need_numbered_markers_and_a_folder_that_holds_some(ask, tmp_path):
+    status, _, err = ask("detect", FOLDER, "--out", tmp_path / "a.csv")
+    assert status == 2 and "both arms in one picture need markers with numbers: give --aruco" in err
+    (tmp_path / "empty").mkdir()
+    status, _, err = ask("detect", tmp_path / "empty", "--aruco", "4X4_50", "--out", tmp_path / "a.csv")
+    assert status == 2 and "no picture or video is in this folder" in err
+
+
+def test_numbers_say_which_arm_a_marker_is_on(ask_json, tmp_path):
+    for side in ("left", "right"):
+        shutil.copy(FOLDER / f"00_{side}.webp", tmp_path / f"take_{side}.webp")
+    command = "detect", tmp_path, "--aruco", "4X4_50", "--out", tmp_path / "points.csv"
+    usual, none = (ask_json(*command, "--demonstrator-from", first) for first in (25, 50))
+    views = usual[1]["views"]
+    assert usual[0] == 0 and all(views[f"demo_{side}"]["points_a_frame"] > 14 for side in ("left", "right"))
+    assert none[0] == 1 and none[1]["views"]["demo_left"]["points_a_frame"] == 0  # they all count as the learner's
+    assert none[1]["views"]["own_left"]["points_a_frame"] == sum(
+        views[f"{arm}_left"]["points_a_frame"] for arm in ("demo", "own")
+    )
+
+
+@pytest.mark.slow
+def test_the_recording_is_made_again_by_its_script(tmp_path):
+    pytest.importorskip("pybullet")
+    from viewimit.assets.build_recording import main
+
+    main(tmp_path)
+    again = json.loads((tmp_path / "truth.json").read_text("utf-8"))
+    assert again["demonstrator_deg"] == TRUTH["demonstrator_deg"]
+    for name in ("commanded_deg", "learner_deg"):
+        for here, there in zip(again["frames"], TRUTH["frames"], strict=True):
+            np.testing.assert_allclose(here[name], there[name], atol=0.05)  # another OpenCV decodes otherwise

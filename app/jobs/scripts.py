@@ -1,4 +1,5 @@
-"""Scripts are played beside the pages: in one thread of a process, some passes of each in turn.
+"""Scripts are played beside the pages: in one thread of a process, in turns, of which the script that has had least of
+the time gets the next. So a short one does not wait for long ones.
 
 Between two turns the thread rests as long as the turn took, which leaves the pages time.
 """
@@ -8,6 +9,8 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+
+from .camera_images import CameraLost
 
 TURN_S = 0.02  # of one script, before the next has its turn
 MAX_CPU_S = 30.0  # of one script
@@ -31,7 +34,7 @@ class ScriptPlayer:
 
     def __init__(self, clock: Callable[[], float] = time.thread_time):
         self._clock = clock
-        self._jobs: dict[int, _Job] = {}  # by page, of which the newest counts; the next in turn first
+        self._jobs: dict[int, _Job] = {}  # by page, of which the newest counts
         self._changed = threading.Condition()
         self._stopped = False
         threading.Thread(target=self._run, name="viewimit-scripts", daemon=True).start()
@@ -61,15 +64,13 @@ class ScriptPlayer:
                     self._changed.wait()
                 if self._stopped:
                     return
-                page_id, job = next(iter(self._jobs.items()))
+                page_id, job = min(self._jobs.items(), key=lambda one: one[1].spent_s)
             began = time.monotonic()
             made = self._turn(job)
             with self._changed:
                 is_wanted = self._jobs.get(page_id) is job  # else cancelled, or another took its place
-                if is_wanted:
+                if is_wanted and made is not False:
                     del self._jobs[page_id]
-                if is_wanted and made is False:
-                    self._jobs[page_id] = job  # the last in turn
             if is_wanted and made is not False:
                 job.done(None if made is True else made)
             time.sleep(time.monotonic() - began)
@@ -85,7 +86,7 @@ class ScriptPlayer:
                 if spent > TURN_S:
                     job.spent_s += spent
                     return False
-        except ValueError as error:
+        except (ValueError, CameraLost) as error:
             return error
         except Exception as error:  # of one page, which says so; the others' scripts go on
             traceback.print_exc()

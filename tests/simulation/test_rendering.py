@@ -6,6 +6,7 @@ import pytest
 from viewimit.assets import ROOT
 
 from viewimit.estimation.views import VIEWS
+from viewimit.experiments.paper import fig8
 from viewimit.geometry.distortion import RadialDistortion
 from viewimit.geometry.rigid import look_rotation, rigid_transform
 from viewimit.loop.session import Session
@@ -225,3 +226,10 @@ def test_pictures_need_a_robot_with_markers(ask, tmp_path):
     urdf.write_text((ROOT / "robots/panda/panda.urdf").read_text())
     status, _, err = ask("imitate", "--sensor", "rendered", "--robot", urdf)
     assert status == 2 and "--sensor" in err and "iiwa and panda" in err
+
+
+def test_fig_8_on_pictures_has_the_postures_of_its_grid():
+    grid = np.array([20.0, 45.0]), np.array([-90.0, -60.0, -30.0])
+    found = fig8.run(Settings.paper(sensor="rendered"), grid_deg=grid)
+    assert found.usable.shape == (2, 3) and (found.sag_deg == 0).all()  # arms without mass
+    assert all(np.isfinite(surface.landscape.E).sum() > 3 for surface in found.surfaces.values())

@@ -130,8 +130,8 @@ def _pictures(session: Session, commanded: NDArray, progress: Progress) -> tuple
     now, found = session.snapshot, []
     theta, sent = now.theta, now.commanded
     for target in commanded.reshape(-1, 2):
-        commanded = session.scene.require_posture(target, "learner's")
-        theta, sent = session.embodiment.drive(session.settings, theta, sent, commanded), target
+        goal = session.scene.require_posture(target, "learner's")
+        theta, sent = session.embodiment.drive(session.settings, theta, sent, goal), target
         found.append((theta, *session.eyes.own_images(theta)))
         progress(len(found) / (commanded.size // 2), None)
     reached, own, visible = (np.array(each).reshape(commanded.shape[:2] + each[0].shape) for each in zip(*found))

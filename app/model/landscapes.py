@@ -38,7 +38,7 @@ class OwnLandscape:
         """If it would differ. In a new world an empty one stands for it meanwhile."""
         if self.made is None or self.made.world is not world:
             self.begin(world, present)
-        seen = world, present.settings, present.rectification is not None, present.exchanged
+        seen = world, present.settings, present.rectification is not None, present.correspondences
         if seen == self._seen:  # the very same settings mostly, which are soon compared
             return
         self._seen = seen

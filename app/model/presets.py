@@ -102,6 +102,12 @@ PRESETS = (
         _("A point counts if all four images show it. Below five, the arm holds still."),
     ),
     Preset(
+        _("Points without names"),
+        Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
+        2,
+        _("The points come in any order. After two test moves the learner names them."),
+    ),
+    Preset(
         _("KUKA iiwa"),
         Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,

@@ -138,9 +138,11 @@ def describe(
             left,
         )
         return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence.format(n=left))
+    if snapshot.awaits_names:
+        return _without_names(snapshot, playing)
     if snapshot.transfer is None:
         return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _ill_conditioned(snapshot)
+    E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
         sentence = _("E is {E} px² after {n} steps, the most that are made.").format(E=E, n=MAX_HISTORY)
         advice = _("Reset to go on.") if advises else ""
@@ -225,6 +227,34 @@ def _swapped(snapshot: Snapshot) -> str:
     """Say which of the demonstrator's points seem to be swapped; "" for none."""
     pairs = ", ".join(_("{first} and {second}").format(first=i, second=j) for i, j in snapshot.exchanged)
     return _("The demonstrator's points {pairs} seem to be mixed up.").format(pairs=pairs) if pairs else ""
+
+
+def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
+    """Describe a snapshot in which the demonstrator's points have no names yet."""
+    if snapshot.status.is_at_rest:
+        return StatusMessage(snapshot.status, sentences(_says(snapshot)))
+    state = ServoStatus.READY if snapshot.motion == 0 else ServoStatus.MOVING if playing else "paused"
+    sentence = _("It does not know yet which of the demonstrator's points is which, so there is no E.")
+    return StatusMessage(state, sentence, probe=snapshot.probe)
+
+
+def _named(snapshot: Snapshot) -> str:
+    """Say how sure the names are that the learner found; "" for points that came with names."""
+    naming = snapshot.naming
+    if naming is None or snapshot.settings.matched:
+        return ""
+    if naming.is_ambiguous:
+        return _("There are two answers: with other names of the points, another pose explains the images as well.")
+    found = naming.names >= 0
+    uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
+    n = int(found.sum())
+    if uncertain:
+        text = ngettext("It named {n} point, uncertainly {points}.", "It named {n} points, uncertainly {points}.", n)
+    else:
+        text = ngettext("It is sure of the name of {n} point.", "It is sure of the names of {n} points.", n)
+    partners = ngettext("{n} point has no partner.", "{n} points have no partner.", alone).format(n=alone)
+    points = ", ".join(map(str, uncertain))
+    return sentences(text.format(n=n, points=points), partners if alone else "")
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:

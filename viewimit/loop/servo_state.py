@@ -34,8 +34,8 @@ class StateAttributes:
 
     @property
     def names(self) -> NDArray[np.int_] | None:
-        """(N,): the demonstrator's point of each own point, -1 without one; None before they are found."""
-        return self.naming.names if self.naming is not None and self.naming.accepted else None
+        """(N,): the demonstrator's point of each own point, -1 of points left out; None before they are found."""
+        return self.naming.used if self.naming is not None and self.naming.accepted else None
 
     def status_or(self, usual: ServoStatus) -> ServoStatus:
         """Return the status, or the usual one for a state without.

@@ -208,6 +208,12 @@ class Snapshot:
         return self._state.exchanged
 
     @property
+    def correspondences(self) -> tuple[Any, ...]:
+        """Compares equal if the servo takes the demonstrator's points for the same own points, in the same order."""
+        names = self._state.names
+        return self.views.matched, self.exchanged, None if names is None else names.tobytes()
+
+    @property
     def naming(self) -> Naming | None:
         """What the servo found about the names of the demonstrator's points; None if they came with names."""
         return self._state.naming

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from ...estimation.noise import conflict_quantile
 from ...estimation.residuals import ResidualFunction
 from ...estimation.views import Pairs
-from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX, fit_kinematics
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate
 from .correspondences import find_swaps, swapped, with_swaps
 from .final_adjustment import estimate_posture
-from .image_models import ImageData, KinematicImages
+from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .naming import find_naming, review_naming
@@ -43,22 +43,39 @@ class StepContext:
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
 
 
+def naming_model(context: StepContext) -> KinematicImages | None:
+    """Return kinematics that predict the own images everywhere: those of the servo, or less exact ones; None without.
+
+    Where exact kinematics are not found, those that fit with some noise may suffice: their prior leads to a minimum.
+    """
+    model, observation, rough = context.images.fit(), context.observation, context.options.naming_rough_noise_px
+    if isinstance(model, KinematicImages) or observation.noise_px >= rough:
+        return model if isinstance(model, KinematicImages) else None
+    visits = observations_of(context.images.visits)
+    kinematics = fit_kinematics(visits, rough, observation.rectification)
+    return None if kinematics is None else KinematicImages(kinematics, observation.displacement, visits, rough, None)
+
+
 def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Search for the names of the demonstrator's points, if kinematics predict the own images everywhere."""
-    model, observation = context.images.fit(), context.observation
-    if not isinstance(model, KinematicImages) or observation.demo is None:
+    model, observation = naming_model(context), context.observation
+    if model is None or observation.demo is None:
         return replace(state, naming=None)
     found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    found = None if found is None else found.per_pixel(state.unit_px)
     return replace(state, naming=found, unnamed=observation.demo)
 
 
 def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Review names that are not settled: later visits predict the images better."""
-    naming, model, observation = state.naming, context.images.fit(), context.observation
-    if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
+    naming, observation = state.naming, context.observation
+    if naming is None or naming.is_settled or state.unnamed is None or (model := naming_model(context)) is None:
         return state
     found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
-    if np.array_equal(found.names, naming.names):
+    if found is naming:
+        return state
+    found = found.per_pixel(state.unit_px)
+    if np.array_equal(found.used, naming.used):
         return replace(state, naming=found)
     if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
         return state

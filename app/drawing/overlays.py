@@ -193,7 +193,9 @@ def posture_links(scene: Scene) -> str:
             one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
-    return plane.wrap(group, "vi-over vi-links vi-cells")
+    x, y, *__ = plane.box
+    hint = svg.text(x + 6, y + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
+    return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 
 def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
@@ -254,7 +256,8 @@ def motion_links(last: int, width: int = 424) -> str:
         for k, motion in enumerate(motions.tolist())
     )
     group = f'<g class="vi-motions">{cells}</g>'
-    return f'<div class="vi-panel vi-links">{arrange_plots(width, group, group)}</div>'
+    hint = svg.text(width, 12, "click: go back to that motion", "vi-2nd vi-end vi-hint")
+    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
 
 
 def hide_later_motions(last: int) -> str:

@@ -17,7 +17,7 @@ from ..model.view import WINDOW, Message
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
-from ..panels.status import show_fault
+from ..panels.status import STARTS_PICTURES, show_fault
 from ..scene.scene3d import Scene3D
 from ..scene.view import Docking
 from .keeper import Keeper
@@ -151,7 +151,7 @@ class Page:
         """At once: it takes seconds to begin with them, in which nothing is drawn."""
         self._pose()
         draw_all(self.drawings())
-        before, self.model.message = self.model.message, Message("starting the camera images …", np.inf)
+        before, self.model.message = self.model.message, Message(STARTS_PICTURES, np.inf)
         self.model.refresh(self._now)
         draw_all(self._due_drawings())
         self.model.message = before

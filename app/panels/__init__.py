@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ..model.page_model import PageModel
 from .actions import actions
 from .arms import demonstrator, learner, start
-from .display import display, enlarge, still, views
+from .display import display, enlarge, offer_of_the_lab, still, views
 from .duel import duel
 from .experiments import experiments
 from .guide import glossary, lessons
@@ -42,6 +42,7 @@ PANELS: list[Callable[[Layout, PageModel], None]] = [
     status,
     share,
     still,
+    offer_of_the_lab,
     views,
     images,
     landscape,

@@ -8,12 +8,14 @@ from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
 from ..drawing.overlays import LESS, MORE, link
+from ..lab.address import lab_address
 from ..model.choices import NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
 from ..model.view import LARGE
 from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
 
+REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
@@ -105,6 +107,22 @@ def still(layout: Layout, model: PageModel) -> None:
         put_html(picture, f'<div class="vi-flat"><svg class="vi" {box}>{drawn.inside}</svg></div>')
 
     layout.drawing(key, draw, period=SLOWEST)
+
+
+def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
+    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
+    offer = layout.gui.add_html("")
+
+    def draw(model: PageModel) -> None:
+        address = html.escape((lab_address(model.snapshot) or "/lab").removeprefix("/"))
+        put_html(
+            offer,
+            '<div class="vi-small" role="dialog" aria-label="A small window"><p>This window is small for the'
+            f' instrument. The lab shows the same on any screen.</p><a href="{address}">Open the lab</a>'
+            "<button type='button'>Open the instrument anyway</button></div>",
+        )
+
+    layout.drawing(lambda model: (model.snapshot,), draw, period=REWRITTEN_EVERY)
 
 
 def views(layout: Layout, model: PageModel) -> None:

@@ -11,10 +11,10 @@ from ..model.page_model import PageModel
 from .panel import Layout, put, put_max
 
 ABOUT = (
-    '<div class="vi-about">A motion of the demonstrator: drawn about its present posture, recorded while you move it,'
-    " or loaded from a file. Play follows it with the learner; Fig. 10 under Experiments imitates it.</div>"
+    '<div class="vi-about">Here the demonstrator moves along a path: choose one, record your own while you move it, or'
+    " load one from a file. While the page plays, the learner follows it. Fig. 10 under Experiments imitates it.</div>"
 )
-RECORD, REPLAY = ("Record", Icon.PLAYER_RECORD), ("Replay", Icon.PLAYER_PLAY)
+RECORD, REPLAY = ("Record", Icon.PLAYER_RECORD), ("Move the demonstrator", Icon.PLAYER_PLAY)
 STOP = "Stop", Icon.PLAYER_STOP
 
 

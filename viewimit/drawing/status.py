@@ -168,13 +168,14 @@ def describe(
 def _resting(
     snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
 ) -> StatusMessage:
-    n, why = snapshot.motion, _says(snapshot)
+    n, why = snapshot.motion, _says(snapshot, joints)
     after = ngettext("E is {E} px² after {n} step.", "E is {E} px² after {n} steps.", n).format(E=E, n=n)
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
             angle = f"{svg.short(float(np.degrees(known.simultaneous_std_error)))}°"
-            why = _("It expects to be about {angle} off.").format(angle=angle)
+            expects = _("It expects to be about {angle} off.").format(angle=angle)
+            why = sentences(expects, why if snapshot.misfit is not None else "")
         return StatusMessage("arrived", sentences(after, why))
     unobservable = [] if known is None else known.reportable_joints(snapshot.status)
     if known is not None and unobservable:
@@ -349,7 +350,9 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> float | None:
     return (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1
 
 
-def _says(snapshot: Snapshot) -> str:
-    """Return the servo's own words, "" without any."""
+def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:
+    """Return the servo's own words, "" without any. joints: numbers from 1."""
     state = snapshot.servo_state
+    if snapshot.misfit is not None and snapshot.status.is_at_rest:
+        return snapshot.misfit.describe(joints)
     return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)

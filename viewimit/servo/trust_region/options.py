@@ -63,6 +63,7 @@ class TrustRegionOptions:
 
     # Unnamed points
     naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
+    naming_refinement: float = 0.8  # of that step from one attempt to the next
     naming_postures: int = 5000  # at most; random ones where a grid has more
     naming_starts: int = 8  # most similar namings, each refined by least squares
     naming_neighbourhood: float = _deg(45.0)  # rad: a naming is refined from one posture in each cell of this size

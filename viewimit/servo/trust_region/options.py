@@ -96,6 +96,10 @@ class TrustRegionOptions:
 
     # Final adjustment
     max_body_sigmas: float = 3.09  # standard deviations; a body like the own one contradicts by more once in a thousand
+    max_reason_sigmas: float = 3.72  # as max_body_sigmas, of a reason why another body differs: once in ten thousand
+    clear_criterion: float = 10.0  # by which the best reason's criterion is smaller than others', to base a claim on it
+    max_claimed_std: float = _deg(0.75)  # rad: a larger expected error of another body's posture is no claim
+    misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 
     # Convergence test

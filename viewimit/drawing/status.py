@@ -159,12 +159,13 @@ def describe(
 def _resting(
     snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
 ) -> StatusMessage:
-    says, after = _says(snapshot), f"after {svg.count_motions(snapshot.motion)}"
+    says, after = _says(snapshot, joints), f"after {svg.count_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
-            why = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off."
+            about = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off"
+            why = f"{about}; {says}." if snapshot.misfit is not None else f"{about}."
         return StatusMessage("arrived", f"{E} {after}{why}")
     unobservable = [] if known is None else known.reportable_joints(snapshot.status)
     if known is not None and unobservable:
@@ -300,7 +301,9 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
     return f", {text if share < 0 else '+' + text} % a motion"
 
 
-def _says(snapshot: Snapshot) -> str:
-    """Return the servo's own words, "" without any."""
+def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:
+    """Return the servo's own words, "" without any. joints: numbers from 1."""
     state = snapshot.servo_state
+    if snapshot.misfit is not None and snapshot.status.is_at_rest:
+        return snapshot.misfit.describe(joints)
     return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)

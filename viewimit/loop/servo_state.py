@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
 from ..sensing.renamed import level_outside
-from ..servo import Certificate, Naming, Observation, ServoMethod, ServoStatus
+from ..servo import Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import Visit
 
 SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
@@ -26,6 +26,7 @@ class StateAttributes:
     naming: Naming | None = None
     exchanged: Pairs = ()
     calibration: tuple[Visit, ...] = ()
+    misfit: Misfit | None = None
 
     @classmethod
     def of(cls, servo_state: Any) -> "StateAttributes":

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
-from ..model.choices import FLAGS, NO_POINT, number, one_of, text
+from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.view import LARGE, SWITCHED
+from ..model.queue import number, one_of, text
 from .registry import command
 
 CLIENT_REPORTED = {

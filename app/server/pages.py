@@ -23,7 +23,7 @@ from .. import viser_private
 from ..jobs import basin_child, experiment_child
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess, VisitorsCameras
 from ..jobs.experiments import ExperimentWorker
-from ..jobs.landscapes import LandscapeWorker
+from ..jobs.threads import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..model.services import Services

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from viewimit.app.model.presets import PRESETS, presets_from
+from viewimit.app.model.choices import PRESETS, presets_from
 from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess

@@ -53,8 +53,7 @@ from browsing import (
     wait_for_text,
     wait_until_complete,
 )
-from viewimit.app.model.choices import servo_names, transfer_names
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS, servo_names, transfer_names
 from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
 from viewimit.loop.session import Session
@@ -291,11 +290,11 @@ def test_keys_choose_points_and_show_the_help(session):
 
 def test_how_a_point_is_recovered_is_built_up(session):
     page, seen = session, []
-    assert "lines cross at" in page.text_content(HOW)
+    assert "cross at" in page.text_content(HOW)
     press(page, "c")
     wait(page, lambda: seen.append(page.text_content(HOW)) or seen[-1].startswith("6/6"))
     assert any(words.startswith(("1/6", "2/6", "3/6")) for words in seen)
-    wait(page, lambda: "lines cross at" in page.text_content(HOW), 20)
+    wait(page, lambda: "cross at" in page.text_content(HOW), 20)
     choose(page, "Transfer", "Linear combination")
     wait(page, lambda: "carried over by steps" in page.text_content(HOW) and page.locator(EPIPOLAR_LINE).count() == 0)
 

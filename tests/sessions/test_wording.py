@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS
 
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain

@@ -290,11 +290,11 @@ def test_keys_choose_points_and_show_the_help(session):
 
 def test_how_a_point_is_recovered_is_built_up(session):
     page, seen = session, []
-    assert "lines cross at" in page.text_content(HOW)
+    assert "cross at" in page.text_content(HOW)
     press(page, "c")
     wait(page, lambda: seen.append(page.text_content(HOW)) or seen[-1].startswith("6/6"))
     assert any(words.startswith(("1/6", "2/6", "3/6")) for words in seen)
-    wait(page, lambda: "lines cross at" in page.text_content(HOW), 20)
+    wait(page, lambda: "cross at" in page.text_content(HOW), 20)
     choose(page, "Transfer", "Linear combination")
     wait(page, lambda: "carried over by steps" in page.text_content(HOW) and page.locator(EPIPOLAR_LINE).count() == 0)
 

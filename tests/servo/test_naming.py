@@ -1,5 +1,6 @@
 """Points without names are named by the images alone, and what the images do not decide is not claimed."""
 
+from dataclasses import replace
 from functools import partial
 
 import msgspec
@@ -13,7 +14,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
 from viewimit.servo import ServoStatus
-from viewimit.servo.trust_region.naming import hat_matrix, without_point
+from viewimit.servo.trust_region.naming import Naming, hat_matrix, without_point
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -164,3 +165,16 @@ def test_eyes_of_ones_own_may_show_points_without_names():
     naming = session.snapshot.naming
     assert (robot.order[naming.names[:16]] == np.arange(16)).all() and naming.names[16] == -1
     assert robot.order[naming.unnamed].tolist() == [16]
+
+
+def test_names_are_settled_where_no_pair_is_left_without():
+    naming = Naming(
+        names=np.array([2, 0, -1]), unnamed=np.array([], int), probability=np.array([1.0, 1.0, np.nan]),
+        displacement=np.zeros(2), E=0.1, E_noise=0.1, accepted=True, enough=2,
+    )  # fmt: skip
+    assert naming.is_settled
+    assert not replace(naming, unnamed=np.array([1])).is_settled  # a later visit may show that they are one point
+    assert not replace(naming, rival=np.array([0, 2, -1])).is_settled
+    doubtful = replace(naming, names=np.array([2, 0, 1]), probability=np.array([1.0, 1.0, 0.6]))
+    assert not doubtful.is_settled and doubtful.used.tolist() == [2, 0, -1]
+    assert replace(doubtful, enough=3).used.tolist() == [2, 0, 1]

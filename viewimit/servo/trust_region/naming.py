@@ -72,7 +72,7 @@ class Naming:
     enough: int = DEFAULTS.naming_enough
 
     def per_pixel(self, unit_px: float) -> "Naming":
-        """Convert E from image units of so many pixels to px²."""
+        """Convert E from image units of unit_px pixels to px²."""
         return replace(self, E=self.E * unit_px**2, E_noise=self.E_noise * unit_px**2)
 
     @property
@@ -87,8 +87,9 @@ class Naming:
 
     @property
     def is_settled(self) -> bool:
-        """Whether further visits can hardly change it: all names are certain, and there is one answer."""
-        return bool(self.certain.all()) and not self.is_ambiguous
+        """Whether further visits can hardly change it: one answer, all names certain, and no pair without names."""
+        named = self.names >= 0
+        return bool(self.certain[named].all() and (named.all() or not len(self.unnamed))) and not self.is_ambiguous
 
     @property
     def is_ambiguous(self) -> bool:

@@ -63,12 +63,13 @@ class TrustRegionOptions:
 
     # Unnamed points
     naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
+    naming_refinement: float = 0.8  # of that step from one attempt to the next
     naming_postures: int = 5000  # at most; random ones where a grid has more
     naming_starts: int = 8  # most similar namings, each refined by least squares
     naming_neighbourhood: float = _deg(45.0)  # rad: a naming is refined from one posture in each cell of this size
     naming_rounds: int = 10  # of refining the posture and the names in turn
     naming_reach: float = _deg(20.0)  # rad: of the posture in a round of refinement, at most
-    naming_trials: int = 450  # choices of points that are left out, at most
+    naming_trials: int = 600  # choices of points that are left out, at most
     naming_left_out: int = 2  # points without a partner, at most, of either body
     naming_min_points: int = 7  # named points: of fewer, E says too little
     naming_samples: int = 16  # of the noise, for the E that it explains

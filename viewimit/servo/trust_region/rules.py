@@ -63,7 +63,9 @@ def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionSta
     model, observation = naming_model(context), context.observation
     if model is None or observation.demo is None:
         return replace(state, naming=None)
-    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    step = context.options.naming_grid_step * context.options.naming_refinement**state.n_naming_motions
+    options = replace(context.options, naming_grid_step=step)
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, options)
     found = None if found is None else found.per_pixel(state.unit_px)
     return replace(state, naming=found, unnamed=observation.demo)
 

@@ -61,7 +61,7 @@ def page(browser, server):
     press(page, "Escape")
     press(page, "n")
     press(page, "Space")
-    wait_for_status(page, "Settled")
+    wait_for_status(page, "Settled|local minimum")
     press(page, "Space")
     page.window = page.context.new_cdp_session(page)
     yield page

@@ -18,7 +18,7 @@ from viewimit.simulation.scene import Scene
 
 from . import camera_child
 
-MOST_SESSIONS = 8  # that share the seven motions a second of one process
+MOST_SESSIONS = 8  # that share the twenty motions a second of one process
 UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
 ANSWERS_WITHIN_S = 30.0  # else it hangs
 IDLE_S = 60.0  # without a look, after which a place may go to who asks for one

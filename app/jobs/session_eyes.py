@@ -15,7 +15,7 @@ from viewimit.simulation.world import World
 
 from .camera_images import Cameras
 
-MOST_PX = 1280 * 720  # of an image: a look takes 6 s then, for which all others wait
+MOST_PX = 1280 * 720  # of an image: a look takes 0.1 s then, for which all others wait
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 

@@ -17,7 +17,7 @@ from .commands import COMMANDS
 from .commands.display import choose_point
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
-from .jobs.landscapes import LandscapeWorker
+from .jobs.threads import LandscapeWorker
 from .model.page_model import PageModel
 from .model.queue import CommandQueue
 from .model.services import LoadShedding, Services

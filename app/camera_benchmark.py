@@ -16,10 +16,9 @@ from viewimit.loop.settings import Settings
 
 from .jobs.camera_images import CameraProcess
 from .jobs.experiments import ExperimentWorker
-from .jobs.landscapes import LandscapeWorker
-from .model.services import Services
+from .jobs.threads import LandscapeWorker
+from .model.services import Services, draw_all
 from .page.page import Page
-from .page.redraw import draw_all
 from .page.scheduler import Scheduler
 from .quiet_client import quiet_client
 

@@ -156,6 +156,25 @@ def row(page, label: str):
     return rows.filter(has=page.locator("input")).last
 
 
+OPEN = """row => {  // the folders that it stands in
+  const closed = [];
+  for (let p = row.closest("[data-with-border]"); p; p = p.parentElement.closest("[data-with-border]")) {
+    const head = p.querySelector(":scope>[role=button]");
+    if (head?.getAttribute("aria-expanded") === "false") closed.unshift(head);
+  }
+  closed.forEach(head => head.click());
+  return closed.length;
+}"""
+
+
+def uncovered_row(page, label: str):
+    """As `row`, with the folders open that it stands in."""
+    found = row(page, label)
+    if found.evaluate(OPEN):
+        still(page, lambda: found.bounding_box())
+    return found
+
+
 def _named(label: str) -> re.Pattern:
     """A label, with the name of the joint before its symbol."""
     return re.compile(f"^(Start )?(?:{drawn.JOINT_NAME})?{re.escape(label.removeprefix('Start '))}$")
@@ -163,7 +182,7 @@ def _named(label: str) -> re.Pattern:
 
 def set_number(page, label: str, value) -> None:
     """Type into the number box of a slider or of a number."""
-    box = row(page, label).locator("input[type=text]").last
+    box = uncovered_row(page, label).locator("input[type=text]").last
     box.fill(str(value))
     box.press("Enter")
     box.blur()  # a key typed into a box is not a command
@@ -172,7 +191,7 @@ def set_number(page, label: str, value) -> None:
 
 def choose(page, label: str, option: str) -> None:
     """Take an option of a dropdown."""
-    box = row(page, label).locator("input:visible").first
+    box = uncovered_row(page, label).locator("input:visible").first
     box.click()
     page.get_by_role("option", name=option, exact=True).click()
     box.blur()
@@ -181,7 +200,7 @@ def choose(page, label: str, option: str) -> None:
 
 def switch(page, label: str) -> None:
     """Click a checkbox."""
-    box = row(page, label).locator("input[type=checkbox]")
+    box = uncovered_row(page, label).locator("input[type=checkbox]")
     box.click()
     box.blur()
     pause(page)

@@ -8,13 +8,12 @@ from drawn import view_name
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
-from viewimit.app.jobs.landscapes import LandscapeWorker
+from viewimit.app.jobs.threads import LandscapeWorker
 from viewimit.app.model.choices import AMOUNTS
 from viewimit.app.model.page_model import PageModel
 from viewimit.app.model.queue import CommandQueue
-from viewimit.app.model.services import LoadShedding, Services
+from viewimit.app.model.services import LoadShedding, Services, draw_all
 from viewimit.app.page.page import Page
-from viewimit.app.page.redraw import draw_all
 from viewimit.app.page.scheduler import TICK
 from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until

@@ -10,10 +10,9 @@ import msgspec
 from protocol import Tab
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
-from viewimit.app.jobs.landscapes import LandscapeWorker
-from viewimit.app.model.services import LoadShedding, Services
+from viewimit.app.jobs.threads import LandscapeWorker
+from viewimit.app.model.services import LoadShedding, Services, draw_all
 from viewimit.app.page.page import Page
-from viewimit.app.page.redraw import draw_all
 from viewimit.app.page.scheduler import TICK
 from viewimit.app.panels.actions import KEPT_LABEL
 from viewimit.app.panels.panel import ClientInfo
@@ -110,7 +109,7 @@ class QuietPage:
         widget = self.widget(label)
         assert value in vars(widget).get("options", (value,)), f"{value} is none of {widget.options}"
         widget.value = value
-        self._tell(widget)
+        self.tell(widget)
 
     def act(self, control, value):
         """What a link of its drawings asks for, as the page's script sends it."""
@@ -135,10 +134,10 @@ class QuietPage:
         return self._tab.text
 
     def click(self, label):
-        self._tell(self.widget(label))
+        self.tell(self.widget(label))
         self.tick()
 
-    def _tell(self, widget):
+    def tell(self, widget):
         for callback in widget.callbacks:
             _finish(callback(SimpleNamespace(client_id=PERSON, target=widget)))
 

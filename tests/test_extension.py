@@ -9,7 +9,7 @@ import pytest
 from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EXPERIMENT, OPPONENTS_PATH, TITLE, used
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.panels.help import help_html
+from viewimit.app.panels.guide import help_html
 
 from viewimit.drawing import status
 from viewimit.estimation.equations import HOLE, Equation, number

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
-from ..model.choices import FLAGS, NO_POINT, number, one_of, text
+from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
-from ..model.view import LARGE, SWITCHED
+from ..model.queue import number, one_of, text
 from .registry import command
 
 CLIENT_REPORTED = {
@@ -140,5 +140,7 @@ def run_from_many_starts(model: PageModel) -> None:
 
 @command("compare", order_independent=True)
 def toggle_comparison(model: PageModel) -> None:
-    """Show the landscapes of all transfers, or of the one that is used."""
+    """Show the landscapes of all transfers, large, or of the one that is used."""
     model.comparison.toggle()
+    if model.comparison.on or model.view.large == "figures":
+        model.show(large="figures" if model.comparison.on else None)

@@ -5,9 +5,10 @@ from typing import Annotated
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
-from ..model.choices import AMOUNTS, choice, joint_choices, named, one_of, text
+from ..model.choices import AMOUNTS, joint_choices
 from ..model.page_model import PageModel
 from ..model.points import layout_choices
+from ..model.queue import choice, named, one_of, text
 from .registry import command
 
 Transfer = Annotated[str, lambda value: named(value, TRANSFERS, "transfer")]

@@ -10,11 +10,10 @@ import inspect
 from collections.abc import Callable
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
-from ..model.choices import number, switch
-from ..model.queue import Command
+from ..model.queue import Command, number, switch, whole
 
 COMMANDS: dict[str, Command] = {}
-PARSERS: dict[type, Callable[[Any], Any]] = {int: lambda value: round(number(value)), float: number, bool: switch}
+PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: switch}
 Function = TypeVar("Function", bound=Callable[..., None])
 
 

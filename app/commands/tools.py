@@ -5,10 +5,10 @@ from typing import Annotated
 from viewimit.experiments import EXPERIMENTS
 
 from ..model import pictures
-from ..model.choices import named, one_of
 from ..model.motions import MOST_BYTES, NAMES
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES
+from ..model.queue import named, one_of
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays

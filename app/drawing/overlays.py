@@ -1,6 +1,7 @@
 """Links in drawings: the page's script sends what each asks for by the page's own connection."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
+from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
 from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
 from viewimit.drawing.plots import Axes
@@ -192,7 +194,9 @@ def posture_links(scene: Scene) -> str:
             one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="Postures for the learner">{"".join(others + stops)}</g>'
-    return plane.wrap(group, "vi-over vi-links vi-cells")
+    x, y, _, _ = plane.box
+    hint = svg.text(x + 6, y + 14, "click: the learner starts there", "vi-2nd vi-halo vi-hint")
+    return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 
 def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
@@ -251,7 +255,8 @@ def motion_links(last: int, width: int = 424) -> str:
         for k, motion in enumerate(motions.tolist())
     )
     group = f'<g class="vi-motions">{cells}</g>'
-    return f'<div class="vi-panel vi-links">{arrange_plots(width, group, group)}</div>'
+    hint = svg.text(width, 12, "click: go back to that motion", "vi-2nd vi-end vi-hint")
+    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
 
 
 def hide_later_motions(last: int) -> str:
@@ -261,3 +266,52 @@ def hide_later_motions(last: int) -> str:
 
 def _motions_per_link(last: int) -> int:
     return -(-axis_end(last) // MAX_VERTICES)
+
+
+# The glossary on the page: every "?", the cards with links to examples, and the numbers' values on their scales.
+
+
+def asks(keys: Iterable[str]) -> str:
+    """Build a line of symbols, each with its "?"."""
+    items = "".join(f"<span>{svg.escape(glossary()[key].symbol)} {ask(key)}</span>" for key in keys)
+    return f'<div class="vi-asked">{items}</div>'
+
+
+def beside(key: str) -> str:
+    """Build a "?" at the label of the control that follows, where it takes no room."""
+    return f'<div class="vi-at-label">{ask(key)}</div>'
+
+
+def linked_cards() -> str:
+    """Build all cards with links to their examples."""
+    back = link("restore/0", "Give it back: what was here before", "Give it back")
+    restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
+    return cards(lambda key: _show(key) + restore)
+
+
+def listed() -> str:
+    """Build all entries for the help, with links to their examples."""
+    return "".join(
+        f'<div class="vi-entry">{_show(key)}{describe_entry(entry)}</div>' for key, entry in glossary().items()
+    )
+
+
+def current_values(values: Mapping[str, float], shown: str | None = None) -> str:
+    """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
+
+    values: by key; NaN is left out. shown: the entry whose card offers to restore the session before its example.
+    """
+    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
+    for key, value in values.items():
+        scale = glossary()[key].scale
+        if scale is not None and math.isfinite(value):
+            words = f"now {svg.short(value)}{scale.unit}"
+            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
+    return f"<style>{''.join(rules)}</style>"
+
+
+def _show(key: str) -> str:
+    """Build the link to an entry's example."""
+    entry = glossary()[key]
+    words = "Show me a bad one" if entry.bad else "Show me"
+    return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

@@ -1,69 +1,16 @@
 """Checks of what a browser sent: anything may come."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
-
-import numpy as np
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from viewimit.drawing import svg
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
+from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from viewimit.simulation.scene import Scene, load_robot, load_scene
-
-
-class Titled(Protocol):
-    @property
-    def title(self) -> str: ...
-
-
-def number(value) -> float:
-    """A finite number. Raises ValueError."""
-    try:
-        found = float(value)
-    except (TypeError, ValueError, OverflowError):
-        found = np.nan
-    if not np.isfinite(found):
-        raise ValueError(f"{str(value)[:40]!r} is not a number")
-    return found
-
-
-def choice(value, options: Mapping, what: str):
-    """What an option stands for. Raises ValueError."""
-    if not isinstance(value, str) or value not in options:
-        raise ValueError(f"no {what} {str(value)[:40]!r}")
-    return options[value]
-
-
-def named(value, entries: Mapping[str, Titled], what: str) -> str:
-    """The name of an entry of a registry, by its title. Raises ValueError."""
-    return choice(value, {entry.title: name for name, entry in entries.items()}, what)
-
-
-def switch(value) -> bool:
-    """Raises ValueError."""
-    if not isinstance(value, bool):
-        raise ValueError(f"{str(value)[:40]!r} is neither on nor off")
-    return value
-
-
-def text(what: str) -> Callable[[object], str]:
-    """Return a parser that takes any text."""
-
-    def parse(value: object) -> str:
-        if not isinstance(value, str):
-            raise ValueError(f"no {what} {str(value)[:40]!r}")
-        return value
-
-    return parse
-
-
-def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], what: str) -> Callable[[object], Any]:
-    """Return a parser that takes a name of `options`, and returns the option."""
-    return lambda value: choice(value, options() if callable(options) else options, what)
-
 
 FLAGS = {"0": False, "1": True}  # as links have them
 
@@ -112,17 +59,17 @@ class Amount:
         value = getattr(settings, self.name) * self.per
         return round(value) if isinstance(self.step, int) else round(value, 6)
 
-    def asked(self, value: object) -> float:
-        """What the slider's value, sent by a browser, is in the settings. Raises ValueError for what is no number."""
-        return number(value) / self.per
+    def asked(self, value: float) -> float:
+        """What the slider's value is in the settings."""
+        return value / self.per
 
 
 @dataclass(frozen=True)
 class Count(Amount):
     """An amount of whole things. Each takes time, so no more may be asked for than the slider has."""
 
-    def asked(self, value: object) -> int:
-        found = round(number(value))
+    def asked(self, value: float) -> int:
+        found = round(value)
         if not self.low <= found <= self.high:
             raise ValueError(f"{self.label.lower()} must be between {self.low} and {self.high}, got {found}")
         return found
@@ -201,3 +148,208 @@ def _name(joints: tuple[int, ...]) -> str:
 
 def _number(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
+
+
+# Presets: situations worth seeing, as data. Those that break the method say how.
+
+
+@dataclass(frozen=True)
+class Preset:
+    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes."""
+
+    name: str
+    settings: Settings
+    motions_per_second: float
+    lesson: str
+
+
+PRESETS = (
+    Preset(
+        "Paper, Section 5.3",
+        Settings.paper(),
+        2,
+        "Ten points in four images: where their conflict E is least, arms nearly agree.",
+    ),
+    Preset(
+        "Beyond the paper",
+        Settings(),
+        2,
+        "No bias, a handful of motions: it asks for E of images that it predicts.",
+    ),
+    Preset(
+        "The paper's own law",
+        Settings.paper(servo="gradient", start_deg=(30, -60)),
+        0,
+        "Eq. (13) as printed: u fades with E, and the learned gradient goes stale.",
+    ),
+    Preset(
+        "The paper's law, retuned",
+        Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
+        0,
+        "More gain, bounded steps, dither: near in hundreds of motions, never at rest.",
+    ),
+    Preset(
+        "Linear combination of views",
+        Settings.paper(transfer="linear", start_deg=(75, -150)),
+        2,
+        "No lines are intersected, so none can be parallel; it ends as near.",
+    ),
+    Preset(
+        "Seven joints",
+        Settings(
+            joints=tuple(range(1, 8)),
+            points=16,
+            demonstrator_deg=(10, 40, -10, -80, 15, 100, 30),
+            start_deg=(-10, 25, 10, -50, -15, 75, 60),
+        ),
+        2,
+        "More unknowns, the same method. The wrist moves its points least.",
+    ),
+    Preset(
+        "Verged cameras",
+        Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
+        2,
+        "Each camera looks at the gaze point itself: E is least at a wrong posture.",
+    ),
+    Preset(
+        "Toed-in cameras",
+        Settings(scene="panda-toed", start_deg=(25, -45)),
+        2,
+        "Unlike eyes, turned inwards: their matches alone tell how to rectify them.",
+    ),
+    Preset(
+        "Demonstrator faces the learner",
+        Settings.paper(scene="panda-facing", start_deg=(25, -45)),
+        2,
+        "Turned by 180°, near and far swap: E is least many degrees off, and far from 0.",
+    ),
+    Preset(
+        "Few points",
+        Settings.paper(points=5, start_deg=(25, -45)),
+        2,
+        "Five are the least for which E is not always 0: too few to tell a joint by.",
+    ),
+    Preset(
+        "Nearly coplanar points",
+        Settings.paper(scene="panda-flat", start_deg=(25, -45)),
+        2,
+        "Points near one plane leave one coordinate to chance: watch σ₁/σ₃.",
+    ),
+    Preset(
+        "Half a pixel of noise",
+        Settings.paper(noise_px=0.5, start_deg=(25, -45)),
+        2,
+        "The minimum itself moves by degrees: the transfer amplifies the noise.",
+    ),
+    Preset(
+        "Points get lost",
+        Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
+        2,
+        "A point counts only if all four views see it; below five the arm holds still.",
+    ),
+    Preset(
+        "Points without names",
+        Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
+        2,
+        "The demonstrator's points come in any order: after two probes it names them.",
+    ),
+    Preset(
+        "KUKA iiwa",
+        Settings.paper(scene="iiwa", start_deg=(25, -25)),
+        2,
+        "Another body, the same method: nothing in it knows the robot.",
+    ),
+    Preset(
+        "Camera images",
+        Settings(sensor="rendered"),
+        2,
+        "Pictures of arms that wear coloured balls: only balls detected in them count.",
+    ),
+)
+
+AS_STARTED = "As started"
+
+
+def presets_from(asked: Settings) -> dict[str, Preset]:
+    """By name, the one to begin with first: what the command line asked for, if no preset is that."""
+    begun = next((preset for preset in PRESETS if preset.settings == asked), Preset(AS_STARTED, asked, 2, ""))
+    return {preset.name: preset for preset in (begun, *PRESETS)}
+
+
+class Presets:
+    """Which a page offers, by name, and which it has begun with last. asked: by the command line."""
+
+    def __init__(self, asked: Settings):
+        self.offered = presets_from(asked)
+        self.chosen = next(iter(self.offered.values()))
+        self._complete: tuple[Preset, Settings] | None = None  # those of the chosen one, as a session has them
+
+    def differ(self, settings: Settings) -> bool:
+        """Whether a session's settings are others than those of the chosen one."""
+        if self._complete is None or self._complete[0] is not self.chosen:
+            self._complete = self.chosen, complete(self.chosen.settings)
+        return settings != self._complete[1]
+
+
+# How a page shows its session: what its visitor and its browser have chosen, and messages.
+
+LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
+CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
+WINDOW = "window"  # in place of all tabs' names
+SWITCHES = (
+    "goal",
+    "rays",
+    "residuals",
+    "gizmo",
+    "whole_frames",
+    "rectified",
+    "shadows",
+)  # kept by their names
+SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
+
+
+@dataclass(frozen=True)
+class View:
+    """Choices of one page. `on` tells the switches that follow the browser until the visitor chooses."""
+
+    chosen: int | None = None  # body point that is explained
+    goal: bool = True  # from here to `dark`: the switches of the folder Display
+    rays: bool = False
+    residuals: bool = True
+    gizmo: bool = True
+    whole_frames: bool = False
+    rectified: bool = False
+    shadows: bool = False
+    flat: bool = False  # a still picture instead of the 3-D view, as a browser without WebGL or speed asks for it
+    dark: bool | None = None  # None: as the browser prefers
+    prefers_dark: bool = False  # the browser's preference
+    help: bool = False  # whether the help is open
+    fits: int = 0  # how often the visitor has asked for the default camera
+    look_only: bool = False  # a posture that is clicked is previewed, and nothing moves
+    share: bool = False  # whether the card with link and code is open
+    large: str | None = None  # of LARGE: what fills the window beside the controls
+    picture: str = "Images"  # panel that is saved as a picture
+    picture_as: str = "SVG"
+    truth: bool = (
+        True  # whether the scene shows what only the viewer knows; hidden before a class until it is asked for
+    )
+    unseen: frozenset[str] = frozenset()  # tabs that are not open, or WINDOW where nobody sees any of the page
+
+    def on(self, switch: str) -> bool:
+        """Return whether a switch is on, by its name."""
+        chosen = getattr(self, switch)
+        return self.prefers_dark if chosen is None else chosen
+
+
+def switched(view: View, show: Mapping[str, bool]) -> View:
+    """Return a view with the switches on or off that are kept by their names."""
+    known: dict[str, Any] = {name: show[name] for name in SWITCHES if name in show}
+    return replace(view, **known)
+
+
+@dataclass(frozen=True)
+class Message:
+    """A sentence for the visitor, until a time of the scheduler's clock, s."""
+
+    text: str
+    until: float

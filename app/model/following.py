@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from viewimit.loop.session import Session
 
-from ..jobs.session_eyes import SessionEyes
+from ..jobs.camera_images import SessionEyes
 from ..sessions.link import Branch, SavedPage
 from .player import DENSE
 from .queue import CommandQueue, Queued
@@ -54,21 +54,14 @@ class Following:
     def __init__(self, page_id: int, services: Services, queue: CommandQueue):
         self._page_id, self._services, self._queue = page_id, services, queue
         self._played: Played | None = None
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether a script is still played."""
-        return self._played is not None
-
-    @property
-    def restores(self) -> bool:
-        """Whether it is what the page's own tab has kept, before which nothing else counts."""
-        return self._played is not None and self._played.is_own
+        self.goes_on = False  # whether a script is still played
+        self.restores = False  # whether it is what the page's own tab has kept, before which nothing else counts
 
     def begin(self, page: SavedPage, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
         """Play a saved page, in place of the one that is played now. arrival: the entry that then takes it."""
         self.let_go()
         played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
+        self.goes_on, self.restores = True, is_own
 
         def done(error: Exception | None) -> None:
             played.error = error
@@ -80,6 +73,7 @@ class Following:
     def let_go(self) -> bool:
         """Follow it no more. Return whether there was one."""
         played, self._played = self._played, None
+        self.goes_on = self.restores = False
         self._services.scripts.cancel(self._page_id)
         self._services.picture_scripts.cancel(self._page_id)
         if played is not None:
@@ -91,5 +85,6 @@ class Following:
         if played is not self._played:
             return False
         self._played = None
+        self.goes_on = self.restores = False
         played.eyes.close()
         return True

@@ -1,5 +1,7 @@
 """The demonstrator's motions: which one is chosen, recording and replaying it, keeping it in a file."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable
 
@@ -8,20 +10,22 @@ from numpy.typing import NDArray
 
 from viewimit.analysis.trajectory import (
     FRAMES,
+    MAX_FRAMES,
     MOTIONS,
     STEP_S,
     TITLES,
     Motion,
     decode_motion,
     encode_motion,
+    make_motion,
     require_motion,
 )
 from viewimit.loop.session import Session
+from viewimit.simulation.scene import Scene
 
 from .queue import RunInBackground
-from .recorder import NAME as RECORDED
-from .recorder import Playback, Recorder
 
+RECORDED = "recorded"  # a motion's name
 NAMES = {name: TITLES.get(name, name) for name in (*MOTIONS, RECORDED)}
 MOST_BYTES = 2 << 20  # of a file
 FILE = "viewimit-motion.json"
@@ -52,15 +56,15 @@ class Motions:
         self.name = next(iter(NAMES))
         self.recorded: Motion | None = None
         self._encoded: tuple[Motion, bytes] | None = None
-        self._recorder: Recorder | None = None
-        self._shown: Playback | None = None
+        self.recorder: Recorder | None = None
+        self.shown: Playback | None = None
         self._at: NDArray | None = None  # posture that the motion shown has put the demonstrator in
         self._then: Callable[[Playback], None] | None = None  # what waits for a motion that is being made
         self._scene = session.scene
 
     @property
     def recording(self) -> bool:
-        return self._recorder is not None
+        return self.recorder is not None
 
     @property
     def replaying(self) -> bool:
@@ -69,13 +73,13 @@ class Motions:
     @property
     def _played(self) -> Playback | None:
         """The motion that is shown, while it plays."""
-        return self._shown if self._shown is not None and self._shown.playing else None
+        return self.shown if self.shown is not None and self.shown.playing else None
 
     @property
     def moment(self) -> tuple[float, float]:
         """The time that is shown, and when the motion ends, s; the time is one of a frame."""
-        if self._shown is not None:
-            return _seconds(round(self._shown.frame), self.step_s), _seconds(self._shown.last, self.step_s)
+        if self.shown is not None:
+            return _seconds(round(self.shown.frame), self.step_s), _seconds(self.shown.last, self.step_s)
         if self.name == RECORDED and self.recorded is not None:
             return 0.0, _seconds(len(self.recorded.theta_deg) - 1, self.step_s)
         return 0.0, _seconds(FRAMES - 1, self.step_s)
@@ -83,16 +87,16 @@ class Motions:
     @property
     def step_s(self) -> float:
         """Between two frames of the chosen motion."""
-        if self._shown is not None:
-            return self._shown.motion.step_s
+        if self.shown is not None:
+            return self.shown.motion.step_s
         return self.recorded.step_s if self.name == RECORDED and self.recorded is not None else STEP_S
 
     def describe(self) -> tuple[str, str]:
         """State and sentence, as the line under the scene has them."""
-        if self._recorder is not None:
-            if self._recorder.seconds == 0:
+        if self.recorder is not None:
+            if self.recorder.seconds == 0:
                 return "recording", "move the demonstrator by its sliders or its hand."
-            return "recording", f"{self._recorder.seconds:.1f} s of the demonstrator's motion."
+            return "recording", f"{self.recorder.seconds:.1f} s of the demonstrator's motion."
         if (played := self._played) is not None:
             now, last = self.moment
             return "replaying", f"{played.motion.name[:40]}, {now:.1f} of {last:.1f} s."
@@ -102,13 +106,13 @@ class Motions:
         return "ready", "about the present posture"
 
     def tick(self) -> None:
-        """Once a tick of the scheduler: sample or pose the demonstrator."""
+        """Sample or pose the demonstrator, once a tick while there is a recorder or a motion is shown."""
         if self._session.scene is not self._scene:
             self._leave_scene()
         theta = self._session.snapshot.theta_demo
-        if self._recorder is not None:
-            self._recorder.sample(theta, self._clock())
-            if self._recorder.full:
+        if self.recorder is not None:
+            self.recorder.sample(theta, self._clock())
+            if self.recorder.full:
                 self.record()
         elif (played := self._played) is not None:
             if self._at is None or not np.array_equal(theta, self._at):  # somebody else has moved it
@@ -130,11 +134,12 @@ class Motions:
 
     def record(self) -> None:
         """Begin, or end and choose what was recorded."""
-        if self._recorder is None:
+        if self.recorder is None:
             self._forget_shown()
-            self._recorder = Recorder(self._scene, self._session.snapshot.theta_demo, self._clock())
+            self._scene = self._session.scene
+            self.recorder = Recorder(self._scene, self._session.snapshot.theta_demo, self._clock())
             return
-        recorder, self._recorder = self._recorder, None
+        recorder, self.recorder = self.recorder, None
         self._keep(recorder.finish())
 
     def replay(self) -> None:
@@ -156,8 +161,8 @@ class Motions:
         last = self.moment[1]
         if not 0 <= seconds <= last:
             raise ValueError(f"the motion has no moment at {seconds:g} s; it lasts {last:g} s")
-        if self._shown is not None:
-            self._shown.pause()
+        if self.shown is not None:
+            self.shown.pause()
 
         def go(shown: Playback) -> None:
             shown.frame = min(round(seconds / shown.motion.step_s), shown.last)
@@ -183,18 +188,18 @@ class Motions:
         name, scene, theta, found = made
         here = self._session.snapshot.theta_demo
         if then and name == self.name and scene is self._session.scene and np.array_equal(theta, here):
-            self._shown, self._at = Playback(found), theta
-            then(self._shown)
+            self.shown, self._at, self._scene = Playback(found), theta, scene
+            then(self.shown)
 
     def _with_motion(self, then: Callable[[Playback], None]) -> None:
         """Do this with the chosen motion, at once or as soon as it is made."""
         session, here = self._session, self._session.snapshot.theta_demo
         if self.name == RECORDED:
-            if self._shown is None:
-                self._shown = Playback(self._require_recorded())
-            then(self._shown)
-        elif self._shown is not None and self._at is not None and np.array_equal(self._at, here):
-            then(self._shown)
+            if self.shown is None:
+                self.shown, self._scene = Playback(self._require_recorded()), session.scene
+            then(self.shown)
+        elif self.shown is not None and self._at is not None and np.array_equal(self._at, here):
+            then(self.shown)
         else:
             self._forget_shown()
             self._then = then
@@ -211,13 +216,13 @@ class Motions:
 
     def _leave_scene(self) -> None:
         """Recording and replaying end with the scene; what was recorded in it is kept."""
-        self._scene, recorder, self._recorder = self._session.scene, self._recorder, None
+        self._scene, recorder, self.recorder = self._session.scene, self.recorder, None
         self._forget_shown()
         if recorder is not None and recorder.seconds > 0:
             self._keep(recorder.finish())
 
     def _forget_shown(self) -> None:
-        self._shown = self._then = None
+        self.shown = self._then = None
 
     @property
     def file(self) -> bytes | None:
@@ -235,10 +240,88 @@ class Motions:
         return self.recorded
 
     def _require_no_recording(self) -> None:
-        if self._recorder is not None:
+        if self.recorder is not None:
             raise ValueError("a motion is being recorded: stop that first")
 
 
 def _seconds(frame: int, step_s: float) -> float:
     """Without what multiplication adds."""
     return round(frame * step_s, 6)
+
+
+# Recording and replaying in real time. `now`: any clock, s
+
+
+class Recorder:
+    """Postures of the demonstrator as they are sampled, and when. The motion begins with the first movement."""
+
+    def __init__(self, scene: Scene, theta: NDArray, now: float):
+        self._scene = scene
+        self._times, self._postures = [now], [theta]
+
+    @property
+    def seconds(self) -> float:
+        """Since the first movement."""
+        return self._times[-1] - self._times[0]
+
+    @property
+    def full(self) -> bool:
+        """Whether it holds as much as a motion may."""
+        return self.seconds >= STEP_S * (MAX_FRAMES - 1)
+
+    def sample(self, theta: NDArray, now: float) -> None:
+        """theta: (m,) rad. Before the first movement only the latest moment is kept."""
+        if len(self._times) == 1 and np.array_equal(theta, self._postures[0]):
+            self._times = [now]
+        elif now > self._times[-1] and not self.full:
+            self._times.append(now)
+            self._postures.append(theta)
+
+    def finish(self) -> Motion:
+        """What was recorded, in steps of STEP_S whenever it was sampled. Raises ValueError if nothing moved."""
+        if len(self._times) < 2:
+            raise ValueError("nothing was recorded: the demonstrator did not move")
+        frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MAX_FRAMES)
+        asked = self._times[0] + STEP_S * np.arange(frames)
+        theta = [np.interp(asked, self._times, angle) for angle in np.transpose(self._postures)]
+        return make_motion(RECORDED, self._scene, np.stack(theta, -1))
+
+
+class Playback:
+    """A motion, and the moment of it that is shown. frame: with fractions."""
+
+    def __init__(self, played: Motion):
+        self.motion, self._theta = played, played.theta
+        self.frame = 0.0
+        self._began: float | None = None  # when frame 0 was, while it plays
+
+    @property
+    def playing(self) -> bool:
+        return self._began is not None
+
+    @property
+    def last(self) -> int:
+        return len(self._theta) - 1
+
+    def play(self, now: float) -> None:
+        """From the moment that is shown, or from the beginning once it is over."""
+        self.frame = 0.0 if self.frame >= self.last else self.frame
+        self._began = now - self.frame * self.motion.step_s
+
+    def pause(self) -> None:
+        self._began = None
+
+    def advance(self, now: float) -> None:
+        """Show the moment that is due; it stops by itself at the last."""
+        if self._began is None:
+            return
+        self.frame = float(np.clip((now - self._began) / self.motion.step_s, 0, self.last))
+        if self.frame >= self.last:
+            self.pause()
+
+    @property
+    def theta(self) -> NDArray:
+        """(m,) rad at the moment; between two frames on the straight line from one to the other."""
+        before = int(self.frame)
+        after = min(before + 1, self.last)
+        return self._theta[before] + (self.frame - before) * (self._theta[after] - self._theta[before])

@@ -16,19 +16,15 @@ from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
 from ..sessions.link import Branch, Run, SavedPage
-from .choices import Freedom
+from .choices import SWITCHES, Freedom, Message, Preset, View
+from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
-from .editing import UndoableSession
-from .experiments import Experiments
+from .editing import ShownWord, UndoableSession
 from .following import Following
-from .landscapes import Basins, Comparison, DuelLandscapes, OwnLandscape
 from .motions import Motions
 from .points import PointEditing
-from .presets import Preset
 from .queue import CommandQueue, DemonstratorJobResult, JobResult
 from .services import Services
-from .shown_word import ShownWord
-from .view import SWITCHES, Message, View
 
 
 class Saved(NamedTuple):

@@ -1,10 +1,11 @@
 """What a visitor did and what workers have made, in order, until the page's loop takes it."""
 
+import math
 import threading
 import time
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 PENDING_LIMIT = 200  # actions that wait, per page
 MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
@@ -265,3 +266,62 @@ class CommandQueue:
                 return
             if other.coalesce_key is None and not beyond_actions:
                 return
+
+
+# What a browser sent for a parameter: anything may come
+
+
+class Titled(Protocol):
+    @property
+    def title(self) -> str: ...
+
+
+def number(value) -> float:
+    """A finite number. Raises ValueError."""
+    try:
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        found = math.nan
+    if not math.isfinite(found):
+        raise ValueError(f"{str(value)[:40]!r} is not a number")
+    return found
+
+
+def choice(value, options: Mapping, what: str):
+    """What an option stands for. Raises ValueError."""
+    if not isinstance(value, str) or value not in options:
+        raise ValueError(f"no {what} {str(value)[:40]!r}")
+    return options[value]
+
+
+def named(value, entries: Mapping[str, Titled], what: str) -> str:
+    """The name of an entry of a registry, by its title. Raises ValueError."""
+    return choice(value, {entry.title: name for name, entry in entries.items()}, what)
+
+
+def switch(value) -> bool:
+    """Raises ValueError."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{str(value)[:40]!r} is neither on nor off")
+    return value
+
+
+def text(what: str) -> Callable[[object], str]:
+    """Return a parser that takes any text."""
+
+    def parse(value: object) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"no {what} {str(value)[:40]!r}")
+        return value
+
+    return parse
+
+
+def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], what: str) -> Callable[[object], Any]:
+    """Return a parser that takes a name of `options`, and returns the option."""
+    return lambda value: choice(value, options() if callable(options) else options, what)
+
+
+def whole(value: object) -> int:
+    """Return the nearest whole number. Raises ValueError."""
+    return round(number(value))

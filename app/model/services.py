@@ -1,16 +1,17 @@
 """What all pages of a process share."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from viewimit.loop.snapshot import Snapshot
+
 from ..jobs import basin_child
 from ..jobs.camera_images import Cameras
 from ..jobs.experiments import ExperimentWorker
-from ..jobs.landscapes import LandscapeWorker
-from ..jobs.scripts import ScriptPlayer
+from ..jobs.threads import LandscapeWorker, ScriptPlayer
 
 # What gives way when there is too much to do: the plots first, then the panels; poses keep their pace.
 
@@ -18,8 +19,6 @@ AIM = 0.98  # of a tick that may be spent on all pages together, and on sending 
 GAIN = 0.04  # a tick: from nothing given way to everything in some seconds
 SLOWEST = 5.0  # times the usual period
 STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together
-SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
-AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
 
 
 class LoadShedding:
@@ -51,28 +50,42 @@ class LoadShedding:
         self._ran, self._running = self._running, 0
 
 
-class TimeBudget:
-    """How much of the time one page's visitor may have carried out, so that the others' pages keep their pace. What one
-    command takes beyond it is made up for by those after it, which wait."""
+# What a page has drawn last, and when: nothing is sent when nothing changes, nor more often than anybody sees.
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
-        self._clock = clock
-        self._left, self._last = AT_ONCE, clock()
+EARLY = 0.9  # of a period: ticks jitter
+ToDraw = tuple[Hashable, Callable[[], None]]  # of what kind it is, and what draws it
 
-    @property
-    def left(self) -> bool:
-        now = self._clock()
-        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
-        self._last = now
-        return self._left > 0
 
-    def spend(self, work: Callable[[], None]) -> None:
-        """Do it, and count how long it takes."""
-        began = self._clock()
-        try:
-            work()
-        finally:
-            self._left -= self._clock() - began
+def draw_all(drawings: Iterable[ToDraw]) -> None:
+    for _, draw in drawings:
+        draw()
+
+
+class Redraw:
+    """By what is drawn: the kind of a drawing, or a name."""
+
+    def __init__(self):
+        self._state: dict[Hashable, tuple] = {}
+        self._at: dict[Hashable, float] = {}
+
+    def due(self, what: Hashable, now: float, period: float) -> bool:
+        """Whether that long has passed, s, since this was last to be answered with yes: what is asked late by less than
+        a period keeps its pace."""
+        at = self._at.get(what, -np.inf)
+        if now - at < EARLY * period:
+            return False
+        self._at[what] = min(at + period, now) if now - at < 2 * period else now
+        return True
+
+    def changed(self, what: Hashable, state: tuple) -> bool:
+        """Whether this differs from what was told last; of snapshots, whether they are others."""
+        before, self._state[what] = self._state.get(what), state
+        if before is None or len(before) != len(state):
+            return True
+        for a, b in zip(before, state):
+            if a is not b and (isinstance(a, Snapshot) or a != b):
+                return True
+        return False
 
 
 @dataclass(frozen=True, eq=False)

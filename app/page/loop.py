@@ -3,18 +3,22 @@
 What looks with camera images takes long, and would hold up everybody's pages.
 """
 
+from __future__ import annotations
+
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 
-from ..jobs.camera_images import CameraLost
-from ..jobs.session_eyes import RemoteEyes
+from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, JobResult, Queued
-from ..model.services import LoadShedding, TimeBudget
+from ..model.services import LoadShedding
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
+SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
+AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
 
 
 def _beside() -> float:
@@ -89,7 +93,7 @@ class CommandLoop:
         if rest or model.motions.replaying:
             self._background.begin(lambda: self._carry_out(rest, now, _no_time), alone=True)
             return
-        model.motions.tick()
+        self._tick_motions()
         if model.player.due(now):
             self._background.begin(lambda: model.player.advance(now, _beside), alone=False)
 
@@ -99,11 +103,16 @@ class CommandLoop:
         self._move_on(now, budget)
 
     def _move_on(self, now: float, budget: Callable[[], float]) -> None:
-        self._model.motions.tick()
+        self._tick_motions()
         self._model.player.advance(now, budget)
         session = self._model.session
         if isinstance(session.eyes, RemoteEyes):
             session.eyes.retake(session.snapshot)
+
+    def _tick_motions(self) -> None:
+        motions = self._model.motions
+        if motions.recorder is not None or motions.shown is not None:
+            motions.tick()
 
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
@@ -183,3 +192,27 @@ class Background:
             turn()
         except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
             self._fault = fault
+
+
+class TimeBudget:
+    """How much of the time one page's visitor may have carried out, so that the others' pages keep their pace. What one
+    command takes beyond it is made up for by those after it, which wait."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._clock = clock
+        self._left, self._last = AT_ONCE, clock()
+
+    @property
+    def left(self) -> bool:
+        now = self._clock()
+        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
+        self._last = now
+        return self._left > 0
+
+    def spend(self, work: Callable[[], None]) -> None:
+        """Do it, and count how long it takes."""
+        began = self._clock()
+        try:
+            work()
+        finally:
+            self._left -= self._clock() - began

@@ -8,25 +8,41 @@ import numpy as np
 from viser import ClientHandle
 
 from viewimit.loop.settings import Settings
+from viewimit.simulation.world import World
 
 from ..commands import COMMANDS
+from ..model.choices import WINDOW, Message
+from ..model.keeping import Keeper
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue
-from ..model.services import Services, TimeBudget
-from ..model.view import WINDOW, Message
+from ..model.services import Redraw, Services, ToDraw, draw_all
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
-from ..panels.status import show_fault
-from ..scene.scene3d import Scene3D
-from ..scene.view import Docking
-from .keeper import Keeper
-from .loop import CommandLoop
-from .redraw import Redraw, ToDraw, draw_all
+from ..panels.status import STARTS_PICTURES, show_fault
+from ..scene.scene3d import Scene3D, aspect_of, same_shape
+from .loop import CommandLoop, TimeBudget
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
+DOCKED_WITHIN = 3.0  # s
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
+
+
+class Docking:
+    """Panels come to stand beside a canvas that fills the window at first. What is drawn in it before is drawn twice,
+    and fitted to the wrong shape. waits: whether there are panels to wait for."""
+
+    def __init__(self, client: ClientHandle, waits: bool):
+        self._client, self._waits, self._until = client, waits, np.inf
+        self._aspect = aspect_of(client)
+
+    def over(self, now: float) -> bool:
+        """Whether they do, or seem never to; s of any clock."""
+        if self._waits:
+            self._until = min(self._until, now + DOCKED_WITHIN)
+            self._waits = now < self._until and same_shape(aspect_of(self._client), self._aspect)
+        return not self._waits
 
 
 class Page:
@@ -43,6 +59,8 @@ class Page:
         self._client, self._shedding = client, services.shedding
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
+        self._world: World | None = None  # that is drawn
+        self._docked, self._posed = False, None  # whether it is drawn at all; the poses that are drawn
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         budget = TimeBudget(services.clock)
@@ -123,19 +141,21 @@ class Page:
         if not self._shown:
             return
         world, docked = self.model.session.world, self._docking.over(self._now)
-        if self._redraw.changed("world", (world, docked)):
-            self._anew = True
+        if world is not self._world or docked != self._docked:
+            self._world, self._docked, self._posed, self._anew = world, docked, None, True
             if docked:  # widgets of the world before are gone at once: what is sent to them would be lost
                 self._scene.build(world)
-        if docked:
+        if docked and self._scene.arms is not None:
             poses = self.model.poses(self._now)
-            if self._redraw.changed("poses", (world, *(pose.tobytes() for pose in poses))):
+            posed = tuple(pose.tobytes() for pose in poses)
+            if posed != self._posed:
+                self._posed = posed
                 self._scene.arms.draw(*poses)
 
     def _due_drawings(self) -> list[ToDraw]:
         """Of what has changed and is due."""
         model, to_draw = self.model, []
-        if self._scene.built and self._redraw.changed(Scene3D, self._scene.key(model)):
+        if self._scene.arms is not None and self._redraw.changed(Scene3D, self._scene.key(model)):
             to_draw.append((Scene3D, partial(self._scene.show, model)))
         for drawing in self.layout.drawings:
             if not drawing.is_seen(model):
@@ -151,7 +171,7 @@ class Page:
         """At once: it takes seconds to begin with them, in which nothing is drawn."""
         self._pose()
         draw_all(self.drawings())
-        before, self.model.message = self.model.message, Message("starting the camera images …", np.inf)
+        before, self.model.message = self.model.message, Message(STARTS_PICTURES, np.inf)
         self.model.refresh(self._now)
         draw_all(self._due_drawings())
         self.model.message = before

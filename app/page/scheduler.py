@@ -3,6 +3,8 @@
 A thread beside it would wait for it at every message, and it for the thread; a thread a session would starve it.
 """
 
+from __future__ import annotations
+
 import asyncio
 import concurrent.futures
 import contextlib
@@ -16,8 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from ..model.services import LoadShedding
-from .redraw import ToDraw
+from ..model.services import LoadShedding, ToDraw
 
 TICK = 0.05  # s: poses are drawn at 20 Hz
 TOGETHER = 16  # pages that are drawn kind by kind

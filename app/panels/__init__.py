@@ -7,20 +7,15 @@ from collections.abc import Callable
 
 from ..model.page_model import PageModel
 from .actions import actions
-from .arms import demonstrator, learner, start
-from .display import display, enlarge, still, views
+from .display import display, enlarge, offer_of_the_lab, points, still, views
 from .duel import duel
-from .experiments import experiments
-from .guide import glossary, lessons
-from .help import keys
+from .experiments import experiments, motions
+from .guide import glossary, keys, lessons
 from .images import images
 from .landscape import landscape
-from .method import disturbances, method
-from .motions import motions
+from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
 from .panel import Layout
-from .playback import copy, history, situation
 from .plots import curves, equations
-from .points import points
 from .share import save, share
 from .status import status
 
@@ -42,6 +37,7 @@ PANELS: list[Callable[[Layout, PageModel], None]] = [
     status,
     share,
     still,
+    offer_of_the_lab,
     views,
     images,
     landscape,

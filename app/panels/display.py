@@ -3,17 +3,21 @@ what a small window shows of it."""
 
 import html
 
+from viser import Icon
+
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
 
+from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
-from ..model.choices import NO_POINT
+from ..lab.address import lab_address
+from ..model.choices import LARGE, NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
-from ..model.view import LARGE
 from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
 
+REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
     ("Goal in L and R", "goal"),
     ("Rays", "rays"),
@@ -107,6 +111,22 @@ def still(layout: Layout, model: PageModel) -> None:
     layout.drawing(key, draw, period=SLOWEST)
 
 
+def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
+    """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
+    offer = layout.gui.add_html("")
+
+    def draw(model: PageModel) -> None:
+        address = html.escape((lab_address(model.snapshot) or "/lab").removeprefix("/"))
+        put_html(
+            offer,
+            '<div class="vi-small" role="dialog" aria-label="A small window"><p>This window is small for the'
+            f' instrument. The lab shows the same on any screen.</p><a href="{address}">Open the lab</a>'
+            "<button type='button'>Open the instrument anyway</button></div>",
+        )
+
+    layout.drawing(lambda model: (model.snapshot,), draw, period=REWRITTEN_EVERY)
+
+
 def views(layout: Layout, model: PageModel) -> None:
     """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
     server."""
@@ -142,3 +162,38 @@ def _enlarge_links(large: str | None) -> str:
     )
     mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
     return f'<div class="vi-larger-links">{links}</div>{mark}'
+
+
+# The folder in which body points are edited: begin and end, remove, propose, save, and what the points tell.
+
+EDIT, DONE = ("Edit points", Icon.POINT), ("Done", Icon.CHECK)
+PROPOSE, TAKE = ("Best next", Icon.BULB), ("Take it", Icon.BULB)
+ABOUT = "Mark both arms yourself: click an arm to place a point, or a point to choose it."
+
+
+def points(layout: Layout, model: PageModel) -> None:
+    with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
+        layout.button(lambda model: DONE if model.points.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
+        layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
+        layout.button(
+            lambda model: PROPOSE if model.points.proposal is None else TAKE,
+            "best",
+            hint="the point that would tell most; B",
+            enabled=lambda model: model.points.shown.on and not model.points.shown.searching,
+        )
+        layout.button(
+            ("Remove", Icon.TRASH),
+            "remove",
+            hint="the chosen point; Delete",
+            enabled=lambda model: model.points.on and model.view.chosen is not None,
+        )
+        told = layout.gui.add_html("")
+
+    def draw(model: PageModel) -> None:
+        points, joints = model.points.shown, model.session.scene.moving_joints
+        content = ABOUT
+        if points.information is not None:
+            content = draw_body_points(joints, points.information, points.proposal, points.searching)
+        put_html(told, f'<div class="vi-edited">{content}</div>')
+
+    layout.drawing(lambda model: (model.points.shown, model.generation), draw)

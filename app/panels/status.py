@@ -21,6 +21,7 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
+STARTS_PICTURES = "Starting the camera images … All that is grey is still of the moment before."
 FOLLOWS = "Computing what the link holds: Esc lets it go."
 RESTORES = "Computing this tab’s session again: Esc begins anew."
 CHOICES = {  # by what is said: where a link leads, and its words
@@ -100,7 +101,7 @@ def _said(model: PageModel) -> StatusMessage:
 def _outcome(model: PageModel, said: StatusMessage) -> str:
     """What has come of it, of where the arm is seen; "" while the page itself says something."""
     if said.state in BY_PAGE:
-        return ""
+        return '<i class="vi-waiting"></i>' if said.sentence == STARTS_PICTURES else ""
     moving = model.displayed.moving_snapshot
     now = model.snapshot if moving is None else moving
     theta_demo = model.displayed.snapshot.theta_demo

@@ -7,8 +7,9 @@ where the learner does, so one sees through it.
 """
 
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from viewimit.simulation.urdf.reference import is_reference
 from viewimit.simulation.world import World
 
 from ..viser_private import push_orientation
-from .nodes import Nodes, joint_quaternion, quaternion
+from .nodes import Nodes, quaternion
 
 ALWAYS_SEEN = ("learner", "demonstrator")
 OPACITY = {"learner": None, "demonstrator": None, "opponent": 0.35}
@@ -138,3 +139,18 @@ def _slug(robot: str) -> str:
     """A node name from a robot's name or the path of its URDF, of which another one may differ in signs alone."""
     plain = "".join(c if c.isalnum() else "_" for c in robot)
     return plain if plain == robot else f"{plain}_{zlib.crc32(robot.encode()):08x}"
+
+
+def joint_quaternion(
+    T_parent_joint_wxyz: Sequence[float], axis: Sequence[float], angle: float
+) -> tuple[float, float, float, float]:
+    """Orientation of a joint's frame at `angle` rad: that of angle 0 times the turn about its axis, (3,)."""
+    a, b, c, d = T_parent_joint_wxyz
+    s, w = sin(angle / 2), cos(angle / 2)
+    x, y, z = s * axis[0], s * axis[1], s * axis[2]
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )

@@ -13,8 +13,8 @@ from viewimit.simulation.camera import Camera
 from viewimit.simulation.scene_geometry import VIEW_ROLES, octahedron, on_plate
 from viewimit.simulation.world import World
 
+from ..model.choices import View
 from ..model.displayed import Displayed
-from ..model.view import View
 from ..viser_private import push_array
 from .nodes import Nodes, linear
 

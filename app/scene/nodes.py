@@ -1,8 +1,6 @@
 """The nodes of one page's scene, from world to world."""
 
-from collections.abc import Sequence
 from functools import lru_cache
-from math import cos, sin
 from typing import TypeVar
 
 import numpy as np
@@ -67,21 +65,6 @@ def quaternion(rotation: NDArray) -> tuple[float, float, float, float]:
     )
     w, x, y, z = products[k] / (2 * np.sqrt(squares[k]))
     return float(w), float(x), float(y), float(z)
-
-
-def joint_quaternion(
-    T_parent_joint_wxyz: Sequence[float], axis: Sequence[float], angle: float
-) -> tuple[float, float, float, float]:
-    """Orientation of a joint's frame at `angle` rad: that of angle 0 times the turn about its axis, (3,)."""
-    a, b, c, d = T_parent_joint_wxyz
-    s, w = sin(angle / 2), cos(angle / 2)
-    x, y, z = s * axis[0], s * axis[1], s * axis[2]
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    )
 
 
 # Colours as viser takes them.

@@ -1,6 +1,8 @@
 """The 3-D scene of one page: arms, head, frusta, body points, residuals, rays. Truth, for the viewer only."""
 
-from collections.abc import Callable
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,16 @@ from viewimit.drawing.theme import rgb
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.meshes import SurfaceHit, first_hit
 from viewimit.simulation.robot import link_meshes
-from viewimit.simulation.scene_geometry import BELOW, LOOKS, POINT_SIZE, arm_landmarks, landmarks, octahedron
+from viewimit.simulation.scene_geometry import (
+    BELOW,
+    FOV,
+    LOOKS,
+    POINT_SIZE,
+    arm_landmarks,
+    fit_view,
+    landmarks,
+    octahedron,
+)
 from viewimit.simulation.world import World
 
 from ..model.displayed import Displayed
@@ -22,7 +33,6 @@ from .fixtures import Fixtures, add_floor, add_light
 from .interaction import HandGizmo, ProposedPoint, picked
 from .moment import Moment
 from .nodes import Nodes
-from .view import DefaultView
 
 UNCOVERED = 0.05  # of the canvas's height, that is kept of what the strip covers
 
@@ -44,7 +54,7 @@ class Scene3D:
     def __init__(self, client: ClientHandle, queue: CommandQueue, share: Callable[[str, str], None]):
         self._client, self._queue = client, queue
         self._share = share
-        self._arms: Arms | None = None  # before the first world
+        self.arms: Arms | None = None  # before the first world
         self._nodes = Nodes()
         self._fixtures: Fixtures | None = None  # before the first world
         self._gizmo = HandGizmo(client, queue)
@@ -61,7 +71,7 @@ class Scene3D:
         """Set up the scene of a world, in place of the one before."""
         self._nodes.begin()
         self._world = world
-        self._arms = Arms(self._client, self._nodes, world, self._share)
+        self.arms = Arms(self._client, self._nodes, world, self._share)
         self._bases = {"learner": world.T_world_own, "demonstrator": world.T_world_demo}
         self._demo_points: tuple[NDArray, NDArray] | None = None  # a posture and its points
         self._furnish()
@@ -123,17 +133,6 @@ class Scene3D:
         return Viewpoint(position, target, float(camera.fov), aspect, BELOW - UNCOVERED)
 
     @property
-    def built(self) -> bool:
-        """Whether there is a world."""
-        return self._arms is not None
-
-    @property
-    def arms(self) -> Arms:
-        """Of the world that was built."""
-        assert self._arms is not None
-        return self._arms
-
-    @property
     def _standing(self) -> Fixtures:
         """The fixtures of the world that was built."""
         assert self._fixtures is not None
@@ -178,3 +177,71 @@ class Scene3D:
         frames = [world.link_frames(postures[name], T_world_base) for name, T_world_base in self._bases.items()]
         hits = [first_hit(meshes, T_world_links, origin, direction) for T_world_links in frames]
         return min((hit for hit in hits if hit is not None), key=lambda hit: hit.distance, default=None)
+
+
+# The default camera of a page's 3-D scene: where it is put, and when anew.
+
+SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
+UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
+NUDGE = 1e-3  # m: viser sends no place that equals the one that the browser told last, which may no longer be true
+LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged
+BEFORE = (-5.0, 0.0, 0.0), (3.0, 3.0, 3.0)  # m, where three.js and then viser put a camera that nobody has put anywhere
+
+
+class DefaultView:
+    """One page's camera, put where it shows all, until the visitor moves it."""
+
+    def __init__(self, client: ClientHandle):
+        self._client = client
+        self._aspect: float | None = None  # of the canvas that was fitted last
+        self._places = deque([np.array(client.camera.position)], LATELY)  # where it was found or put
+
+    @property
+    def aspect(self) -> float | None:
+        """Width by height of the canvas, in whatever pixels; None while it has no size."""
+        return aspect_of(self._client)
+
+    def fit(self, landmarks: NDArray) -> None:
+        """As near as the canvas allows. landmarks: (k, 3) m, what must be seen."""
+        camera, self._aspect = self._client.camera, self.aspect
+        position, target = fit_view(landmarks, self._aspect or 1.0, BELOW)
+        camera.fov = float(FOV)
+        for aside in (NUDGE, 0.0):
+            camera.position, camera.look_at = position + aside, target + aside
+        self._places.append(position)
+
+    @property
+    def astray(self) -> bool:
+        """Whether a camera that was put somewhere is told to be where viser had it: it had none yet to put there."""
+        return self._aspect is not None and self._at(BEFORE)
+
+    def follow(self, landmarks: Callable[[], NDArray]) -> None:
+        """Fit a camera that is where the page put it to a canvas of another shape than before, or one that went
+        astray."""
+        aspect, astray = self.aspect, self.astray
+        if aspect is None or (same_shape(aspect, self._aspect) and not astray):
+            return
+        self._aspect = aspect
+        if astray or self._at((*BEFORE, *self._places)):
+            self.fit(landmarks())
+
+    def forget(self) -> None:
+        """What was fitted is gone: the next `follow` fits anew."""
+        self._aspect = None
+
+    def _at(self, places: Iterable[Sequence[float] | NDArray]) -> bool:
+        """Whether the camera is at one of places (3,) m."""
+        here = self._client.camera.position
+        return any(math.dist(here, place) < UNTOUCHED for place in places)
+
+
+def aspect_of(client: ClientHandle) -> float | None:
+    """Width by height of the canvas, in whatever pixels; None while it has no size."""
+    width, height = client.camera.image_width, client.camera.image_height
+    return width / height if min(width, height) > 0 else None
+
+
+def same_shape(aspect: float | None, other: float | None) -> bool:
+    if aspect is None or other is None:
+        return aspect is other
+    return bool(abs(np.log(aspect / other)) < SAME_SHAPE)

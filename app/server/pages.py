@@ -23,7 +23,7 @@ from .. import viser_private
 from ..jobs import basin_child, experiment_child
 from ..jobs.camera_images import MOST_SESSIONS, CameraProcess, VisitorsCameras
 from ..jobs.experiments import ExperimentWorker
-from ..jobs.landscapes import LandscapeWorker
+from ..jobs.threads import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..model.services import Services
@@ -162,8 +162,8 @@ class App:
         request = connection.request
         assert request is not None, "it has a seat"
         origin, path = request.headers.get("Origin"), path_of_page(request.path)
-        urls = origin, origin_for_others(self._host, origin)
-        info = ClientInfo(*(url and url + path for url in urls), self._lessons)
+        public = origin_for_others(self._host, origin)
+        info = ClientInfo(origin and origin + path, public and public + path, self._lessons)
         cameras = VisitorsCameras(self._camera, connection.network)
         return Page(client, replace(self.services, camera=cameras), self._settings, info)
 

@@ -1,6 +1,7 @@
 // What a browser may lack, and what the page does without it: WebGL, or speed for it, and a connection to the server.
 "use strict";
 const CONNECTS_MS = 10_000;  // until the page says what to check
+const SHORT_MS = 15_000;
 const LEAST_FPS = 5, MEASURED_MS = 8_000;  // frames a second in 3-D, over this time
 
 // Without WebGL three.js would stop, and viser's whole page with it. It gets a context that draws nothing.
@@ -44,14 +45,14 @@ if (!drawsWebGL) {
 
 // A line that the page itself says. It has a style of its own: without a connection the page has no stylesheet.
 const notices = new Map();
-const notice = (name, words) => {
+const notice = (name, words, lasts = 0) => {  // ms; 0: until it is closed
   notices.get(name)?.remove();
   notices.delete(name);
   if (!words) return;
   const box = document.createElement("div"), close = document.createElement("button");
   box.className = "vi-notice";
   box.setAttribute("role", "alert");
-  box.style.cssText = "position:fixed;z-index:2000;left:50%;top:10px;translate:-50% 0;max-width:min(560px,92vw);"
+  box.style.cssText = "position:fixed;z-index:2000;left:calc((100vw + var(--left,0px) - var(--right,0px))/2);top:10px;translate:-50% 0;max-width:min(560px,92vw);"
     + "box-sizing:border-box;padding:10px 44px 10px 16px;border-radius:10px;background:#fff;color:#1b2430;"
     + "border:1px solid #8a5a00;box-shadow:0 4px 18px #0004;font:400 14px/20px Inter,system-ui,sans-serif";
   for (const line of words.split("\n")) box.append(Object.assign(document.createElement("div"), {textContent: line}));
@@ -62,6 +63,7 @@ const notice = (name, words) => {
   close.addEventListener("click", () => box.remove());
   box.append(close);
   notices.set(name, box);
+  if (lasts) setTimeout(() => box.remove(), lasts);
   document.body.append(box);
 };
 
@@ -90,7 +92,8 @@ if (drawsWebGL)
 const watchSpeed = flatten => {
   if (!drawsWebGL) {
     flatten();
-    notice("flat", "This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works.");
+    notice("flat", "This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works.",
+      SHORT_MS);
     return;
   }
   let frames = 0, began = performance.now(), seen = !document.hidden;
@@ -106,7 +109,7 @@ const watchSpeed = flatten => {
     if (isFlat || 1000 * frames / passed >= LEAST_FPS) return;
     flatten();
     notice("flat", "This machine draws the 3-D view slowly. A still picture takes its place; "
-      + "the folder Display brings it back.");
+      + "the folder Display brings it back.", SHORT_MS);
   };
   requestAnimationFrame(count);
 };

@@ -147,7 +147,7 @@ const describe = () => {
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
 // a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
 const root = document.documentElement;
-const ALONE = "flat basin large large-figures large-l large-r large-L large-R";
+const ALONE = "waiting flat basin large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
 const FOUND = Object.entries({
   "vi-views-controls": "#vi-view-controls:checked",
@@ -310,6 +310,15 @@ const presents = key => {
 };
 document.addEventListener("pointermove", event => {
   pointer.style.translate = `${event.clientX}px ${event.clientY}px`;
+});
+
+// In a small window the lab is offered, until the visitor prefers the instrument
+const ANYWAY = "vi-anyway";
+try { root.classList.toggle(ANYWAY, sessionStorage.getItem(ANYWAY) !== null); } catch { /* no storage: offered again */ }
+document.addEventListener("click", ({target}) => {
+  if (!target.closest(".vi-small button")) return;
+  root.classList.add(ANYWAY);
+  try { sessionStorage.setItem(ANYWAY, ""); } catch { /* not kept */ }
 });
 
 // A row of a matrix of an equation lights its epipolar line in the images

@@ -23,7 +23,7 @@ class TabSession {
       if (Array.isArray(kept.blocks)) this.blocks = kept.blocks.map(String);
       if (typeof kept.address === "string") this.address = kept.address;
     } catch {
-      this.problem = "this browser does not let the page store anything";
+      this.blocks = [];  // of another page, or storage is forbidden: which `store` says, once there is something to store
     }
     // What the tab wrote into its address itself is no link that somebody has sent
     this.link = asked && asked !== this.address && asked !== this.text ? asked : "";

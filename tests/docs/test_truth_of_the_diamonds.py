@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from viewimit.app.panels.help import help_html
+from viewimit.app.panels.guide import help_html
 
 from viewimit.drawing.glossary import glossary
 from viewimit.drawing.images.panel import write_legend

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from viewimit.app.drawing.landscapes import draw_compared, draw_together
-from viewimit.app.model.landscapes import Comparison
+from viewimit.app.model.computed import Comparison
 from viewimit.app.model.queue import CommandQueue
 
 from viewimit.analysis.minima import study_transfer

@@ -28,8 +28,7 @@ from drawn import (
 )
 from viewimit.app.drawing import duel as duel_drawing
 from viewimit.app.drawing import joint_bars, landscapes
-from viewimit.app.model.duel import Duel
-from viewimit.app.model.player import Player
+from viewimit.app.model.player import Duel, Player
 from viewimit.app.static import stylesheet
 
 from viewimit.analysis.landscape import landscape_over

@@ -13,6 +13,7 @@ from viewimit import Session
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 RUN_HERE = {"fake_robot", "recorded_run", "video_demonstrator", "webcams"}
+ADAPTERS = {"to_rerun", "to_lerobot", "ros2_node"}  # of other packages, in test_adapters
 
 
 @pytest.fixture(autouse=True)
@@ -28,7 +29,7 @@ def error_deg(last, demonstrator_deg):
 
 
 def test_every_example_is_tested_here():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == RUN_HERE
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == RUN_HERE | ADAPTERS
 
 
 @pytest.mark.parametrize("name", ["webcams", "recorded_run", "video_demonstrator"])

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.jobs.camera_images import IDLE_S, CameraLost, CameraProcess
-from viewimit.app.jobs.session_eyes import MOST_LOOKS, RemoteEyes, SessionEyes
+from viewimit.app.jobs.camera_images import IDLE_S, MOST_LOOKS, CameraLost, CameraProcess, RemoteEyes, SessionEyes
 from waiting import stays, wait_until
 
 from viewimit.simulation.scene import extended, load_scene
@@ -210,7 +209,7 @@ def test_no_page_has_pictures_rendered_that_all_others_would_wait_for(width, hei
 LOOKING = """
 import sys
 from viewimit.app.jobs.camera_images import CameraProcess
-from viewimit.app.jobs.session_eyes import SessionEyes
+from viewimit.app.jobs.camera_images import SessionEyes
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 

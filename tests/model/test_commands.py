@@ -6,9 +6,17 @@ from page_fakes import Hands, QuietExperiments, call, link, quiet_model
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.model.choices import OF_ARMS, OF_IMAGES, joint_choices, servo_names, transfer_names
+from viewimit.app.model.choices import (
+    AS_STARTED,
+    OF_ARMS,
+    OF_IMAGES,
+    PRESETS,
+    joint_choices,
+    presets_from,
+    servo_names,
+    transfer_names,
+)
 from viewimit.app.model.keeping import saved_page
-from viewimit.app.model.presets import AS_STARTED, PRESETS, presets_from
 from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 
 from viewimit.analysis.trajectory import make_motion

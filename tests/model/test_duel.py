@@ -4,8 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 from page_fakes import Hands, quiet_model
-from viewimit.app.model.duel import ARRIVED_DEG, Duel
-from viewimit.app.model.player import Player
+from viewimit.app.model.player import ARRIVED_DEG, Duel, Player
 
 from viewimit.analysis.convergence import RECENT, ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import describe_errors

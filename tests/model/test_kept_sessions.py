@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from page_fakes import Hands
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.jobs import scripts
+from viewimit.app.jobs import threads as scripts
+from viewimit.app.model.keeping import AT_ONCE, SEND_EVERY
 from viewimit.app.model.page_model import PageModel
-from viewimit.app.page.keeper import AT_ONCE, SEND_EVERY
 from viewimit.app.sessions import link
 from viewimit.app.sessions.link import MAX_TEXT, decode
 

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from viewimit.app.model.landscapes import OwnLandscape
+from viewimit.app.model.computed import OwnLandscape
 from viewimit.app.model.queue import CommandQueue
 
 from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute_landscape, make_landscape

@@ -9,9 +9,9 @@ import pytest
 import zstandard
 from drawn import QR_CODE
 from quiet_page import QuietPage
-from viewimit.app.jobs.scripts import ScriptPlayer
+from viewimit.app.jobs.threads import ScriptPlayer
+from viewimit.app.model.choices import AS_STARTED, PRESETS
 from viewimit.app.model.keeping import saved_page
-from viewimit.app.model.presets import AS_STARTED, PRESETS
 from viewimit.app.panels.share import share_html
 from viewimit.app.sessions.link import Branch, Run, decode, described, encode_blocks, encode_link
 from waiting import wait_until

@@ -6,8 +6,7 @@ import time
 
 import pytest
 from viewimit.app.model.player import Player
-from viewimit.app.model.services import AIM, SLOWEST, STEPS, LoadShedding
-from viewimit.app.page.redraw import ToDraw
+from viewimit.app.model.services import AIM, SLOWEST, STEPS, LoadShedding, ToDraw
 from viewimit.app.page.scheduler import TICK, Scheduler
 from viewimit.app.server.seats import Seats
 from waiting import wait_until

@@ -5,9 +5,8 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.model.choices import modified
-from viewimit.app.model.past import MOST
-from viewimit.app.model.presets import AS_STARTED, PRESETS
+from viewimit.app.model.choices import AS_STARTED, PRESETS, modified
+from viewimit.app.model.editing import MOST
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

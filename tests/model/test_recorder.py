@@ -5,8 +5,7 @@ import json
 import msgspec
 import numpy as np
 import pytest
-from viewimit.app.model.motions import FILE, MOST_BYTES, Motions
-from viewimit.app.model.recorder import Playback, Recorder
+from viewimit.app.model.motions import FILE, MOST_BYTES, Motions, Playback, Recorder
 
 from viewimit.analysis.trajectory import MAX_FRAMES, MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
 from viewimit.loop.session import Session

@@ -8,7 +8,7 @@ import time
 from functools import partial
 
 import pytest
-from viewimit.app.jobs.landscapes import LandscapeWorker
+from viewimit.app.jobs.threads import LandscapeWorker
 from viewimit.app.page.scheduler import FAULTS_EVERY, FEW, TICK, Scheduler
 from waiting import stays, wait_until
 

@@ -7,8 +7,8 @@ import pytest
 from page_fakes import call, quiet_model
 from viewimit.app.commands import COMMANDS
 from viewimit.app.model.queue import JITTER_ALLOWANCE, MIN_REPEAT_INTERVAL, CommandQueue, Queued
-from viewimit.app.model.services import AT_ONCE, SHARE, LoadShedding, TimeBudget
-from viewimit.app.page.loop import CommandLoop
+from viewimit.app.model.services import LoadShedding
+from viewimit.app.page.loop import AT_ONCE, SHARE, CommandLoop, TimeBudget
 
 from viewimit.loop.settings import Settings
 

@@ -6,8 +6,7 @@ from drawn import SEE_THROUGH
 from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.model.choices import NO_POINT
-from viewimit.app.model.view import LARGE
+from viewimit.app.model.choices import LARGE, NO_POINT
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings

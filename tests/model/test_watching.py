@@ -7,9 +7,9 @@ import pytest
 from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.jobs import session_eyes
+from viewimit.app.jobs import camera_images as session_eyes
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.displayed import rehearsal_of
-from viewimit.app.model.presets import PRESETS
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session

@@ -53,8 +53,7 @@ from browsing import (
     wait_for_text,
     wait_until_complete,
 )
-from viewimit.app.model.choices import servo_names, transfer_names
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS, servo_names, transfer_names
 from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
 from viewimit.loop.session import Session

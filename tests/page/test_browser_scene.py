@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from browsing import LESSON, choose, chosen_point, fold, open_page, press, switch, wait
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS
 
 from viewimit.drawing.theme import ROLES
 

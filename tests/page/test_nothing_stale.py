@@ -8,7 +8,7 @@ import pytest
 from page_fakes import QuietExperiments
 from quiet_page import Gui, QuietPage
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.model.view import View
+from viewimit.app.model.choices import View
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.panel import Layout
 from viewimit.app.quiet_client import QuietClient
@@ -35,6 +35,7 @@ SETTINGS = {  # each field, and another value of it, or all fields that change w
     "transfer": "linear",
     "servo": "gradient",
     "noise_px": 0.5,
+    "matched": {"servo": "trust-region", "matched": False},
     "missing": 0.1,
     "outliers": 0.1,
     "swapped": 0.1,

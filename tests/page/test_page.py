@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 from page_fakes import Camera, Visit, call
-from viewimit.app.jobs import session_eyes
+from viewimit.app.jobs import camera_images as session_eyes
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS

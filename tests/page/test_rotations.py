@@ -5,7 +5,8 @@ import pytest
 import viser.transforms as vtf
 from hypothesis import given
 from hypothesis import strategies as st
-from viewimit.app.scene.nodes import joint_quaternion, quaternion
+from viewimit.app.scene.arms import joint_quaternion
+from viewimit.app.scene.nodes import quaternion
 
 from viewimit.geometry.rigid import rotation_about_axis, rotation_from_rpy
 

@@ -12,7 +12,7 @@ from page_fakes import quiet_model
 from protocol import Client
 from viewed_scene import ViewedScene
 from viewimit.app.commands import COMMANDS
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.queue import CommandQueue
 from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes

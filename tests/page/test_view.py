@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
-from viewimit.app.scene.view import BEFORE, DOCKED_WITHIN, DefaultView, Docking
+from viewimit.app.page.page import DOCKED_WITHIN, Docking
+from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_geometry import (

@@ -4,8 +4,8 @@ import re
 
 import pytest
 from quiet_page import QuietPage
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.motions import NAMES
-from viewimit.app.model.presets import PRESETS
 
 from viewimit.estimation.equations import with_minus
 from viewimit.loop.settings import Settings

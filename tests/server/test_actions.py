@@ -1,6 +1,5 @@
 """Clicks in drawings come by the page's own connection: each once and in order, and nothing else is taken for one."""
 
-import re
 from functools import partial
 
 import msgspec
@@ -66,9 +65,9 @@ class Tab(Client):
 
     @property
     def chosen(self) -> int | None:
-        """The point that its images ring."""
-        found = [re.search(r">point (\d+), its<", html) for html in list(self.html.values())]
-        return next((int(one[1]) for one in found if one), None)
+        """The point that its list shows."""
+        shown = str(self.value("Point"))
+        return int(shown) if shown.isdecimal() else None
 
 
 @pytest.fixture(scope="module")

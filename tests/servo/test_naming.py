@@ -1,19 +1,23 @@
 """Points without names are named by the images alone, and what the images do not decide is not claimed."""
 
+from dataclasses import replace
 from functools import partial
 
 import msgspec
 import numpy as np
 import pytest
 
+from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_marked_arm
 from viewimit.experiments.bench.unmatched import OtherPoints, judge
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
 from viewimit.servo import ServoStatus
-from viewimit.servo.trust_region.naming import hat_matrix, without_point
+from viewimit.servo.trust_region.naming import Naming, hat_matrix, without_point
 from viewimit.simulation.eyes import ProjectedEyes
+from viewimit.simulation.scene import load_scene
+from viewimit.simulation.world import World
 
 POSTURES = {"demonstrator_deg": (62.0, -75.0), "start_deg": (25.0, -45.0)}
 
@@ -131,3 +135,46 @@ def test_a_servo_that_cannot_name_points_is_refused():
         session.change(servo="gradient")
     with pytest.raises(ValueError, match="matched must be True or False"):
         Settings(matched=1)
+
+
+class Robot:
+    """An arm and eyes of one's own. The demonstrator's points come in another order, and one more than the body has."""
+
+    def __init__(self, world, points=16):
+        self.world, self.order = world, np.random.default_rng(6).permutation(points + 1)
+        self.lower, self.upper, self.start = world.scene.lower, world.scene.upper, np.radians([25.0, -45.0])
+        self.theta, self.noise_px = self.start, 0.0
+
+    def move(self, theta):
+        self.theta = theta
+        return theta
+
+    def look(self):
+        demo = self.world.demo_images(np.radians([62.0, -75.0]))[0]
+        clutter = demo[[0]] + [9.0, -6.0, 9.0, -6.0]
+        demo = np.concatenate([demo, clutter])[self.order]
+        own = np.concatenate([self.world.own_images(self.theta)[0], np.full((1, 4), np.nan)])
+        return FourViews.from_images(demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:])
+
+
+def test_eyes_of_ones_own_may_show_points_without_names():
+    robot = Robot(World(load_scene("panda"), 16))
+    session = Session.of(robot, robot, matched=False, frames=1)
+    assert session.run(40).success
+    np.testing.assert_allclose(np.degrees(robot.theta), [62.0, -75.0], atol=0.1)
+    naming = session.snapshot.naming
+    assert (robot.order[naming.names[:16]] == np.arange(16)).all() and naming.names[16] == -1
+    assert robot.order[naming.unnamed].tolist() == [16]
+
+
+def test_names_are_settled_where_no_pair_is_left_without():
+    naming = Naming(
+        names=np.array([2, 0, -1]), unnamed=np.array([], int), probability=np.array([1.0, 1.0, np.nan]),
+        displacement=np.zeros(2), E=0.1, E_noise=0.1, accepted=True, enough=2,
+    )  # fmt: skip
+    assert naming.is_settled
+    assert not replace(naming, unnamed=np.array([1])).is_settled  # a later visit may show that they are one point
+    assert not replace(naming, rival=np.array([0, 2, -1])).is_settled
+    doubtful = replace(naming, names=np.array([2, 0, 1]), probability=np.array([1.0, 1.0, 0.6]))
+    assert not doubtful.is_settled and doubtful.used.tolist() == [2, 0, -1]
+    assert replace(doubtful, enough=3).used.tolist() == [2, 0, 1]

@@ -9,7 +9,7 @@ import pytest
 import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.sessions import link
 from viewimit.app.sessions.link import Branch, Run, SavedPage, decode, encode_link, files_named
 

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from viewimit.app.model.presets import PRESETS
+from viewimit.app.model.choices import PRESETS
 
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
@@ -138,6 +138,8 @@ def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refuse
         "undistort",
         "rectify",
         "sensor",
+        "dynamics",
+        "matched",
     }
     told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_OPTION}
     assert told == set(Settings.__struct_fields__)

@@ -158,7 +158,7 @@ def landscape(
     Raises
     ------
     ValueError
-        For another number of joints, a bad step, an unknown transfer, or a session without a scene.
+        For another number of joints, a bad step, an unknown transfer, no scene, or points without names.
     TypeError
         If `session` is no session. `viewimit.analysis.landscape.landscape_over` is of a world.
     """
@@ -167,6 +167,8 @@ def landscape(
         raise TypeError(f"a landscape is of a Session, got {reprlib.repr(session)}; {instead}")
     if by is not None and by not in TRANSFERS:
         raise ValueError(f"no transfer {by!r}; there are {', '.join(TRANSFERS)}")
+    if not session.snapshot.views.matched:
+        raise ValueError("the demonstrator's points have no names yet, so there is no E: make the probes first")
     now, step = session.snapshot, STEP_DEG[session.settings.sensor] if step_deg is None else step_deg
     fit = partial(now.fit, by=by)
     demo, seen = now.views.demo, now.views.visible[:, :2]

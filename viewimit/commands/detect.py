@@ -157,10 +157,10 @@ def _square_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
 
 def _of_one_arm(points: Iterator[Point], first_of_demonstrator: int, is_demonstrator: bool) -> Iterator[Point]:
     """Yield the markers of one arm, numbered as the learner's."""
-    for name, *rest in points:
+    for name, x, y, confidence in points:
         number = int(name)
         if (number >= first_of_demonstrator) == is_demonstrator:
-            yield str(number - first_of_demonstrator if is_demonstrator else number), *rest
+            yield str(number - first_of_demonstrator if is_demonstrator else number), x, y, confidence
 
 
 def _in_folder(path: Path) -> list[Path]:

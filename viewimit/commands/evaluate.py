@@ -24,7 +24,7 @@ from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from ..simulation.camera import undistort_points
-from . import BadInput, evaluate_report
+from . import BadInput, evaluate_report, evaluate_unmatched
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -37,6 +37,7 @@ from .options import (
     between,
     lens,
     naming,
+    naming_words,
     require_separate_files,
 )
 
@@ -72,6 +73,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
     )
+    evaluate_unmatched.add_options(parser)
     add_json_option(parser)
 
 
@@ -79,6 +81,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             evaluate_report.require_format(args.out)
+    evaluate_unmatched.require_options(args)
     tracked = _read(args)
     if lost := tracked.n_missing(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
@@ -89,23 +92,26 @@ def run(args: argparse.Namespace) -> int:
     if removed:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
-    views = _pinhole(args, images)
+    views, points, named = _pinhole(args, images), tracked.points, None
+    if args.unmatched:
+        views, points, named = evaluate_unmatched.named(args, tracked.frames, points, views)
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = find_outliers(views, rounding_px=views_rounding_std(images))
     without = found.corrected(views)
     compared = leave_one_out(without, args.rectify != "off")
     rectification = compared.rectification
-    frames = evaluate_frames(tracked.frames, tracked.points, views, transfer, rectification)
+    frames = evaluate_frames(tracked.frames, points, views, transfer, rectification)
     if found.noise_px is not None:
         _find_mirrored(frames, select_matches(without), rectification, found.noise_px)
     rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
     result = {
         "transfer": transfer,
         "rectification": rectified,
-        "points": tracked.points,
+        "points": points,
+        **({} if named is None else {"naming": named}),
         "removed_by_confidence": removed,
         "leave_one_out": evaluate_report.transfers_json(compared),
-        "suspects": evaluate_report.suspects_json(found, tracked.points, tracked.frames),
+        "suspects": evaluate_report.suspects_json(found, points, tracked.frames),
         "undecided": found.undecided,
         "frames": frames,
     }
@@ -118,6 +124,9 @@ def run(args: argparse.Namespace) -> int:
         print_json(args, result | {"frames": map(evaluate_report.named_coefficients, frames)})
     else:
         evaluate_report.print_report(result)
+    if named is not None and not named["accepted"]:
+        print(f"viewimit evaluate: names {naming_words(named)}", file=sys.stderr)
+        return MISSED
     if all(frame["refused"] == TOO_FEW for frame in frames):
         print(f"viewimit evaluate: {_too_few(tracked, args.min_confidence)}", file=sys.stderr)
         return MISSED

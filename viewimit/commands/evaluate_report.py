@@ -14,6 +14,7 @@ from ..estimation.outliers import OutlierReport
 from ..estimation.views import VIEW_NAMES, VIEWS
 from ..geometry.affine import MIN_POINTS
 from ..sensing.files import MAX_NAME_CHARS, escape
+from .options import naming_words, posture
 
 MIRRORED = (
     "the fit is a reflection, and one head sees no body as its own mirror image, so that a small E is no good fit; "
@@ -219,6 +220,11 @@ def print_report(result: dict) -> None:
     print(
         f"{result['transfer']} transfer{how}, {len(result['points'])} points, {count} frame{'' if count == 1 else 's'}"
     )
+    if named := result.get("naming"):
+        print(f"names: {naming_words(named)}")
+        if named["accepted"]:
+            print(f"  {', '.join(f'{own} = {demo}' for own, demo in named['names'].items() if demo is not None)}")
+            print(f"  the demonstrator of frame {named['frame']} is at {posture(named['posture_deg'])}")
     print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
     for frame in result["frames"]:
         numbers = [

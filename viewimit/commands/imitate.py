@@ -3,6 +3,7 @@
 import argparse
 import csv
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS
+from ..servo import SERVOS, Misfit
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -106,6 +107,8 @@ def _report(result: dict) -> None:
     if result["exchanged"]:
         named = " and ".join(f"{i} with {j}" for i, j in result["exchanged"])
         print(f"swapped       points {named} of the demonstrator, probably")
+    if result["misfit"]:
+        print(f"misfit        {result['misfit']['text']}")
     print(f"E             {_at_least(result['E'], 0.001, '.4g', ' px²')}")
 
 
@@ -165,6 +168,17 @@ def _observable(known: Assessment | None, joint: int) -> tuple[bool | None, str 
     return None, "needs-more-data" if known.certificate.needs_more_data else "unexplored-direction"
 
 
+def _misfit(misfit: Misfit | None, joints: Sequence[int]) -> dict | None:
+    """The JSON object of a misfit; joints: numbers of the moving joints."""
+    if misfit is None:
+        return None
+    links = [
+        {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
+        for link in misfit.links
+    ]
+    return {"kind": misfit.kind, "points": misfit.points, "links": links, "text": misfit.describe(joints)}
+
+
 def outcome(session: Session, ended: RunResult) -> dict:
     """The JSON object of a run.
 
@@ -192,6 +206,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
             for k, joint in enumerate(session.scene.moving_joints)
         ],
         "exchanged": last.exchanged,
+        "misfit": _misfit(last.misfit, session.scene.moving_joints),
         "E": last.E,
         "motions": last.motion,
         "travel_deg": ended.travel_deg,

@@ -4,7 +4,7 @@ import argparse
 import contextlib
 import dataclasses
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -168,20 +168,21 @@ def naming_json(naming: Naming | None) -> dict | None:
     }
 
 
-def naming_words(naming: dict, points: Sequence[str] | None = None) -> str:
-    """Say a naming, as of `naming_json`, in a line. points: names of the own points, by default their numbers."""
+def naming_words(naming: dict) -> str:
+    """Say a naming, as of `naming_json`, in a line. Its lists may also be dictionaries by name."""
     if not naming["accepted"]:
         return "not found: no naming of the demonstrator's points explains its images"
-    names = list(map(str, range(len(naming["names"])))) if points is None else list(points)
-    found = naming["names"] >= 0
-    said = [f"{found.sum()} points named"]
-    if (doubtful := found & ~naming["certain"]).any():
-        each = (f"{names[k]} ({naming['probability'][k]:.0%})" for k in np.flatnonzero(doubtful))
-        said.append(f"uncertain {', '.join(each)}")
-    if (~found).any():
-        said.append(f"no partner for {', '.join(names[k] for k in np.flatnonzero(~found))}")
-    if extra := len(naming["without_partner"]["demonstrator"]):
-        said.append(f"{extra} of the demonstrator's points have none")
+    by_name = lambda values: values if isinstance(values, dict) else dict(enumerate(values))
+    certain, probability = by_name(naming["certain"]), by_name(naming["probability"])
+    without, extra = naming["without_partner"]["learner"], naming["without_partner"]["demonstrator"]
+    named = [name for name in certain if name not in without]
+    said = [f"{len(named)} points named"]
+    if doubtful := [f"{name} ({probability[name]:.0%})" for name in named if not certain[name]]:
+        said.append(f"uncertain {', '.join(doubtful)}")
+    if len(without):
+        said.append(f"no partner for {', '.join(map(str, without))}")
+    if len(extra):
+        said.append(f"none for {', '.join(map(str, extra))} of the demonstrator")
     if naming["two_answers"]:
         said.append("two answers: other names explain the images as well, in another posture")
     return "; ".join(said)

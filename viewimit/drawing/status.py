@@ -133,9 +133,11 @@ def describe(
         left = len(snapshot.pending_postures)
         sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
         return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence)
+    if snapshot.awaits_names:
+        return _without_names(snapshot, playing)
     if snapshot.transfer is None:
         return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _ill_conditioned(snapshot)
+    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
         advice = "; reset to go on" if advises else ""
         return StatusMessage(
@@ -157,12 +159,13 @@ def describe(
 def _resting(
     snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
 ) -> StatusMessage:
-    says, after = _says(snapshot), f"after {svg.count_motions(snapshot.motion)}"
+    says, after = _says(snapshot, joints), f"after {svg.count_motions(snapshot.motion)}"
     why = f"; {says}." if says else "."
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
-            why = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off."
+            about = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off"
+            why = f"{about}; {says}." if snapshot.misfit is not None else f"{about}."
         return StatusMessage("arrived", f"{E} {after}{why}")
     unobservable = [] if known is None else known.reportable_joints(snapshot.status)
     if known is not None and unobservable:
@@ -205,6 +208,29 @@ def _swapped(snapshot: Snapshot) -> str:
     """Say which of the demonstrator's points seem to be swapped; "" for none."""
     pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
     return f"The demonstrator's points {pairs} seem to be exchanged." if pairs else ""
+
+
+def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
+    """Describe a snapshot in which the demonstrator's points have no names yet."""
+    if snapshot.status.is_at_rest:
+        return StatusMessage(snapshot.status, f"{_says(snapshot)}.")
+    state = ServoStatus.READY if snapshot.motion == 0 else ServoStatus.MOVING if playing else "paused"
+    sentence = "which of the demonstrator's points is which is not known yet, nor is E."
+    return StatusMessage(state, sentence, probe=snapshot.probe)
+
+
+def _named(snapshot: Snapshot) -> str:
+    """Say how sure the names are that the learner found; "" for points that came with names."""
+    naming = snapshot.naming
+    if naming is None or snapshot.settings.matched:
+        return ""
+    if naming.is_ambiguous:
+        return "Two answers: with other names of the points, another pose explains the images as well."
+    found = naming.names >= 0
+    uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
+    named = f"{found.sum()} points named"
+    sure = f", {', '.join(map(str, uncertain))} uncertainly" if uncertain else " with certainty"
+    return f"{named}{sure}{f'; {alone} have no partner' if alone else ''}."
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:
@@ -275,7 +301,9 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
     return f", {text if share < 0 else '+' + text} % a motion"
 
 
-def _says(snapshot: Snapshot) -> str:
-    """Return the servo's own words, "" without any."""
+def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:
+    """Return the servo's own words, "" without any. joints: numbers from 1."""
     state = snapshot.servo_state
+    if snapshot.misfit is not None and snapshot.status.is_at_rest:
+        return snapshot.misfit.describe(joints)
     return "" if state is None else snapshot.servo.describe_status(state, snapshot.status)

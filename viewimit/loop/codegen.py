@@ -39,7 +39,8 @@ def as_command(script: Script) -> str:
         raise ValueError("no command: its scene came without a file; save the scene, and name its file")
     if not all(isinstance(action, Steps) for action in script.actions):
         raise ValueError("no command: something was done by hand on the way; as Python it can be said")
-    return shlex.join(["viewimit", "imitate", *options, f"--max-motions={script.steps}", "--json"])
+    unmatched = [] if settings.matched else ["--unmatched"]
+    return shlex.join(["viewimit", "imitate", *options, *unmatched, f"--max-motions={script.steps}", "--json"])
 
 
 def as_imitation(settings: Settings, calibration: str) -> str:
@@ -55,6 +56,8 @@ def as_reproduction(figure: str, settings: Settings, motion: str | None = None) 
     """The command `viewimit reproduce …`. motion: for Fig. 10. Raises ValueError as `as_command`."""
     if settings.undistort != Settings().undistort:
         raise ValueError("no command: viewimit reproduce does not undistort images")
+    if not settings.matched:
+        raise ValueError("no command: viewimit reproduce needs points with names")
     if any(getattr(settings, name) != getattr(Settings(), name) for name in SAFETY):
         raise ValueError("no command: viewimit reproduce has no option that limits how far the arm goes")
     moves = [] if motion is None else [f"--motion={motion}"]

@@ -42,6 +42,7 @@ OUTLIER_FRACTION = 0.1  # of the points: those that moved most may be misplaced,
 KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # numpy's kinds of these arrays
 SETTINGS_OF_ROBOT = (  # fields of Settings that a real robot has; all others are of scenes
     "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "restarts", "workspace_deg",
+    "matched",
 )  # fmt: skip
 SETTINGS_FOUND = ("scene", "points")  # fields that the arm's name and the eyes' points set
 MAX_TURNS = 4  # of a joint, to either side

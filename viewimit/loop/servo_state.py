@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
 from ..sensing.renamed import level_outside
-from ..servo import Certificate, Naming, Observation, ServoMethod, ServoStatus
+from ..servo import Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import Visit
 
 SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
@@ -26,6 +26,7 @@ class StateAttributes:
     naming: Naming | None = None
     exchanged: Pairs = ()
     calibration: tuple[Visit, ...] = ()
+    misfit: Misfit | None = None
 
     @classmethod
     def of(cls, servo_state: Any) -> "StateAttributes":
@@ -34,8 +35,8 @@ class StateAttributes:
 
     @property
     def names(self) -> NDArray[np.int_] | None:
-        """(N,): the demonstrator's point of each own point, -1 without one; None before they are found."""
-        return self.naming.names if self.naming is not None and self.naming.accepted else None
+        """(N,): the demonstrator's point of each own point, -1 of points left out; None before they are found."""
+        return self.naming.used if self.naming is not None and self.naming.accepted else None
 
     def status_or(self, usual: ServoStatus) -> ServoStatus:
         """Return the status, or the usual one for a state without.

@@ -121,9 +121,9 @@ class Session(Learner):
             As of `Session`.
         **changes
             Fields of `Settings` that differ from `Settings.best()`: frames (images averaged at each posture), rectify,
-            start_deg (replaces the arm's start), seed, max_step_deg, workspace_deg and restarts. The limits hold for
-            every motion, also for undo and reset. Only the first motion, to the start, may be of any length, because
-            the arm's posture before it is unknown.
+            matched, start_deg (replaces the arm's start), seed, max_step_deg, workspace_deg and restarts. The limits
+            hold for every motion, also for undo and reset. Only the first motion, to the start, may be of any length,
+            because the arm's posture before it is unknown.
 
         Raises
         ------

@@ -14,7 +14,7 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Naming, Observation, ServoMethod, ServoStatus
+from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import repeat_xy
 from .evaluation import Evaluation
 from .self_calibration import MIN_POSTURES, SelfCalibration
@@ -206,6 +206,17 @@ class Snapshot:
     def exchanged(self) -> Pairs:
         """Pairs of the demonstrator's points that the servo considers swapped; `views` are corrected."""
         return self._state.exchanged
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Why the demonstrator's images fit no posture of the own body, as the servo found; None: no sign of that."""
+        return self._state.misfit
+
+    @property
+    def correspondences(self) -> tuple[Any, ...]:
+        """Compares equal if the servo takes the demonstrator's points for the same own points, in the same order."""
+        names = self._state.names
+        return self.views.matched, self.exchanged, None if names is None else names.tobytes()
 
     @property
     def naming(self) -> Naming | None:

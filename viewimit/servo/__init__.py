@@ -21,6 +21,7 @@ from .servo import LastMotion, Retargetable, Servo, ServoState
 from .status import ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.convergence import Certificate
+from .trust_region.misfit import Misfit, MisfitKind
 from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
 
@@ -34,6 +35,8 @@ __all__ = [
     "Gradient",
     "Kalman",
     "LastMotion",
+    "Misfit",
+    "MisfitKind",
     "Naming",
     "NoiseReference",
     "Observation",

@@ -15,6 +15,7 @@ from ..estimation.views import Pairs
 from .observation import Observation, Visit
 from .status import ServoStatus
 from .trust_region.convergence import Certificate
+from .trust_region.misfit import Misfit
 from .trust_region.naming import Naming
 
 
@@ -127,6 +128,11 @@ class ServoState(Protocol):
     @property
     def calibration(self) -> tuple[Visit, ...]:
         """Visits of an earlier calibration that the servo uses. By default ()."""
+        ...
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Why the demonstrator's images fit no posture of the own body. By default None: no sign of that."""
         ...
 
 

@@ -151,8 +151,8 @@ def as_pdf(picture: str) -> bytes:
 
     title = re.search(r"<title>(.*?)</title>", picture)
     inputs = {"picture": picture, "title": html.unescape(title[1]) if title else ""}
-    fonts = [str(ROOT / "fonts")]
-    return bytes(typst.compile(TYPST.encode(), sys_inputs=inputs, font_paths=fonts, ignore_system_fonts=True))
+    compile_source: Callable[..., bytes] = typst.compile
+    return compile_source(TYPST.encode(), sys_inputs=inputs, font_paths=[str(ROOT / "fonts")], ignore_system_fonts=True)
 
 
 def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -> bytes:

@@ -17,6 +17,7 @@ from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
 TOO_FEW = "fewer than five points are seen in all four images"
+NO_NAMES = "the points have no names yet"
 WIDER = 1.15  # factor by which a posture that leaves the windows is taken to be larger
 COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time
 START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # settings without influence on E
@@ -75,7 +76,7 @@ def landscape_key(snapshot: Snapshot, ignored: tuple[str, ...] = ()) -> tuple:
     """
     settings, ignored = snapshot.settings, (*START_AND_MOTION, *ignored)
     chosen = (getattr(settings, name) for name in settings.__struct_fields__ if name not in ignored)
-    return *chosen, snapshot.rectification is not None, snapshot.exchanged
+    return *chosen, snapshot.rectification is not None, snapshot.correspondences
 
 
 def compute_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> Landscape | None:
@@ -88,6 +89,8 @@ def compute_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_D
 
 def make_landscape(world: World, snapshot: Snapshot, step_deg: float = FINE_DEG) -> MadeLandscape:
     """Compute and draw the landscape of the snapshot's transfer on a grid of step_deg degrees."""
+    if not snapshot.views.matched:
+        return MadeLandscape(world, LandscapePicture(None, world.scene, snapshot, NO_NAMES), None)
     found = compute_landscape(world, snapshot, step_deg)
     views, theta = snapshot.views, snapshot.theta_demo
     seen = world, snapshot.fit, views.demo, views.visible[:, :2]

@@ -119,8 +119,11 @@ def draw_images(
         for pair, words in headings.items()
     ]
     parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
+    how = "Click a point to see its lines." if crossed else "Click a point to see how it is transferred."
     if chosen is not None:
-        parts.append(f'<p class="vi-how">{describe_construction(construction, chosen, stage, crossed)}</p>')
+        how = describe_construction(construction, chosen, stage, crossed)
+    if chosen is not None or not print_size:
+        parts.append(f'<p class="vi-how">{how}</p>')
     metrics = _metrics(snapshot, lengths)
     parts.append(draw_metrics(metrics) if print_size else write_metrics(metrics, course))
     inside = "".join(parts)

@@ -6,6 +6,7 @@ A new benchmark is a file with a `Benchmark`, and a line here. They judge nothin
 from .benchmark import Benchmark
 from .calibration import CalibrationBenchmark
 from .compare import CompareBenchmark
+from .misfits import MisfitsBenchmark
 from .robustness import PicturesBenchmark, RobustnessBenchmark
 from .scenes import RobotsBenchmark, ScenesBenchmark
 from .speed import SpeedBenchmark
@@ -26,6 +27,7 @@ BENCHMARKS: dict[str, type[Benchmark]] = {
     "robots": RobotsBenchmark,
     "tracks": TracksBenchmark,
     "unmatched": UnmatchedBenchmark,
+    "misfits": MisfitsBenchmark,
 }
 
 __all__ = ["BENCHMARKS", "Benchmark"]

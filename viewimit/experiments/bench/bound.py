@@ -14,12 +14,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation.camera import Cameras
+from ...simulation.camera import Camera, Cameras
 from ...simulation.world import World
 
 FD_STEP = 1e-5  # rad, m
 MIN_SINGULAR_VALUE = 1e-10  # relative to the largest: parameters below it move no image, such as a scale
-PROJECTIVE = 16  # parameters of a projective map of space
+PROJECTIVE, SIMILARITY = 16, 7  # parameters of a projective map of space, and of a similarity
 MIN_IMAGE_MOTION = 1e-6  # relative to the largest: a direction that moves images by less is unobservable
 
 
@@ -29,6 +29,7 @@ def bound(
     noise_px: float,
     visited: Sequence[NDArray[np.float64]] | None = None,
     seen: NDArray[np.bool_] | None = None,
+    another_body: bool = False,
 ) -> NDArray[np.float64]:
     """Compute the bound at the demonstrator's posture.
 
@@ -44,15 +45,17 @@ def bound(
         Postures at which the learner has seen its own body, rad; None: its images are granted.
     seen : (N, 2) bool array, optional
         Which points are in which image of the demonstrator; None: all.
+    another_body : bool
+        Whether its joints may be attached elsewhere. That one head sees both bodies is used then. Needs `visited`.
 
     Returns
     -------
     (m,) array
         Standard deviations, rad; inf for unobservable joints.
     """
-    J, unknown = _demo_images(world, theta)
+    J, unknown = _demo_images(world, theta, another_body)
     if visited is not None:
-        own = np.vstack([_own_images(world, posture) for posture in visited])
+        own = np.vstack([_own_images(world, posture, another_body) for posture in visited])
         J, unknown = np.vstack([J, np.zeros((len(own), J.shape[1]))]), np.vstack([unknown, own])
     if seen is not None:
         known = np.concatenate([np.repeat(seen, 2), np.ones(len(J) - 2 * seen.size, bool)])
@@ -69,25 +72,31 @@ def bound(
     return noise_px * np.where((np.abs(directions[:, lost]) > MIN_IMAGE_MOTION).any(1), np.inf, np.sqrt(variances))
 
 
-def _demo_images(world: World, theta: NDArray) -> tuple[NDArray, NDArray]:
+def _demo_images(world: World, theta: NDArray, another_body: bool) -> tuple[NDArray, NDArray]:
     """Derivatives of the demonstrator's images by the joints, (4 N, m) px/rad, and by H, frame and body, (4 N, 32 + P).
 
-    The frame moves none of them.
+    The frame moves none of them. For another body H is a similarity, and each joint is shifted: 7 + 3 m instead of 16
+    unknowns. The frame is that of the head then, so it moves both bodies' images.
     """
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
     H = _similarity(own, demo)[:, :3]
-    motions = [_projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape)), _body_motions(world, theta) @ H.T]
+    if another_body:
+        alike, shifted = _similarity_motions(demo), np.concatenate(_joint_shifts(world, theta)) @ H.T
+        first, frame = np.concatenate([alike, shifted]), _head_motions(world.demo_cameras[0], demo)
+    else:
+        first, frame = _projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape))
     by_image = _image_derivatives(world.demo_pair, demo)
-    return _image_motions(by_image, _joint_motions(world, theta) @ H.T), _image_motions(
-        by_image, np.concatenate(motions)
-    )
+    motions = np.concatenate([first, frame, _body_motions(world, theta) @ H.T])
+    return _image_motions(by_image, _joint_motions(world, theta) @ H.T), _image_motions(by_image, motions)
 
 
-def _own_images(world: World, theta: NDArray) -> NDArray:
+def _own_images(world: World, theta: NDArray, another_body: bool) -> NDArray:
     """Derivatives of the own images at a posture by H, frame and body, (4 N, 32 + P). H moves none of them."""
     own = world.points_world(theta, world.T_world_own)
-    motions = [np.zeros((PROJECTIVE, *own.shape)), _projective_motions(own), _body_motions(world, theta)]
-    return _image_motions(_image_derivatives(world.own_pair, own), np.concatenate(motions))
+    frame = _head_motions(world.own_cameras[0], own) if another_body else _projective_motions(own)
+    first = np.zeros((SIMILARITY + 3 * len(theta) if another_body else PROJECTIVE, *own.shape))
+    motions = np.concatenate([first, frame, _body_motions(world, theta)])
+    return _image_motions(_image_derivatives(world.own_pair, own), motions)
 
 
 def _joint_motions(world: World, theta: NDArray) -> NDArray:
@@ -106,11 +115,30 @@ def _body_motions(world: World, theta: NDArray) -> NDArray:
     of_points = np.zeros((count, 3, count, 3))
     of_points[range(count), :, range(count)] = frames[link, :3, :3].swapaxes(1, 2)
     of_joints = [angle * motion for angle, motion in zip(theta, _joint_motions(world, theta))]
-    for joint in world.scene.moving:
+    for joint, shifts in zip(world.scene.moving, _joint_shifts(world, theta)):
         moved, axes = (link > joint)[:, None], frames[joint + 1, :3, :3].T
         arms = points - frames[joint + 1, :3, 3]
-        of_joints += [moved * np.cross(axis, arms) for axis in axes] + [moved * axis for axis in axes]
+        of_joints += [moved * np.cross(axis, arms) for axis in axes] + list(shifts)
     return np.concatenate([of_points.reshape(-1, count, 3), of_joints])
+
+
+def _joint_shifts(world: World, theta: NDArray) -> list[NDArray]:
+    """Derivatives of the own points by a shift of each joint along its three axes, (3, N, 3) each."""
+    frames, link = world.link_frames(theta, world.T_world_own), world.body.link
+    return [(link > joint)[:, None] * frames[joint + 1, :3, :3].T[:, None] for joint in world.scene.moving]
+
+
+def _similarity_motions(points: NDArray) -> NDArray:
+    """Derivatives of points (N, 3) m by a rotation, a translation and the scale, (7, N, 3)."""
+    arms = points - points.mean(0)
+    turns = [np.cross(axis, arms) for axis in np.eye(3)]
+    return np.array([*turns, *(np.broadcast_to(axis, arms.shape) for axis in np.eye(3)), arms])
+
+
+def _head_motions(camera: Camera, points: NDArray) -> NDArray:
+    """As `_projective_motions`, in the frame of a camera, which turns with the head."""
+    R, centre = camera.T_world_camera[:3, :3], camera.T_world_camera[:3, 3]
+    return _projective_motions((points - centre) @ R) @ R.T
 
 
 def _projective_motions(points: NDArray) -> NDArray:

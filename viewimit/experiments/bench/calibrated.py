@@ -76,7 +76,7 @@ def position_based(
     model: World, theta: Floats, theta_demo: Floats | None, views: FourViews
 ) -> tuple[Floats, Floats, Floats | None]:
     """Return the motion of PBVS, see `Law`."""
-    seen = views.visible[:, :2].all(-1), views.visible[:, 2:].all(-1)
+    seen = np.asarray(views.visible[:, :2].all(-1)), np.asarray(views.visible[:, 2:].all(-1))
     theta_demo = estimate_posture(model, model.demo_images, views.demo, seen[0], theta_demo)
     error = estimate_posture(model, model.own_images, views.own, seen[1], theta) - theta_demo
     return -GAIN * error, error, theta_demo

@@ -229,9 +229,9 @@ class PairAdjustment:
         weights[len(weights) - added :] = weights[0]
         return weights
 
-    def solve(self, initial: BodyPair) -> BodyPair:
-        """Minimise the residuals from this pair."""
-        return levenberg_marquardt(initial, self.residuals, self.prior_weights(initial), FTOL, MAX_ITER)
+    def solve(self, initial: BodyPair, max_iter: int = MAX_ITER) -> BodyPair:
+        """Minimise the residuals from this pair, in at most `max_iter` steps."""
+        return levenberg_marquardt(initial, self.residuals, self.prior_weights(initial), FTOL, max_iter)
 
     def angle_std(self, pair: BodyPair) -> Array:
         """(T, m) rad: standard deviations of the demonstrator's angles for noise of 1 px."""

@@ -11,7 +11,8 @@ PLAN      Measure E at all visits, update the radius by what the last step achie
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
-          a verification motion if no visit shows that yet.
+          a verification motion if no visit shows that yet. With noise, one adjustment of both bodies' images then gives
+          the posture to rest at, and refuses a claim about another body (`final_adjustment`).
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits.
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
 
@@ -88,6 +89,7 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_explanation,
     with_final_adjustment,
     with_names_reviewed,
     with_naming,
@@ -161,7 +163,8 @@ def first_phase(state: TrustRegionState, observation: Observation) -> Phase:
         return Phase.PROBE
     if not observation.matched:
         return Phase.MATCH
-    return Phase.PLAN if state.destination.displacement is None else state.phase
+    travels = state.destination.displacement is not None or state.trusts_explanation
+    return state.phase if travels else Phase.PLAN
 
 
 def probe(state: TrustRegionState, context: StepContext) -> Outcome:
@@ -250,8 +253,11 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     """Return to the best posture, and stop there.
 
     On arrival E is measured again. If that makes another posture the best, REST follows once more, but not for ever.
+    Where no posture explains the demonstrator's images, the reason is looked for first. If it is another body, the arm
+    goes to its joint angles, and E is not asked again.
     """
-    if state.destination.displacement is None:
+    if state.destination.displacement is None and not state.trusts_explanation:
+        state = with_explanation(state, context)
         has_rested = state.destination.status is not None
         state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))
         if has_rested and is_cycling(state, context):

@@ -137,6 +137,15 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
     )
 
 
+def certificate_of(std_error: Array, noise_px: float) -> Certificate:
+    """Return the certificate of an estimate that noise explains.
+
+    std_error: (m,) rad, of each joint; noise_px: standard deviation of an image coordinate.
+    """
+    observable = np.isfinite(std_error)
+    return Certificate(std_error / noise_px, std_error, observable, True, np.zeros_like(std_error), True)
+
+
 def standard_deviations(hessian: Array, points: int) -> Array:
     """Return the standard deviation of each joint by image noise of 1 px, √diag((JᵀJ)⁻¹): (m,) rad/px."""
     return _std_per_px(_inverse(hessian), points)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
 from ...estimation.views import Pairs, permute
 from ..least_squares import minimise
+from .motions import posture_grid
 from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
@@ -26,9 +27,20 @@ def swapped(images: Array, pairs: Pairs) -> Array:
     return images[..., permute(np.arange(images.shape[-2]), pairs), :] if pairs else images
 
 
+def transpositions(order: NDArray[np.int_]) -> Pairs:
+    """Return swaps that, one after the other, bring (N,) indices into this order, as `permute` makes them."""
+    now, pairs = np.arange(len(order)), []
+    for i, wanted in enumerate(order):
+        j = int(np.flatnonzero(now == wanted)[0])
+        if i != j:
+            now[[i, j]] = now[[j, i]]
+            pairs.append((i, j))
+    return tuple(pairs)
+
+
 @dataclass(frozen=True)
 class SwappedResiduals:
-    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped instead."""
+    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped back instead."""
 
     residuals: ResidualFunction
     pairs: Pairs
@@ -38,8 +50,8 @@ class SwappedResiduals:
     ) -> Array:
         """Compute residuals, as `ResidualFunction`."""
         if noise_reference is not None and noise_reference.own is not None:
-            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs))
-        return self.residuals(swapped(own, self.pairs), transfer, noise_reference, rig)
+            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs[::-1]))
+        return self.residuals(swapped(own, self.pairs[::-1]), transfer, noise_reference, rig)
 
     def with_partially_visible(self) -> ResidualFunction:
         """Include points that only one camera sees."""
@@ -93,7 +105,7 @@ def find_swaps(
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)
 
-    postures = _postures(lower, upper, options.swap_grid)
+    postures = posture_grid(lower, upper, options.swap_grid)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
     E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
     if not objective_floor <= E_none < np.inf:
@@ -105,7 +117,7 @@ def find_swaps(
     E_one = smallest(one, postures, E[order[0]])
     if E_one < objective_floor:
         return one
-    postures = _postures(lower, upper, options.swap_grid_two)
+    postures = posture_grid(lower, upper, options.swap_grid_two)
     first = [single[k] for k in order[: options.swap_first_pairs]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
     E = evaluate(postures, double)
@@ -114,10 +126,3 @@ def find_swaps(
     if E_two < options.swap_gain * min(E_one, E_none):
         return two
     return one if E_one < options.swap_gain * E_none else ()
-
-
-def _postures(lower: Array, upper: Array, count: int) -> Array:
-    """Return a grid of `count` postures per joint; for three joints or more, as many random ones as for two."""
-    if len(lower) > 2:
-        return np.random.default_rng(count).uniform(lower, upper, (count**2, len(lower)))
-    return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))

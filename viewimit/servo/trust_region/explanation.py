@@ -36,6 +36,8 @@ def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equat
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
     """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
     search, naming = state.search, state.naming
+    if state.explanation is not None and status.is_at_rest:
+        return state.explanation.misfit.describe()
     if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
         return "no naming of the demonstrator's points explains its images"
     if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:

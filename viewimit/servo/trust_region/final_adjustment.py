@@ -13,6 +13,7 @@ References
 Paulson, "An approximate normalization of the analysis of variance distribution", 1942.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from ...estimation.noise import f_test_sigmas
 from ...geometry.kinematics.adjustment import NOISE_SLACK
 from ...geometry.kinematics.model import ProjectiveKinematics
-from ...geometry.kinematics.two_bodies import PairAdjustment
+from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
 from ..observation import Observation, Visit
 from .image_models import observations_of
 from .options import TrustRegionOptions
@@ -36,6 +37,69 @@ class PostureEstimate:
     theta: Array  # (m,) rad, as a displacement
     std_error: Array  # (m,) rad
     sigmas: float  # by how many standard deviations the demonstrator's images contradict a body like the own one
+    demo: Array  # (N, 4) px: its images, NaN where hidden
+
+
+@dataclass(frozen=True)
+class PairFit:
+    """A pair of bodies, fitted."""
+
+    pair: BodyPair
+    raised: float  # cost above that of the own images alone, over the variance of the noise
+    sigmas: float  # by how many standard deviations it is too much for noise
+    std: float  # of the noise, px
+
+
+@dataclass(frozen=True)
+class FinalAdjustment:
+    """The adjustment of one run."""
+
+    problem: PairAdjustment
+    kinematics: ProjectiveKinematics  # that explain the own images
+    own_cost: float  # px², of the own images alone
+    variance: float  # px², of an image coordinate
+
+    @classmethod
+    def of(
+        cls, kinematics: ProjectiveKinematics, visits: tuple[Visit, ...], demo: Array, noise_px: float
+    ) -> "FinalAdjustment | None":
+        """Set it up; None if too few points are visible for any test.
+
+        kinematics: explain all visits; demo: (T, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of
+        an image coordinate.
+        """
+        problem = PairAdjustment.of(kinematics, observations_of(visits), demo, noise_px)
+        if problem.degrees_of_freedom < 1 or problem.own.degrees_of_freedom < 1:
+            return None
+        own = float((problem.own.residuals(kinematics) ** 2).sum())
+        variance = max(own / problem.own.degrees_of_freedom, (noise_px / NOISE_SLACK) ** 2)
+        return cls(problem, kinematics, own, variance)
+
+    def fit(self, start: BodyPair, max_iter: int = MAX_ITER) -> PairFit:
+        """Fit from one pair, in at most `max_iter` steps."""
+        pair = self.problem.solve(start, max_iter)
+        cost = float((self.problem.residuals(pair) ** 2).sum())
+        raised, added = max(cost - self.own_cost, 0.0) / self.variance, sum(pair.difference.sizes(pair.n_joints))
+        freedom, own_freedom = self.problem.degrees_of_freedom - added, self.problem.own.degrees_of_freedom
+        sigmas = f_test_sigmas(raised / freedom, freedom, own_freedom) if freedom > 0 else np.inf
+        noise = max(self.problem.own.noise_px**2, cost / max(freedom + own_freedom, 1))
+        return PairFit(pair, raised, sigmas, float(np.sqrt(noise)))
+
+    def best_fit(self, starts: Iterable[BodyPair], max_sigmas: float) -> PairFit | None:
+        """Fit from each pair in turn, until one fit contradicts by less than `max_sigmas`; return the best."""
+        best: PairFit | None = None
+        for start in starts:
+            found = self.fit(start)
+            if best is None or found.raised < best.raised:
+                best = found
+            if best.sigmas < max_sigmas:
+                break
+        return best
+
+    def estimate(self, fit: PairFit, demo: Array) -> PostureEstimate:
+        """Return the posture of a fit. demo: (N, 4) px, the images that it is of."""
+        std_error = fit.std * self.problem.angle_std(fit.pair)[0]
+        return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas, demo)
 
 
 def estimate_posture(
@@ -65,23 +129,8 @@ def estimate_posture(
     """
     if observation.demo is None:
         return None
-    problem = PairAdjustment.of(kinematics, observations_of(visits), observation.demo[None], observation.noise_px)
-    if problem.degrees_of_freedom < 1 or problem.own.degrees_of_freedom < 1:
+    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], observation.noise_px)
+    if adjustment is None:
         return None
-    own = float((problem.own.residuals(kinematics) ** 2).sum())
-    best, raised, sigmas = None, np.inf, np.inf
-    variance = max(own / problem.own.degrees_of_freedom, (observation.noise_px / NOISE_SLACK) ** 2)
-    for start in problem.starts(kinematics, theta):
-        found = problem.solve(start)
-        cost = float((problem.residuals(found) ** 2).sum()) - own
-        if cost < raised:
-            best, raised = found, cost
-            ratio = max(cost, 0.0) / problem.degrees_of_freedom / variance
-            sigmas = f_test_sigmas(ratio, problem.degrees_of_freedom, problem.own.degrees_of_freedom)
-        if sigmas < options.max_body_sigmas:
-            break
-    if best is None:
-        return None
-    freedom = problem.degrees_of_freedom + problem.own.degrees_of_freedom
-    std = max(observation.noise_px, np.sqrt((raised + own) / freedom))
-    return PostureEstimate(best.angles[0], std * problem.angle_std(best)[0], sigmas)
+    found = adjustment.best_fit(adjustment.problem.starts(kinematics, theta), options.max_body_sigmas)
+    return None if found is None else adjustment.estimate(found, observation.demo)

@@ -31,6 +31,13 @@ def sample_box(observation: Observation, count: int) -> Postures:
     return rng.uniform(observation.lower, observation.upper, (count, len(observation.lower)))
 
 
+def posture_grid(lower: Postures, upper: Postures, count: int) -> Postures:
+    """Return `count` postures per joint, (n, m) rad; for three joints or more as many random ones as for two."""
+    if len(lower) > 2:
+        return np.random.default_rng(count).uniform(lower, upper, (count**2, len(lower)))
+    return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))
+
+
 def sample_line(observation: Observation, place: Postures, direction: Postures, count: int) -> Postures:
     """Return postures on the line through a place, from limit to limit: (count, m) rad."""
     turned = direction != 0  # the other joints meet no limit

@@ -51,6 +51,7 @@ from .options import DEFAULTS, TrustRegionOptions
 Array = NDArray[np.float64]
 Names = NDArray[np.int_]
 N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
+REACH_ROUNDS = 4  # of refinement, in which the reach of the posture grows
 METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
 
 
@@ -68,6 +69,11 @@ class Naming:
     rival: Names | None = None  # (N,): other names that may explain the images as well; None: there are none
     rival_displacement: Array | None = None  # (m,) rad, in which they do
     certain_from: float = DEFAULTS.naming_certain
+    enough: int = DEFAULTS.naming_enough
+
+    def per_pixel(self, unit_px: float) -> "Naming":
+        """Convert E from image units of unit_px pixels to px²."""
+        return replace(self, E=self.E * unit_px**2, E_noise=self.E_noise * unit_px**2)
 
     @property
     def certain(self) -> NDArray[np.bool_]:
@@ -75,9 +81,15 @@ class Naming:
         return np.nan_to_num(self.probability) >= self.certain_from
 
     @property
+    def used(self) -> Names:
+        """(N,): names to compute with. Uncertain ones are left out if enough others remain: a wrong one adds to E."""
+        return np.where(self.certain, self.names, -1) if self.certain.sum() >= self.enough else self.names
+
+    @property
     def is_settled(self) -> bool:
-        """Whether further visits can hardly change it: all names are certain, and there is one answer."""
-        return bool(self.certain.all()) and not self.is_ambiguous
+        """Whether further visits can hardly change it: one answer, all names certain, and no pair without names."""
+        named = self.names >= 0
+        return bool(self.certain[named].all() and (named.all() or not len(self.unnamed))) and not self.is_ambiguous
 
     @property
     def is_ambiguous(self) -> bool:
@@ -262,25 +274,30 @@ class _Search:
     def refine(self, names: Names, start: Array) -> Naming | None:
         """Fit the posture and the names in turn, with as many names. names: (N,), into the shown points.
 
-        Each fit stays near the last posture: a few wrong names would draw it far away.
+        The posture moves a little at first, and farther from round to round: some wrong names would draw it far away.
         """
-        count, theta, E = int((names >= 0).sum()), start, np.inf
-        for _ in range(self.options.naming_rounds):
-            theta, E = self.posture(names, theta)
+        count, theta, E, reach = int((names >= 0).sum()), start, np.inf, self.options.naming_reach
+        if self.views(names).visible.all(-1).sum() < self.options.naming_min_points:
+            return None
+        names = cheapest_pairs(self.distances(names, theta), count)
+        for k in range(1, self.options.naming_rounds + 1):
+            bound = reach * min(k / REACH_ROUNDS, 1)
+            before, (theta, E) = theta, self.posture(names, theta, bound)
             if not np.isfinite(E):
                 return None
             again = cheapest_pairs(self.distances(names, theta), count)
-            if (again == names).all():
+            if (again == names).all() and np.abs(theta - before).max() < bound:
                 break
             names = again
         else:
-            theta, E = self.posture(names, theta)
+            theta, E = self.posture(names, theta, reach)
         return self.naming(names, theta, E)
 
-    def posture(self, names: Names, start: Array) -> tuple[Array, float]:
+    def posture(self, names: Names, start: Array, reach: float) -> tuple[Array, float]:
         """Return the posture with the least E for these names, near the start, (m,) rad, and that E."""
-        views, reach = self.views(names), self.options.naming_reach
-        residuals = PredictedResiduals(views, METHOD, self.kinematics.rectification, noise_px=self.model.noise_px)
+        residuals = PredictedResiduals(
+            self.views(names), METHOD, self.kinematics.rectification, noise_px=self.model.noise_px
+        )
         low, high = np.maximum(self.lower, start - reach), np.minimum(self.upper, start + reach)
         at = minimise(lambda theta: residuals(self.predict(theta)), start[None], low, high)
         return at.theta, at.E
@@ -316,7 +333,17 @@ class _Search:
         if accepted:
             probability[self.placed] = self.probability(names, theta, max(E, E_noise))
         unnamed = np.setdiff1d(self.shown, whole)
-        return Naming(whole, unnamed, probability, theta, E, E_noise, accepted, certain_from=options.naming_certain)
+        return Naming(
+            whole,
+            unnamed,
+            probability,
+            theta,
+            E,
+            E_noise,
+            accepted,
+            certain_from=options.naming_certain,
+            enough=options.naming_enough,
+        )
 
     def noise(self, names: Names, theta: Array) -> float:
         """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
@@ -357,7 +384,7 @@ class _Search:
             D = self.distances(names, found.displacement)[np.ix_(own, demo)]
             i, j = np.unravel_index(D.argmin(), D.shape)
             names[own[i]] = demo[j]
-            larger = self.naming(names, *self.posture(names, found.displacement))
+            larger = self.naming(names, *self.posture(names, found.displacement, self.options.naming_reach))
             if not larger.accepted:
                 break
             found = larger

@@ -63,22 +63,25 @@ class TrustRegionOptions:
 
     # Unnamed points
     naming_grid_step: float = _deg(10.0)  # rad: between postures that a naming is searched at
+    naming_refinement: float = 0.8  # of that step from one attempt to the next
     naming_postures: int = 5000  # at most; random ones where a grid has more
     naming_starts: int = 8  # most similar namings, each refined by least squares
     naming_neighbourhood: float = _deg(45.0)  # rad: a naming is refined from one posture in each cell of this size
-    naming_rounds: int = 8  # of refining the posture and the names in turn
-    naming_reach: float = _deg(20.0)  # rad: of the posture in each round
-    naming_trials: int = 450  # choices of points that are left out, at most
+    naming_rounds: int = 10  # of refining the posture and the names in turn
+    naming_reach: float = _deg(20.0)  # rad: of the posture in a round of refinement, at most
+    naming_trials: int = 600  # choices of points that are left out, at most
     naming_left_out: int = 2  # points without a partner, at most, of either body
     naming_min_points: int = 7  # named points: of fewer, E says too little
     naming_samples: int = 16  # of the noise, for the E that it explains
     naming_min_std_px: float = 0.07  # px: rms error of learned kinematics far from all visits, without noise
+    naming_rough_noise_px: float = 0.1  # px: of kinematics for a naming, where no exact ones are found
     naming_accept: float = 4.0  # times the E that noise explains: what a naming may leave
     naming_max_noise: float = 2.0  # px²: E by noise, above which wrong names would be accepted too
     naming_distinct: float = _deg(3.0)  # rad: a naming that fits in a posture farther away is another answer
     naming_rival: float = 3.0  # times the E of the answer, or of noise: what another answer may leave at the end
     naming_certain: float = 0.99  # probability from which a name is certain
-    naming_corrections: int = 5  # of uncertain names, at most
+    naming_enough: int = 10  # certain names with which uncertain ones can be left out
+    naming_corrections: int = 8  # of names after the first search, at most
     naming_motions: int = 4  # further motions, at most, before the points count as impossible to name
 
     # Subproblem
@@ -93,6 +96,10 @@ class TrustRegionOptions:
 
     # Final adjustment
     max_body_sigmas: float = 3.09  # standard deviations; a body like the own one contradicts by more once in a thousand
+    max_reason_sigmas: float = 3.72  # as max_body_sigmas, of a reason why another body differs: once in ten thousand
+    clear_criterion: float = 10.0  # by which the best reason's criterion is smaller than others', to base a claim on it
+    max_claimed_std: float = _deg(0.75)  # rad: a larger expected error of another body's posture is no claim
+    misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 
     # Convergence test

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from ...estimation.noise import conflict_quantile
 from ...estimation.residuals import ResidualFunction
 from ...estimation.views import Pairs
-from ...geometry.kinematics.adjustment import PREDICTION_TOL_PX
+from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX, PREDICTION_TOL_PX, fit_kinematics
 from ..observation import Observation
 from ..status import ServoStatus
-from .convergence import Certificate
-from .correspondences import find_swaps, swapped, with_swaps
+from .convergence import Certificate, certificate_of
+from .correspondences import find_swaps, swapped, transpositions, with_swaps
 from .final_adjustment import estimate_posture
-from .image_models import ImageData, KinematicImages
+from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
+from .misfit import MisfitKind, explain
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .naming import find_naming, review_naming
 from .options import TrustRegionOptions
@@ -41,24 +42,44 @@ class StepContext:
     plan: StepPlan = field(init=False)  # PLAN makes it for all later phases
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
+    certified: bool = False  # whether E allows a claim that the final adjustment refuses
+
+
+def naming_model(context: StepContext) -> KinematicImages | None:
+    """Return kinematics that predict the own images everywhere: those of the servo, or less exact ones; None without.
+
+    Where exact kinematics are not found, those that fit with some noise may suffice: their prior leads to a minimum.
+    """
+    model, observation, rough = context.images.fit(), context.observation, context.options.naming_rough_noise_px
+    if isinstance(model, KinematicImages) or observation.noise_px >= rough:
+        return model if isinstance(model, KinematicImages) else None
+    visits = observations_of(context.images.visits)
+    kinematics = fit_kinematics(visits, rough, observation.rectification)
+    return None if kinematics is None else KinematicImages(kinematics, observation.displacement, visits, rough, None)
 
 
 def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Search for the names of the demonstrator's points, if kinematics predict the own images everywhere."""
-    model, observation = context.images.fit(), context.observation
-    if not isinstance(model, KinematicImages) or observation.demo is None:
+    model, observation = naming_model(context), context.observation
+    if model is None or observation.demo is None:
         return replace(state, naming=None)
-    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    step = context.options.naming_grid_step * context.options.naming_refinement**state.n_naming_motions
+    options = replace(context.options, naming_grid_step=step)
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, options)
+    found = None if found is None else found.per_pixel(state.unit_px)
     return replace(state, naming=found, unnamed=observation.demo)
 
 
 def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Review names that are not settled: later visits predict the images better."""
-    naming, model, observation = state.naming, context.images.fit(), context.observation
-    if naming is None or naming.is_settled or state.unnamed is None or not isinstance(model, KinematicImages):
+    naming, observation = state.naming, context.observation
+    if naming is None or naming.is_settled or state.unnamed is None or (model := naming_model(context)) is None:
         return state
     found = review_naming(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
-    if np.array_equal(found.names, naming.names):
+    if found is naming:
+        return state
+    found = found.per_pixel(state.unit_px)
+    if np.array_equal(found.used, naming.used):
         return replace(state, naming=found)
     if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
         return state
@@ -176,11 +197,24 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
     observation, options = context.observation, context.options
     predict, floor = context.images.fit().predict, objective_floor(context)
     pairs = find_swaps(predict, context.residuals, observation.lower, observation.upper, floor, options)
+    if len(pairs) != 1:  # none, or two that may be a part of what is mixed up
+        pairs = mixed_up_points(context) or pairs
     state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
         return state
     swap_points(context, pairs)
     return replace(state, search=replace(state.search, rung=0), region=first_region(state.calibration, options))
+
+
+def mixed_up_points(context: StepContext) -> Pairs:
+    """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images."""
+    model, observation = context.images.fit(), context.observation
+    if not isinstance(model, KinematicImages) or observation.demo is None:
+        return ()
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
+        return ()
+    return transpositions(found.names)
 
 
 def swap_points(context: StepContext, pairs: Pairs) -> None:
@@ -257,13 +291,41 @@ def with_final_adjustment(state: TrustRegionState, context: StepContext) -> Trus
     if estimate is None:
         return state
     if estimate.sigmas >= options.max_body_sigmas:
-        context.status = ServoStatus.NO_PROGRESS
+        context.status, context.certified = ServoStatus.NO_PROGRESS, certificate.status.is_claim
         return replace(state, estimate=estimate)
     place = np.clip(estimate.theta, observation.lower, observation.upper)
     if (np.abs(place - context.place) > options.same_minimum * certificate.std_error).any():
         certificate = context.plan.certify(place).per_pixel(state.unit_px)
     context.place, context.status = place, certificate.status
     return replace(state, estimate=estimate, certificate=certificate.with_std_error(estimate.std_error))
+
+
+def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Find out why no posture explains the demonstrator's images; imitate the joint angles of another body.
+
+    A claim about another body rests on the adjustment alone: noise explains what it leaves, no other reason is nearly
+    as good, and the expected error is small. Other cameras leave E as it is, so with them E must allow the claim, too.
+    """
+    observation, options = context.observation, context.options
+    if context.status is not ServoStatus.NO_PROGRESS or state.kinematics is None:
+        return state
+    found = state.explanation
+    if found is None:
+        found = explain(state.kinematics, state.known, observation, context.place, options)
+    if found is None:
+        return state
+    state, kind, estimate = replace(state, explanation=found), found.misfit.kind, found.estimate
+    place = np.clip(estimate.theta, observation.lower, observation.upper)
+    explained = found.is_clear and estimate.sigmas < options.max_body_sigmas
+    exact = estimate.std_error.max() < options.max_claimed_std
+    inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
+    claimable = kind is MisfitKind.ANOTHER_BODY or (kind is MisfitKind.TWO_HEADS and context.certified)
+    if claimable and explained and exact and inside:
+        context.place = place
+        certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
+        context.status = status_at_rest(certificate.status, state)
+        state = replace(state, certificate=certificate)
+    return state
 
 
 def may_verify(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:
@@ -341,7 +403,7 @@ def on_rung(state: TrustRegionState, context: StepContext, rung: int) -> TrustRe
 
     The demonstrator counts as moving again only after it has moved before two more motions.
     """
-    swap_points(context, state.swaps.pairs)
+    swap_points(context, state.swaps.pairs[::-1])
     return replace(
         state,
         search=replace(state.search, rung=rung),

@@ -15,8 +15,11 @@ from .convergence import Certificate
 from .final_adjustment import PostureEstimate
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
+from .misfit import Explanation, Misfit, MisfitKind
 from .naming import Naming
 from .options import TrustRegionOptions
+
+MAX_SWAPPED = 2  # points of a single pair, which is no misfit
 
 
 class Phase(str, Enum):
@@ -88,6 +91,9 @@ class TrustRegionState:
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
+    explanation: Explanation | None = (
+        None  # why no posture explains the demonstrator's images; None: no need, or not yet
+    )
     target_moved: tuple[bool, bool] = (
         False,
         False,
@@ -106,6 +112,20 @@ class TrustRegionState:
     def exchanged(self) -> Pairs:
         """Pairs of swapped points, as `ServoState.exchanged`."""
         return self.swaps.pairs
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Why the demonstrator is no body like the own one, or the arm not where it was sent; None: no such sign."""
+        if self.explanation is not None:
+            return self.explanation.misfit
+        if len(mixed_up := {point for pair in self.swaps.pairs for point in pair}) > MAX_SWAPPED:
+            return Misfit(MisfitKind.MIXED_UP, tuple(sorted(mixed_up)))
+        return None if self.mismatch is None else Misfit(MisfitKind.ARM)
+
+    @property
+    def trusts_explanation(self) -> bool:
+        """Whether the arm is on its way to, or at, a posture that an explanation claims: E is not asked there."""
+        return self.explanation is not None and self.destination.status is ServoStatus.CONVERGED
 
     @property
     def known(self) -> tuple[Visit, ...]:

@@ -1,0 +1,136 @@
+"""A demonstrator that is no body like the own one: the reason is named, and another body's joint angles are found."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from viewimit import Session, Settings
+from viewimit.estimation.views import permute
+from viewimit.experiments.bench.misfits import OtherDemonstrator, stretched
+from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.servo import Misfit, MisfitKind, Observation
+from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.correspondences import SwappedResiduals, swapped, transpositions
+from viewimit.servo.trust_region.image_models import observations_of
+from viewimit.servo.trust_region.misfit import LinkChange, explain
+from viewimit.servo.trust_region.options import DEFAULTS
+
+sys.path.append(str(Path(__file__).parent.parent / "geometry" / "kinematics"))
+from turning_body import TurningBody, seen  # noqa: E402
+
+NOISE_PX, TRUTH, MIDDLE = 0.05, np.array([0.3, -0.4]), np.array([0.1, 0.0, 1.6])
+ON = np.repeat([0, 1, 2], 6)
+NOISY = {"noise_px": 0.25, "frames": 25, "points": 16}
+
+
+def body_of(seed):
+    return TurningBody(np.random.default_rng(seed), tuple(ON), 2)
+
+
+def explained(seed, places=None, head=seen):
+    """places: of the demonstrator's points before the head, (N, 3) m."""
+    rng, body = np.random.default_rng([2, seed]), body_of(seed)
+    noise = lambda: NOISE_PX * rng.standard_normal((len(ON), 4))
+    shown = np.vstack([body.probes(0.4), rng.uniform(-0.7, 0.7, (5, 2))])
+    visits = tuple(Visit.of(one, body.images(one) + noise(), np.ones((len(ON), 2), bool)) for one in shown)
+    turn = Rotation.from_rotvec([0.1, 0.4, 0.05]).as_matrix()
+    places = body.places(TRUTH) if places is None else places
+    demo = head((places - MIDDLE) @ turn.T + MIDDLE + (-0.2, 0.1, 0.3)) + noise()
+    limits = np.full(2, 1.5)
+    observation = Observation(visits[-1].own, visits[-1].seen, 1.0, shown[-1], -limits, limits, 8, NOISE_PX, demo=demo)
+    kinematics = fit_kinematics(observations_of(visits), NOISE_PX)
+    return explain(kinematics, visits, observation, TRUTH + 0.05, DEFAULTS)
+
+
+def wider(places):
+    """Images by another head, of another focal length and baseline."""
+    x, y, z = places.T
+    return np.stack([360 * x / z + 120, 336 * y / z + 110, 504 * (x - 0.3) / z + 190, 336 * y / z + 110], 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_body_like_the_own_one_needs_no_explanation(seed):
+    assert explained(seed) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_point_elsewhere_is_named_and_the_posture_is_found_without_it(seed):
+    places = body_of(seed).places(TRUTH)
+    places[7] += (0.015, -0.01, 0.01)
+    found = explained(seed, places)
+    assert found.misfit == Misfit(MisfitKind.POINT, (7,)) and found.is_clear
+    assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_points_of_one_link_elsewhere_are_named(seed):
+    places = body_of(seed).places(TRUTH)
+    places[ON == 1] += 0.02 * np.random.default_rng(seed).normal(size=(6, 3))
+    assert explained(seed, places).misfit == Misfit(MisfitKind.LINK_POINTS, tuple(np.flatnonzero(ON == 1).tolist()))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_another_head_is_named(seed):
+    assert explained(seed, head=wider).misfit.kind is MisfitKind.TWO_HEADS
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_mirror_image_is_named_and_its_posture_found(seed):
+    places = (body_of(seed).places(TRUTH) - MIDDLE) * (1, -1, 1) + MIDDLE
+    found = explained(seed, places)
+    assert found.misfit.kind is MisfitKind.MIRRORED
+    assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
+
+
+def test_points_that_are_anywhere_have_no_known_reason():
+    places = body_of(0).places(TRUTH) + 0.05 * np.random.default_rng(0).normal(size=(len(ON), 3))
+    found = explained(0, places)
+    assert found.misfit == Misfit(MisfitKind.NONE) and not found.is_clear
+
+
+def test_a_body_with_another_link_is_imitated_and_its_length_said():
+    stretch = np.array([0.02, -0.04])
+    settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=3, **NOISY)
+    robot = lambda scene, points: stretched(scene, Session(settings).world.robot, stretch)
+    session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
+    last = session.run(60).last
+    assert last.status == "converged" and last.misfit.kind is MisfitKind.ANOTHER_BODY
+    assert np.abs(last.theta - last.theta_demo).max() < 2 * last.expected_error < np.radians(0.6)
+    (link,) = last.misfit.links
+    assert link.joints == (0, 1) and abs(link.change - stretch[1]) < 4 * link.std < 0.05
+    assert "link from joint 2 to 4" in last.misfit.describe((2, 4))
+
+
+def test_points_mixed_up_in_a_cycle_are_put_right_and_named():
+    order = np.arange(16)
+    order[[2, 7, 9, 12]] = [7, 9, 12, 2]
+    settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), **NOISY)
+    session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, order=order))
+    last = session.run(60).last
+    assert last.status == "converged" and last.misfit == Misfit(MisfitKind.MIXED_UP, (2, 7, 9, 12))
+    assert np.abs(last.theta - last.theta_demo).max() < np.radians(0.5)
+
+
+def test_a_lengthened_link_is_said_in_words():
+    body = Misfit(MisfitKind.ANOTHER_BODY, links=(LinkChange((0, 1), 0.06, 0.005),))
+    assert body.describe((2, 4)) == "the demonstrator is another body: its link from joint 2 to 4 is 6.0% longer, ± 0.5"
+    assert (
+        "joint 1 to 2" in body.describe()
+        and "shorter" in replace(body, links=(LinkChange((0, 1), -0.1, 0.01),)).describe()
+    )
+
+
+def test_swaps_one_after_the_other_make_any_order_and_their_reverse_undoes_it():
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        order = rng.permutation(7)
+        pairs = transpositions(order)
+        np.testing.assert_array_equal(permute(np.arange(7), pairs), order)
+        np.testing.assert_array_equal(permute(order, pairs[::-1]), np.arange(7))
+        own, demo = rng.normal(size=(2, 7, 4))
+        found = SwappedResiduals(lambda own, *_, demo=demo: own - demo, pairs)(own)
+        np.testing.assert_array_equal(np.sort(found, 0), np.sort(own - swapped(demo, pairs), 0))

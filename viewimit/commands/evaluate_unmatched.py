@@ -1,0 +1,178 @@
+"""viewimit evaluate --unmatched: name the demonstrator's points from several postures of the learner's own body.
+
+The learner's own images at known joint angles determine kinematics, which predict its images in the demonstrator's
+posture. The angles come from a calibration, or from a table beside the tracked points.
+"""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.outliers import find_outliers, select_matches
+from ..estimation.views import FourViews
+from ..geometry.affine import image_unit
+from ..geometry.kinematics.adjustment import fit_kinematics
+from ..geometry.kinematics.clusters import Observations
+from ..geometry.rectification import fit_rectification
+from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
+from ..sensing.tracks.text import Table, column_names
+from ..servo.trust_region.image_models import KinematicImages
+from ..servo.trust_region.naming import Naming, find_naming
+from . import BadInput
+from .options import naming, naming_json
+
+MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
+N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is tried
+NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--unmatched",
+        action="store_true",
+        help="names in l and r are not those in L and R: find out which point is which; needs one of the next two",
+    )
+    parser.add_argument("--calibration", type=Path, metavar="FILE", help="the learner's body, by viewimit rehearse")
+    parser.add_argument(
+        "--postures",
+        type=Path,
+        metavar="FILE",
+        help="table of the learner's joint angles: frame, then a column of degrees for each joint",
+    )
+
+
+def require_options(args: argparse.Namespace) -> None:
+    """Raise BadInput for options that do not go together."""
+    given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
+    if given and not args.unmatched:
+        raise BadInput(f"--{given[0]}: only --unmatched needs it")
+    if args.unmatched and len(given) != 1:
+        raise BadInput(f"--unmatched: needs {NEEDED}")
+
+
+def named(
+    args: argparse.Namespace, frames: Sequence[int], points: Sequence[str], views: FourViews
+) -> tuple[FourViews, tuple[str, ...], dict]:
+    """Put the demonstrator's points in the order of the learner's own.
+
+    Parameters
+    ----------
+    args : Namespace
+        Options.
+    frames : sequence of int
+        T numbers.
+    points : sequence of str
+        P names, of both bodies.
+    views : FourViews
+        T frames, (T, P, …).
+
+    Returns
+    -------
+    views : FourViews
+        T frames of the learner's N points, (T, N, …); without any of the demonstrator's if no naming explains them.
+    points : tuple of str
+        Names of these points.
+    naming : dict
+        What was found, as JSON.
+    """
+    views = replace(views, matched=False)
+    own = np.flatnonzero(views.visible[..., 2:].all(-1).any(0))
+    matches, noise_px = select_matches(views), find_outliers(views).noise_px or 0.0
+    rectification = None if args.rectify == "off" else fit_rectification(matches[:, :2], matches[:, 2:])
+    if args.postures:
+        with naming("--postures"):
+            seen = _with_postures(args.postures, frames, views, own)
+        lower, upper = seen.displacement.min(0) - MARGIN_RAD, seen.displacement.max(0) + MARGIN_RAD
+    else:
+        with naming("--calibration"):
+            calibration = SelfCalibration.load(args.calibration)
+            seen = _of_calibration(calibration, len(own))
+        lower, upper = np.zeros(len(calibration.body.span_deg)), np.radians(calibration.body.span_deg)
+        noise_px = max(noise_px, calibration.noise_px)
+    unit_px = image_unit(seen.images[seen.visible_in_both])
+    seen, noise = replace(seen, images=seen.images / unit_px), noise_px / unit_px
+    rectified = None if rectification is None else rectification.in_units(unit_px)
+    kinematics = fit_kinematics(seen, noise, rectified)
+    if kinematics is None:
+        option = "--postures" if args.postures else "--calibration"
+        wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
+        raise BadInput(f"{option}: {len(seen.displacement)} postures do not show how the joints move points: {wanted}")
+    model = KinematicImages(kinematics, seen.displacement[0], seen, noise, None)
+    shown = np.asarray(views.visible[..., :2].all(-1))
+    found: Naming | None = None
+    used = 0
+    for frame in np.argsort(-shown.sum(-1), kind="stable")[:N_FRAMES].tolist():
+        demo = np.where(shown[frame, :, None], views.demo[frame] / unit_px, np.nan)
+        tried = find_naming(demo, model, lower, upper)
+        if tried is not None and (found is None or tried.accepted):
+            found, used = tried, frame
+        if found is not None and found.accepted:
+            break
+    names = tuple(points[k] for k in own.tolist())
+    rows = found.names if found is not None and found.accepted else np.full(len(own), -1)
+    demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
+    ordered = FourViews(demo, views.own[:, own], _visible(views, rows, own))
+    return ordered, names, _json(found, frames[used], names, points, unit_px)
+
+
+def _visible(views: FourViews, rows: NDArray[np.int_], own: NDArray[np.int_]) -> NDArray[np.bool_]:
+    """(T, N, 4), of the demonstrator's points in their new order and of the own points."""
+    demo = np.where((rows >= 0)[:, None], views.visible[:, rows, :2], False)
+    return np.concatenate([demo, views.visible[:, own, 2:]], -1)
+
+
+def _with_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDArray[np.int_]) -> Observations:
+    """The own images of the frames whose joint angles a table has. Raises OSError or ValueError."""
+    table, heading, angles = Table(path), None, dict[int, list[float]]()
+    for line, cells in table.lines():
+        if heading is None:
+            heading = column_names(cells)
+            if heading[:1] != ["frame"] or len(heading) < 2:
+                raise ValueError(f"{path}: the heading must be frame, and a column for each joint")
+            continue
+        cells = table.filled(line, cells, len(heading))
+        values = [table.number(line, name, text, np.nan) for name, text in zip(heading[1:], cells[1:])]
+        angles[table.whole(line, "frame", cells[0])] = values
+    at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
+    if len(at) < MIN_POSTURES:
+        raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
+    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
+    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
+
+
+def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
+    """The own images of a calibration. Raises ValueError for another number of points than the tracks have."""
+    count = len(calibration.visits[0].own)
+    if count != n_own:
+        raise ValueError(
+            f"it has {count} points of the learner, the tracks have {n_own}: they must be the same, in order"
+        )
+    return Observations(
+        np.array([visit.displacement for visit in calibration.visits]),
+        np.array([visit.own for visit in calibration.visits]),
+        np.array([visit.seen.all(-1) for visit in calibration.visits]),
+    )
+
+
+def _json(found: Naming | None, frame: int, names: Sequence[str], points: Sequence[str], unit_px: float) -> dict:
+    """What was found, with names of points instead of indices and in pixels."""
+    if found is None:
+        return {"accepted": False, "frame": None}
+    said = naming_json(found.per_pixel(unit_px))
+    assert said is not None
+    partner = [None if row < 0 or not found.accepted else points[row] for row in found.names]
+    return said | {
+        "frame": frame,
+        "posture_deg": np.degrees(found.displacement),
+        "names": dict(zip(names, partner)),
+        "probability": dict(zip(names, found.probability)),
+        "certain": dict(zip(names, found.certain)),
+        "without_partner": {
+            "learner": [name for name, row in zip(names, found.names) if row < 0],
+            "demonstrator": [points[row] for row in found.unnamed],
+        },
+    }

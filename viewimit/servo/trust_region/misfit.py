@@ -1,0 +1,280 @@
+"""Name the reason why a demonstrator is no body like the own one: another body, moved points, another head, and so on.
+
+Every reason is a small model on the final adjustment, with a few unknowns more. Of k unknowns that raise the cost of
+the own images to C (in variances of the noise), the best model has the least C + k ln n, the Bayesian information
+criterion, n the number of image coordinates. The best is named if noise explains what it leaves.
+
+Which reasons cannot be told apart: within a rigid group of points, a longer link, a fixed joint turned, and points
+moved on it; a home offset of a joint and its angle; a body larger as a whole and one farther away.
+
+References
+----------
+Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX
+from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
+from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography
+from ..observation import Observation, Visit
+from .final_adjustment import FinalAdjustment, PairFit, PostureEstimate
+from .motions import posture_grid
+from .options import TrustRegionOptions
+
+Array = NDArray[np.float64]
+FEW_ITER = 4  # steps that show which points fit best
+FD_STEP = 1e-6  # of differences of a link's length
+MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
+
+
+class MisfitKind(str, Enum):
+    """Reasons why a demonstrator is no body like the own one."""
+
+    ANOTHER_BODY = "another-body"
+    """Links between moving joints are longer or shorter, or joints are attached elsewhere."""
+    LINK_POINTS = "link-points"
+    """The points of one link sit elsewhere on it."""
+    POINT = "point"
+    """One point sits elsewhere."""
+    MIXED_UP = "mixed-up"
+    """More than two points of the demonstrator are mixed up; they were put right."""
+    TWO_HEADS = "two-heads"
+    """Other cameras see the demonstrator than the own body."""
+    MIRRORED = "mirrored"
+    """The demonstrator is the mirror image of the own body."""
+    ARM = "arm"
+    """The arm is not where it was sent."""
+    NONE = "none"
+    """None of these explains the images."""
+
+    __str__ = str.__str__
+
+
+@dataclass(frozen=True)
+class LinkChange:
+    """How much longer the demonstrator's link between two moving joints is."""
+
+    joints: tuple[int, int]  # indices of the joints at its ends
+    change: float  # relative to the own link
+    std: float  # of the change
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """The reason, as far as it was found."""
+
+    kind: MisfitKind
+    points: tuple[int, ...] = ()  # indices of the points concerned
+    links: tuple[LinkChange, ...] = ()  # of another body
+
+    def describe(self, joints: Sequence[int] = ()) -> str:
+        """Say it in words. joints: numbers of the moving joints, by default from 1."""
+        number = lambda joint: joints[joint] if joints else joint + 1
+        points = ", ".join(map(str, self.points))
+        if self.kind is MisfitKind.ANOTHER_BODY:
+            lengths = [
+                f"its link from joint {number(link.joints[0])} to {number(link.joints[1])} is "
+                f"{abs(link.change):.1%} {'longer' if link.change > 0 else 'shorter'}, ± {100 * link.std:.1g}"
+                for link in self.links
+            ]
+            return "the demonstrator is another body" + (": " + "; ".join(lengths) if lengths else "")
+        return {
+            MisfitKind.LINK_POINTS: f"points {points}, of one link, sit elsewhere on the demonstrator",
+            MisfitKind.POINT: f"point {points} sits elsewhere on the demonstrator",
+            MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up, and are put right",
+            MisfitKind.TWO_HEADS: "other cameras see the demonstrator than the own body",
+            MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
+            MisfitKind.ARM: "the arm is not where it was sent",
+            MisfitKind.NONE: "the demonstrator is no body like the own one, for none of the known reasons",
+        }[self.kind]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A misfit, and the demonstrator's posture if it is the reason."""
+
+    misfit: Misfit
+    estimate: PostureEstimate
+    is_clear: bool  # whether no other reason is nearly as good
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A fitted reason."""
+
+    kind: MisfitKind
+    fit: PairFit
+    criterion: float
+    points: tuple[int, ...] = ()
+
+
+def _criterion(candidate: _Candidate) -> float:
+    return candidate.criterion
+
+
+def explain(
+    kinematics: ProjectiveKinematics,
+    visits: tuple[Visit, ...],
+    observation: Observation,
+    theta: Array,
+    options: TrustRegionOptions,
+) -> Explanation | None:
+    """Find the reason why a demonstrator is no body like the own one.
+
+    Parameters
+    ----------
+    kinematics : ProjectiveKinematics
+        Explain all visits.
+    visits : tuple of Visit
+    observation : Observation
+        Gives the demonstrator's images, the joint limits and the noise.
+    theta : (m,) array
+        Posture near the demonstrator's [rad].
+    options : TrustRegionOptions
+
+    Returns
+    -------
+    Explanation or None
+        None if the demonstrator may be a body like the own one, or too few points are visible for any test.
+    """
+    if observation.demo is None:
+        return None
+    noise_px = max(observation.noise_px, NOISE_FLOOR_PX)
+    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], noise_px)
+    if adjustment is None:
+        return None
+    same = adjustment.best_fit(adjustment.problem.starts(kinematics, theta), options.max_body_sigmas)
+    if same is None or same.sigmas < options.max_body_sigmas:
+        return None
+    reasons = _Reasons(adjustment, same, observation, options)
+    found = sorted(reasons.all(), key=_criterion)
+    best = found[0]
+    estimate = adjustment.estimate(best.fit, observation.demo)
+    if best.fit.sigmas >= options.max_reason_sigmas:
+        return Explanation(Misfit(MisfitKind.NONE), estimate, False)
+    is_clear = all(one.criterion > best.criterion + options.clear_criterion for one in found[1:])
+    links = link_changes(adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
+    return Explanation(Misfit(best.kind, best.points, links), estimate, is_clear)
+
+
+@dataclass(frozen=True)
+class _Reasons:
+    """Fits every reason."""
+
+    adjustment: FinalAdjustment
+    same: PairFit  # a body like the own one
+    observation: Observation
+    options: TrustRegionOptions
+
+    def all(self) -> Iterator[_Candidate]:
+        """Yield each reason with its best fit."""
+        yield self._candidate(MisfitKind.TWO_HEADS, self._other_head)
+        yield min((self._shifted(start) for start in self._starts_of_links), key=_criterion)
+        yield from self._points()
+        mirrored = self._mirrored()
+        if mirrored is not None:
+            yield self._candidate(MisfitKind.MIRRORED, mirrored)
+
+    def _candidate(self, kind: MisfitKind, fit: PairFit, points: tuple[int, ...] = (), choices: int = 1) -> _Candidate:
+        """Compute the criterion. choices: number of such reasons, of which this one is the best."""
+        problem, pair = self.adjustment.problem, fit.pair
+        coordinates = (
+            problem.degrees_of_freedom + problem.own.degrees_of_freedom + pair.parameters.size + pair.points.size
+        )
+        unknowns = sum(pair.difference.sizes(pair.n_joints))
+        return _Candidate(kind, fit, fit.raised + unknowns * np.log(coordinates) + 2 * np.log(choices), points)
+
+    def _freed(self, start: BodyPair, difference: Difference, max_iter: int = MAX_ITER) -> PairFit:
+        return self.adjustment.fit(start.with_difference(difference), max_iter)
+
+    @cached_property
+    def _other_head(self) -> PairFit:
+        return self._freed(self.same.pair, Difference(other_head=True))
+
+    @property
+    def _starts_of_links(self) -> tuple[BodyPair, BodyPair]:
+        """The pair of like bodies, and that of another head: it absorbs more of what differs."""
+        other = self._other_head.pair
+        return self.same.pair, replace(other, parameters=other.parameters[:-N_FRAME], difference=SAME)
+
+    def _shifted(self, start: BodyPair) -> _Candidate:
+        return self._candidate(MisfitKind.ANOTHER_BODY, self._freed(start, Difference(shifted=True)))
+
+    def _points(self) -> Iterator[_Candidate]:
+        """Yield the best single point, and the best link."""
+        visible, pair = self.adjustment.problem.visible_in_both[0], self.same.pair
+        single = [(int(point),) for point in np.flatnonzero(visible)]
+        links = [tuple(members[visible[members]].tolist()) for members in pair.body.clusters.points]
+        free = self.adjustment.problem.degrees_of_freedom // 3
+        several = [points for points in links if 1 < len(points) < free]
+        for kind, choices in ((MisfitKind.POINT, single), (MisfitKind.LINK_POINTS, several)):
+            if choices:
+                freed = partial(self._with_points, kind, len(choices))
+                yield freed(min((freed(points, FEW_ITER) for points in choices), key=_criterion).points)
+
+    def _with_points(
+        self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = MAX_ITER
+    ) -> _Candidate:
+        return self._candidate(kind, self._freed(self.same.pair, Difference(points=points), max_iter), points, choices)
+
+    def _mirrored(self) -> PairFit | None:
+        """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
+        problem, kinematics, options = self.adjustment.problem, self.adjustment.kinematics, self.options
+        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid)
+        visible, frame = problem.visible_in_both[0], kinematics.frame
+        own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
+        H = fit_homography(own, np.broadcast_to(demo, own.shape))
+        mapped = np.concatenate([own, np.ones((*own.shape[:-1], 1))], -1) @ H.swapaxes(-1, -2)
+        cost = (((mapped[..., :3] / mapped[..., 3:] - demo) * frame.unit_px) ** 2).sum((-1, -2))
+        # A map of space turns orientation at a point by the sign of its determinant over the depth there.
+        reflects = np.linalg.det(H) * np.prod(np.sign(mapped[:, :1, 3]), -1) < 0
+        if not reflects.any():
+            return None
+        theta = postures[np.where(reflects, cost, np.inf).argmin()]
+        return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), options.max_body_sigmas)
+
+
+def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:
+    """Return how much longer each link between two moving joints is, the base outwards.
+
+    A link's length is the radius of the circle on which its inner joint carries the outer one: of the point on the
+    outer axis that is nearest to all points beyond it.
+    """
+    pair = fit.pair
+    order = np.argsort(-pair.kinematics.moved_by.sum(0), kind="stable")
+    covariance = fit.std**2 * adjustment.problem.covariance(pair)
+    steps = FD_STEP * np.eye(1 + len(pair.parameters), len(pair.parameters), -1)
+    found = []
+    for inner, outer in zip(order[:-1].tolist(), order[1:].tolist()):
+        changes = [_relative_length(replace(pair, parameters=pair.parameters + step), inner, outer) for step in steps]
+        if np.isfinite(changes).all():
+            gradient = (np.array(changes[1:]) - changes[0]) / FD_STEP
+            std = float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
+            found.append(LinkChange((inner, outer), float(changes[0]), std))
+    return tuple(found)
+
+
+def _relative_length(pair: BodyPair, inner: int, outer: int) -> float:
+    """Return the demonstrator's length of a link over the own one, minus 1; NaN of prismatic joints and short links."""
+    body = pair.body
+    twists = body.parameters[N_FRAME:].reshape(-1, 6)
+    spin, velocity = twists[:, :3], twists[:, 3:]
+    squared = (spin**2).sum(1, keepdims=True)
+    if squared[[inner, outer]].min() == 0:
+        return np.nan
+    axes, feet = spin / np.sqrt(squared), np.cross(spin, velocity) / squared
+    known = ~np.isnan(body.points[:, 0])
+    homogeneous = np.concatenate([body.points[known], np.ones((known.sum(), 1))], 1) @ body.metric_upgrade.T
+    metric = homogeneous[:, :3] / homogeneous[:, 3:]
+    beyond = metric[body.moved_by[known, outer]].mean(0)
+    centre = feet[outer] + axes[outer] * (axes[outer] @ (beyond - feet[outer]))
+    arms = np.array([centre, centre + pair.shifts[outer]]) - feet[inner]
+    own, theirs = np.linalg.norm(arms - np.outer(arms @ axes[inner], axes[inner]), axis=1)
+    return float(theirs / own - 1) if own > MIN_LEVER * metric.std() else np.nan

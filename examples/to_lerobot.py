@@ -3,7 +3,7 @@
     pip install lerobot
     python examples/to_lerobot.py FOLDER
 
-A frame holds what the learner saw, the image points of both arms in all four views and the angles that it was sent to,
+A frame holds the image points of both arms in all four views, their residuals, and the angles that the learner was sent to,
 and as its action the angles that it was sent to next. Points that were not seen are 0, with a mask beside them.
 """
 
@@ -24,14 +24,14 @@ MOTIONS_A_SECOND = 1
 
 def features(joints: int, points: int) -> dict[str, dict]:
     """What each frame holds, as LeRobot describes it."""
-    names = {"joints": [f"joint_{k}" for k in range(joints)], "views": ["x_left", "y_left", "x_right", "y_right"]}
+    names = [f"joint_{k}" for k in range(joints)]
     return {
-        "observation.state": {"dtype": "float32", "shape": (joints,), "names": names["joints"]},  # rad
+        "observation.state": {"dtype": "float32", "shape": (joints,), "names": names},  # rad
         "observation.points.demonstrator": {"dtype": "float32", "shape": (points, 4), "names": ["point", "view"]},  # px
         "observation.points.own": {"dtype": "float32", "shape": (points, 4), "names": ["point", "view"]},  # px
         "observation.visible": {"dtype": "float32", "shape": (points, 4), "names": ["point", "view"]},  # 0 or 1
-        "observation.conflict": {"dtype": "float32", "shape": (1,), "names": ["E"]},  # px²
-        "action": {"dtype": "float32", "shape": (joints,), "names": names["joints"]},  # rad
+        "observation.residual": {"dtype": "float32", "shape": (points, 4), "names": ["point", "view"]},  # px
+        "action": {"dtype": "float32", "shape": (joints,), "names": names},  # rad
     }
 
 
@@ -45,7 +45,7 @@ def add_episode(dataset: LeRobotDataset, session: Session) -> None:
                 "observation.points.demonstrator": np.nan_to_num(now.views.demo).astype(np.float32),
                 "observation.points.own": np.nan_to_num(now.views.own).astype(np.float32),
                 "observation.visible": now.views.visible.astype(np.float32),
-                "observation.conflict": np.array([now.E], np.float32),
+                "observation.residual": np.nan_to_num(now.e).astype(np.float32),
                 "action": after.commanded.astype(np.float32),
                 "task": "imitate the demonstrator's posture",
             }

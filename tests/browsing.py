@@ -98,6 +98,7 @@ def wait_until_complete(page) -> None:
     page.wait_for_selector(STATUS, timeout=PATIENCE_MS)
     wait_for_count(page, LEVELS, 1)
     page.wait_for_function(f"window.__viserMutable?.nodeRefFromName['{LAST_NODE}']", timeout=PATIENCE_MS)
+    page.evaluate("document.documentElement.classList.add('vi-anyway')")  # in a small window, the lab is not wanted
 
 
 def wait_for_count(page, selector: str, least: int, exactly: bool = False) -> None:
@@ -156,9 +157,9 @@ def row(page, label: str):
     return rows.filter(has=page.locator("input")).last
 
 
-OPEN = """row => {  // the folders that it stands in
-  const closed = [];
-  for (let p = row.closest("[data-with-border]"); p; p = p.parentElement.closest("[data-with-border]")) {
+OPEN = """(row, isFolder) => {  // the folders that it stands in
+  const around = e => e?.closest("[data-with-border]"), closed = [], own = around(row);
+  for (let p = isFolder ? around(own?.parentElement) : own; p; p = around(p.parentElement)) {
     const head = p.querySelector(":scope>[role=button]");
     if (head?.getAttribute("aria-expanded") === "false") closed.unshift(head);
   }
@@ -170,7 +171,7 @@ OPEN = """row => {  // the folders that it stands in
 def uncovered_row(page, label: str):
     """As `row`, with the folders open that it stands in."""
     found = row(page, label)
-    if found.evaluate(OPEN):
+    if found.evaluate(OPEN, False):
         still(page, lambda: found.bounding_box())
     return found
 
@@ -233,8 +234,11 @@ def fold(page, folder: str) -> None:
     """Open it, or shut it, and wait until nothing moves. What it holds stands beside its name."""
     of_panels = "[...document.querySelectorAll('.mantine-ScrollArea-content')].map(e => e.offsetHeight).join()"
     heights = lambda: page.evaluate(of_panels)
+    head = page.get_by_text(re.compile(f"^{re.escape(folder)}(: .*)?$"))
+    if head.evaluate(OPEN, True):
+        still(page, heights)
     before = heights()
-    page.get_by_text(re.compile(f"^{re.escape(folder)}(: .*)?$")).click()
+    head.click()
     wait(page, lambda: heights() != before)
     still(page, heights)
 

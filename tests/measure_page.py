@@ -2,7 +2,8 @@
 
 Time from the command to "listening"; then, in one browser, an empty page of viser and ours in turn, each from
 navigation until it is complete: canvas drawn, and for ours the four images, the landscape and the status too.
-Last, how many times a second the arms are posed while the loop runs.
+Then the bytes of the first load, and the share of a window of 1440 x 900 that L and R take, against the two of
+130 x 209 px that they once had. Last, how many times a second the arms are posed while the loop runs.
 """
 
 import argparse
@@ -17,6 +18,7 @@ from playwright.sync_api import sync_playwright
 from serving import Server
 
 ROUNDS = 5
+BEFORE = 2 * 130 * 209  # px²
 EMPTY = (
     "import viser, time; server = viser.ViserServer(host='127.0.0.1', port=0); "
     "print(server.get_port(), flush=True); time.sleep(999)"
@@ -47,6 +49,21 @@ def seconds_until_complete(browser, name: str, url: str) -> float:
     taken = time.perf_counter() - began
     page.close()
     return taken
+
+
+def first_load(browser, url: str) -> tuple[int, float, float]:
+    """Bytes by HTTP; px² of L and R together, over what they once had and over the window."""
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    received = []
+    network = page.context.new_cdp_session(page)
+    network.send("Network.enable")
+    network.on("Network.loadingFinished", lambda event: received.append(event["encodedDataLength"]))
+    page.goto(url)
+    page.wait_for_function(COMPLETE["viewimit"], timeout=60_000)
+    boxes = [page.locator(f".vi-four:not(.vi-above *) svg.vi-at-{view}").bounding_box() for view in "LR"]
+    area = sum(box["width"] * box["height"] for box in boxes)
+    page.close()
+    return round(sum(received)), area / BEFORE, area / (1440 * 900)
 
 
 def updates_a_second(browser, url: str) -> float:
@@ -83,6 +100,9 @@ def main() -> None:
         for _ in range(ROUNDS):
             taken["viser"].append(seconds_until_complete(browser, "viser", f"http://127.0.0.1:{port}"))
             taken["viewimit"].append(seconds_until_complete(browser, "viewimit", server.url))
+        received, factor, share = first_load(browser, server.url)
+        print(f"first load: {received / 1000:.0f} kB")
+        print(f"L and R: {100 * share:.1f} % of 1440 x 900, {factor:.2f} times as before")
         print(f"messages a second while the loop runs: {updates_a_second(browser, server.url):.0f}")
         browser.close()
     empty.kill()

@@ -14,6 +14,7 @@ import viewimit
 ROOT = Path(__file__).parent.parent
 LAYERS = (  # folders and modules of viewimit/: each imports only from lines above its own, or itself
     {"assets", "processes"},
+    {"language"},
     {"geometry"},
     {"estimation"},
     {"servo", "sensing"},
@@ -39,8 +40,8 @@ APP_ORDER = (
 OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints", "_is_protocol"}  # names of Python's, IPython's and viser's
 # image points, nothing of the world
 ESTIMATORS_SEE = {
-    "estimation": {"geometry"},
-    "servo": {"geometry", "estimation"},
+    "estimation": {"geometry", "language"},
+    "servo": {"geometry", "estimation", "language"},
 }
 MOST_AT_THE_TOP = 20  # entries of app/
 EVERYTHING = sorted(path for folder in ("viewimit", "app", "assets") for path in ROOT.joinpath(folder).rglob("*.py"))
@@ -184,7 +185,7 @@ DRAWINGS = sorted(
 def test_drawings_are_given_what_they_show(path):
     """Of other parts they import types and constants: no function, and nothing that fits, projects or analyses."""
     for module, node in imports_of(path):
-        if module[0] == "viewimit" and module[1:2] not in (("drawing",), ("assets",)):
+        if module[0] == "viewimit" and module[1:2] not in (("drawing",), ("assets",), ("language",)):
             for name in {alias.name for alias in node.names} - COUNT:
                 assert name[0].isupper() and name not in COMPUTE, f"{path.name}: {name}"
     called = {ast.unparse(node.func) for node in nodes_of(path) if isinstance(node, ast.Call)}

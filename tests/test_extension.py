@@ -109,7 +109,7 @@ CAUTIOUS = ServoMethod(
     assumes="That Broyden exaggerates.",
     limitations="Where haste is called for.",
     equations=cautious_equations,
-    describe_status=lambda state, status: "caution is satisfied" if status == "settled" else "",
+    describe_status=lambda state, status: "Caution is satisfied" if status == "settled" else "",
 )
 
 
@@ -180,15 +180,15 @@ def page():
 def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert "cond ridge" in page.shown and "𝐮_B" not in page.shown and "no motion yet" in page.shown
     page.click("Play")
-    page.tick_until(lambda: "caution is satisfied" in page.shown)
+    page.tick_until(lambda: "Caution is satisfied" in page.shown)
     page.tick(1.0)
     last = page.page.model.session.history[-1]
     assert (last.settings.transfer, last.settings.servo, last.status) == ("ridge", "cautious", "settled")
     assert np.abs(last.theta - last.theta_demo).max() < np.radians(5)
-    assert "caution is satisfied" in page.shown
+    assert "Caution is satisfied" in page.shown
     assert f">{number(float(last.transfer.penalty.weight), 4)}<" in page.shown and "from outside" in page.shown
     assert last.servo_state.saved > 0 and f">{number(last.servo_state.saved, 6)}<" in page.shown
-    assert page.shown.count(E_CURVE) == 1  # the curves
+    assert page.shown.count(E_CURVE) == 2  # the curves, and the small one beside E
     assert all(
         words in help_html("") for words in (RIDGE.assumes, RIDGE.limitations, CAUTIOUS.assumes, CAUTIOUS.limitations)
     )
@@ -198,7 +198,7 @@ def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):
     now = stepped(1).snapshot
     ill = replace(TRANSFERS["linear"](now.views), sigma=np.array([300.0, 2, 1]))
     monkeypatch.setitem(TRANSFERS, now.settings.transfer, replace(TRANSFERS[now.settings.transfer], fit=lambda _: ill))
-    assert status.describe(replace(now)).doubt == "cond ridge 300, far too high: the ridge is too narrow."
+    assert status.describe(replace(now)).doubt == "cond ridge is 300, far too high. The ridge is too narrow."
 
 
 def test_a_duel_takes_them_as_opponent(page):

@@ -14,6 +14,7 @@ from viewimit.drawing.landscape import draw_small, small_plane
 from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _, ngettext, sentences
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.scene import Scene
@@ -31,22 +32,24 @@ MIN_ERROR_DEG = 1e-3  # on the axis of errors
 MAX_VERTICES = 240  # of a curve or path
 ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
 CLASSES = ("own", "opponent")
-STATES = {  # after "the learner"
-    ServoStatus.READY: "is at the start",
-    ServoStatus.REHEARSING: "is still moving",
-    ServoStatus.MOVING: "is still moving",
-    ServoStatus.CONVERGED: "converged",
-    ServoStatus.SETTLED: "rests",
-    ServoStatus.UNOBSERVABLE: "cannot tell all joints",
-    ServoStatus.NO_PROGRESS: "stalled",
-    ServoStatus.TOO_FEW_POINTS: "stopped",
-    ServoStatus.MAX_MOTIONS: "stopped",
+STATES = {  # of a learner by name
+    ServoStatus.READY: _("The {name} is at the start, {angle}° off."),
+    ServoStatus.REHEARSING: _("The {name} is still moving, {angle}° off."),
+    ServoStatus.MOVING: _("The {name} is still moving, {angle}° off."),
+    ServoStatus.CONVERGED: _("The {name} converged, {angle}° off."),
+    ServoStatus.SETTLED: _("The {name} settled, {angle}° off."),
+    ServoStatus.UNOBSERVABLE: _("The {name} cannot determine all joints, {angle}° off."),
+    ServoStatus.NO_PROGRESS: _("The {name} makes no progress, {angle}° off."),
+    ServoStatus.TOO_FEW_POINTS: _("The {name} sees too few points, {angle}° off."),
+    ServoStatus.MAX_MOTIONS: _("The {name} made all its steps, {angle}° off."),
 }
+PAUSED = _("The {name} is paused, {angle}° off.")
+NAMES = (_("learner"), _("opponent"))
+TITLES = (_("Learner: {transfer}"), _("Opponent: {transfer}"))
 ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
-SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
-WHY = (
-    "Choose the opponent's transfer and servo above, then begin:",
-    "it starts where your learner starts, and both move motion for motion.",
+SENTENCE = _("Two learners, one start, one demonstrator: which method arrives first?")
+WHY = _(
+    "Choose the opponent's transfer and servo above, then begin.\nBoth start at the same place and move step by step."
 )
 ARRIVED_DEG = 1.0  # largest joint error of a learner that has arrived
 
@@ -75,7 +78,7 @@ def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np
     parts = []
     for k in range(2):
         plane = small_plane(scene, MAX_HEIGHT)
-        inside = plane.frame("vi-plane") + plane.message("computing …") + plane.ends()
+        inside = plane.frame("vi-plane") + plane.message(_("computing …")) + plane.ends()
         if found:
             inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
         parts.append(_column(k, inside))
@@ -90,7 +93,7 @@ def draw_empty_ground() -> str:
 def draw_empty() -> str:
     """Draw the tab before a duel."""
     y = HEIGHT / 2
-    why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY))
+    why = (svg.text(WIDTH / 2, y + 15 * k, line, "vi-2nd vi-mid") for k, line in enumerate(WHY.split("\n")))
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
@@ -117,8 +120,8 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
-            "Largest joint error",
-            "log, over the motions",
+            _("Largest joint error"),
+            _("log, over the steps"),
             [(tick, str(tick)) for tick in ticks],
             [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
             LEFT,
@@ -142,32 +145,41 @@ def draw_errors_alone(standings: Sequence[Standing]) -> str:
 def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, str]:
     """Say who came within ARRIVED_DEG first, and how the other fared; no learner can know it."""
     own, other = (standing.arrived for standing in standings)
-    aim = f"within {ARRIVED_DEG:g}° of the demonstrator"
+    aim = f"{ARRIVED_DEG:g}"
     if own is None and other is None:
         if all(standing.snapshot.status.has_ended for standing in standings):
-            return f"Neither came {aim}.", _whereabouts(standings, (0, 1), playing)
-        return f"Neither is {aim} yet.", _whereabouts(standings, (0, 1), playing)
+            words = _("Neither came within {angle}° of the demonstrator.")
+        else:
+            words = _("Neither is within {angle}° of the demonstrator yet.")
+        return words.format(angle=aim), _whereabouts(standings, (0, 1), playing)
     if own is not None and own == other:
-        return f"A tie: both were {aim} after {svg.count_motions(own)}.", ""
+        tie = ngettext(
+            "A tie: both were within {angle}° of the demonstrator after {n} step.",
+            "A tie: both were within {angle}° of the demonstrator after {n} steps.",
+            own,
+        )
+        return tie.format(angle=aim, n=own), ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = f"The {ROLES[first]} was first within {ARRIVED_DEG:g}°, after {svg.count_motions(soonest)}."
+    won = ngettext(
+        "The {name} was first within {angle}°, after {n} step.",
+        "The {name} was first within {angle}°, after {n} steps.",
+        soonest,
+    ).format(name=NAMES[first], angle=aim, n=soonest)
     late = standings[1 - first].arrived
-    return won, f"The {ROLES[1 - first]} was, after {late}." if late is not None else _whereabouts(
-        standings, (1 - first,), playing
-    )
+    if late is None:
+        return won, _whereabouts(standings, (1 - first,), playing)
+    text = ngettext("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
+    return won, text.format(name=NAMES[1 - first], n=late)
 
 
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: bool) -> str:
-    parts = []
+    said = []
     for k in which:
-        off = svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)
         status = standings[k].snapshot.status
-        parts.append(
-            f"the {ROLES[k]} {STATES[status] if playing or status not in ON_ITS_WAY else 'is paused'}, {off}° off"
-        )
-    words = "; ".join(parts)
-    return words[0].upper() + words[1:] + "."
+        text = STATES[status] if playing or status not in ON_ITS_WAY else PAUSED
+        said.append(text.format(name=NAMES[k], angle=svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)))
+    return sentences(*said)
 
 
 def _words(standing: Standing, k: int) -> str:
@@ -175,13 +187,13 @@ def _words(standing: Standing, k: int) -> str:
     snapshot, x = standing.snapshot, k * (COLUMN + GAP)
     settings, y = snapshot.settings, TOP + MAX_HEIGHT + BELOW
     figures = (
-        ("motions", str(snapshot.motion), ""),
-        ("largest error", svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
+        (_("steps"), str(snapshot.motion), ""),
+        (_("largest error"), svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
         ("E", svg.short(snapshot.E, ONE_DIGIT_TO), " px²"),
     )
     parts = [
         STYLES[k].sample(x, 8),
-        svg.text(x + 28, 12, f"{ROLES[k].capitalize()}: {TRANSFERS[settings.transfer].title}", f"vi-of-{CLASSES[k]}"),
+        svg.text(x + 28, 12, TITLES[k].format(transfer=TRANSFERS[settings.transfer].title), f"vi-of-{CLASSES[k]}"),
         svg.text(x + 28, 26, SERVOS[settings.servo].title, "vi-2nd"),
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):

@@ -12,6 +12,7 @@ from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
+from viewimit.language import _, ngettext, sentences
 from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
 
@@ -96,28 +97,36 @@ def describe_body_points(
 ) -> str:
     """Say the same in a sentence or two; parameters as for `draw_body_points`."""
     if information.std_per_px is None:
-        words = f"{_count(information)}; a transfer needs {MIN_POINTS}."
+        costs = _("a transfer needs {n}").format(n=MIN_POINTS)
     else:
-        words = f"{_count(information)}; {_worst_costs(joints, information.std_per_px)}{_flatness(information)}."
-    return f"{words} {_next_point(joints, proposal, searching) or 'Click an arm to place one.'}"
+        costs = _worst_costs(joints, information.std_per_px)
+    words = "; ".join(filter(None, (_count(information), costs, _flatness(information))))
+    return sentences(words, _next_point(joints, proposal, searching) or _("Click an arm to place one."))
 
 
 def _count(information: PointInformation) -> str:
     count, seen = information.count, information.visible
-    return f"{count} points" if seen == count else f"{count} points, {seen} seen in all images"
+    if seen == count:
+        return ngettext("{n} point", "{n} points", count).format(n=count)
+    text = ngettext("{n} point, {visible} in all images", "{n} points, {visible} in all images", count)
+    return text.format(n=count, visible=seen)
 
 
 def _flatness(information: PointInformation) -> str:
-    return f"; {FLATNESS} {svg.number(information.flatness, 0)}" if np.isfinite(information.flatness) else ""
+    if information.std_per_px is None or not np.isfinite(information.flatness):
+        return ""
+    return f"{FLATNESS} {svg.number(information.flatness, 0)}"
 
 
 def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: bool) -> str:
     if searching:
-        return "Looking for the best next point …"
+        return _("Looking for the best next point …")
     if proposal is None:
         return ""
     after = proposal.after.std_per_px
-    return "The hollow one tells most" + ("." if after is None else f": {_worst_costs(joints, after)}.")
+    if after is None:
+        return _("The hollow point would help most.")
+    return _("The hollow point would help most: {costs}.").format(costs=_worst_costs(joints, after))
 
 
 def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:
@@ -127,4 +136,4 @@ def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:
     unobservable = unobservable_joints(spread)
     worst = [k for k in np.argsort(-spread) if k not in unobservable][:1]
     chosen = [*worst, *sorted(unobservable)]
-    return describe_costs([joints[k] for k in chosen], spread[chosen]).replace("costs", "costs at most", 1)
+    return describe_costs([joints[k] for k in chosen], spread[chosen], are_worst=True)

@@ -11,6 +11,7 @@ from viewimit.drawing import svg
 from viewimit.drawing.landscape import SMALL_WIDTH, draw_bars, draw_small, small_plane
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _, ngettext, sentences
 from viewimit.simulation.scene import Scene
 
 GAP, ROW = 10, 111  # px between columns, height of a row
@@ -29,9 +30,9 @@ def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray[np.f
 
 def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray[np.float64] | None) -> str:
     """Draw what 1 px of noise costs at each joint, (m,) rad, by one transfer; None with too few points."""
-    bars, words = "", "fewer than five points are seen"
+    bars, words = "", _("Fewer than five points are visible.")
     if spread is not None:
-        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), "° a px of noise"
+        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), _("° per pixel of noise")
     return _placed(transfer, bars, words, (8, 0, SMALL_WIDTH, MAX_HEIGHT))
 
 
@@ -71,10 +72,12 @@ def describe_landscape(studied: TransferStudy) -> str:
     """Say bias and shape of a landscape in a few words."""
     count = len(studied.minima)
     if count == 0:
-        return "no minimum"
+        return _("no minimum")
     bias = svg.number(float(np.abs(studied.bias_deg).max()))
-    minima = "1 minimum" if count == 1 else f"{count} minima"
-    return f"bias {bias}° · {minima} · basin {svg.number(100 * studied.basin, 0)} %"
+    text = ngettext(
+        "bias {bias}° · {n} minimum · basin {share} %", "bias {bias}° · {n} minima · basin {share} %", count
+    )
+    return text.format(bias=bias, n=count, share=svg.number(100 * studied.basin, 0))
 
 
 def draw_basin(scene: Scene, found: Basin) -> str:
@@ -97,16 +100,28 @@ def describe_basin(found: Basin) -> str:
     """Count how many runs end where and how many claim to have arrived, as HTML."""
     count, made = found.count, len(found.endings)
     if made < len(found.starts):
-        return f"{made} of {len(found.starts)} learners have come to rest …"
-    shares = (
-        f"{_icon('demonstrator')} <b>{count('demonstrator')} of {made}</b> end at the demonstrator",
-        f"{_icon('smallest E')} {count('smallest E')} at the smallest E",
-        f"{_icon('elsewhere')} {count('elsewhere')} elsewhere",
+        return _("{n} of {all} learners have come to rest …").format(n=made, all=len(found.starts))
+    text = _(
+        "{there_mark} <b>{there} of {all}</b> end at the demonstrator, {lowest_mark} {lowest} at the smallest E,"
+        " {elsewhere_mark} {elsewhere} elsewhere."
     )
-    claims = sum(count(place, True) for place in CLASSES)
-    false = count("elsewhere", True)
-    falsely = f", <b>{false} of them falsely</b>" if false else ", none of them falsely" if claims else ""
-    return f"{', '.join(shares)}. {claims} claim to have arrived (filled){falsely}."
+    said = text.format(
+        there_mark=_icon("demonstrator"),
+        there=count("demonstrator"),
+        all=made,
+        lowest_mark=_icon("smallest E"),
+        lowest=count("smallest E"),
+        elsewhere_mark=_icon("elsewhere"),
+        elsewhere=count("elsewhere"),
+    )
+    claims, false = sum(count(place, True) for place in CLASSES), count("elsewhere", True)
+    if false:
+        text = _("{n} claim to have converged (filled), <b>{false} of them falsely</b>.")
+    elif claims:
+        text = _("{n} claim to have converged (filled), none of them falsely.")
+    else:
+        text = _("None claims to have converged.")
+    return sentences(said, text.format(n=claims, false=false))
 
 
 def _mark(where: Place, place: NDArray[np.float64], more: str = "") -> str:

@@ -15,6 +15,7 @@ from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points,
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
+from viewimit.language import _
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
@@ -72,10 +73,10 @@ def point_links(count: int, whole: bool) -> str:
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(f"large/{FIRST_IMAGE + k}", f"image {view}, large or not", _corners(size[0]))
+        large = link(f"large/{FIRST_IMAGE + k}", _("Enlarge image {view}").format(view=view), _corners(size[0]))
         inside[view] = around + nearest + large
-    construct = link("construction/0", "Build up how the point is recovered", "▸ Build it up <kbd>C</kbd>")
-    return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')
+    construct = link("construction/0", _("Build up how the point is transferred"), _("▸ Build it up <kbd>C</kbd>"))
+    return _over_images(inside, construct, whole, " vi-links", f' role="group" aria-label="{_("Points to choose")}"')
 
 
 def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
@@ -193,9 +194,9 @@ def posture_links(scene: Scene) -> str:
             stop = up % STOP_DEG == 0 and across % STOP_DEG == 0
             one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
-    group = f'<g role="group" aria-label="Postures for the learner">{"".join(others + stops)}</g>'
-    x, y, _, _ = plane.box
-    hint = svg.text(x + 6, y + 14, "click: the learner starts there", "vi-2nd vi-halo vi-hint")
+    group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
+    x, y, *__ = plane.box
+    hint = svg.text(x + 6, y + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
     return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 
@@ -227,9 +228,11 @@ def draw_see_through(scene: Scene, moment: Snapshot) -> str:
 
 def describe_see_through(scene: Scene, moment: Snapshot) -> str:
     """Describe a previewed posture, and that the arm has not moved."""
-    posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this posture"
-    E = f"E {svg.short(moment.E)} px²" if np.isfinite(moment.E) else "too few points are seen for an E"
-    return f"({posture}): {E}; nothing has moved."
+    posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else _("this pose")
+    if not np.isfinite(moment.E):
+        return _("At ({pose}) too few points are visible for an E. The arm has not moved.").format(pose=posture)
+    text = _("At ({pose}) E would be {E} px². The arm has not moved.")
+    return text.format(pose=posture, E=svg.short(moment.E))
 
 
 # Links on the curves: a cell around each motion
@@ -248,7 +251,7 @@ def motion_links(last: int, width: int = 424) -> str:
     cells = "".join(
         link(
             f"moment/{motion}",
-            f"after {motion} motions",
+            _("Look at step {n}").format(n=motion),
             f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
             stop=motion % (end // 4) == 0,
         )

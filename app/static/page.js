@@ -137,6 +137,8 @@ const describe = () => {
   for (const [icon, name] of Object.entries(ICONS))
     for (const drawing of document.querySelectorAll(`button .tabler-icon-${icon}`))
       set(drawing.closest("button"), "aria-label", name);
+  const page = document.getElementById("root");
+  if (page) set(page, "role", "main");
   for (const folder of document.querySelectorAll(FOLDER)) {
     set(folder, "role", "button");
     set(folder, "tabindex", "0");

@@ -114,7 +114,7 @@ def test_no_flight_goes_without_a_word():
     assert len(said) > 4
     assert all("looks for a smaller E" in words or words == "back to the best posture" for words in said)
     last = session.snapshot
-    assert last.status == "no-progress" and "nothing lower in 4 searches" in servo.describe_status(
+    assert last.status == "no-progress" and "No lower E in 4 searches" in servo.describe_status(
         last.servo_state, last.status
     )
     assert assess(session).at_local_minimum

@@ -342,7 +342,7 @@ class TestLandscape:
         waiting = landscape_drawing.LandscapePicture(None, session.scene, session.snapshot)
         assert "computing" in waiting.html and "−90°" in waiting.html
         blind = replace(surface(session), E=np.full((91, 181), np.nan))
-        assert "nowhere" in landscape_drawing.LandscapePicture(blind, session.scene, session.snapshot).html
+        assert "In no pose" in landscape_drawing.LandscapePicture(blind, session.scene, session.snapshot).html
 
     def test_postures_without_enough_points_are_hatched_not_valleys(self, session):
         made = surface(session)
@@ -384,8 +384,8 @@ class TestCurves:
     @pytest.mark.parametrize(("last", "end"), [(0, 8), (8, 8), (9, 16), (17, 20), (41, 80), (2000, 2000), (2001, 4000)])
     def test_the_axis_ends_at_nice_numbers(self, session, last, end):
         texts = list(parsed(curves.draw_curves(long_history(session, last + 1), 0, None, (2, 4))).iter("text"))
-        below = next(t.get("y") for t in texts if t.text == "motions")
-        ticks = [t.text for t in texts if t.get("y") == below and t.text != "motions"]
+        below = next(t.get("y") for t in texts if t.text == "steps")
+        ticks = [t.text for t in texts if t.get("y") == below and t.text != "steps"]
         assert ticks == 2 * [str(quarter * end // 4) for quarter in range(5)]  # below E, and below the angles
 
 
@@ -478,21 +478,24 @@ class TestStatus:
         assert status.describe(replace(now, status=ServoStatus.NO_PROGRESS)).state == "no-progress"
         assert status.describe(replace(now, status=ServoStatus.SETTLED)).state == "settled"
         lost = status.describe(stepped(0, missing=0.5).snapshot)
-        assert lost.state == "lost" and "at least 5 non-coplanar points are needed" in lost.sentence
+        assert lost.state == "lost" and "at least 5 points that do not lie in a plane" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
         monkeypatch.setitem(TRANSFERS, now.settings.transfer, method)
-        assert status.describe(replace(now)).doubt == "cond A 63: epipolar lines nearly parallel, E may mislead."
+        assert (
+            status.describe(replace(now)).doubt
+            == "cond A is 63, which is high. The epipolar lines are nearly parallel, so E may mislead."
+        )
 
     @pytest.mark.parametrize(
         "claimed, known, state, doubt",
         [
             ("converged", assessed(), "arrived", ""),
-            ("settled", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
-            ("settled", assessed(room_deg=0.34), "least", "So much E could hide up to 0.3°."),
-            ("settled", assessed(room_deg=0.02), "least", "So much E could hide less than 0.1°."),
-            ("settled", assessed(room_deg=120), "least", "So much E could hide any displacement."),
+            ("settled", assessed(room_deg=14), "least", "With E this large, it could be up to 14° off."),
+            ("settled", assessed(room_deg=0.34), "least", "With E this large, it could be up to 0.3° off."),
+            ("settled", assessed(room_deg=0.02), "least", "With E this large, it is less than 0.1° off."),
+            ("settled", assessed(room_deg=120), "least", "With E this large, it could be anywhere."),
             ("settled", assessed(lower_deg=3), "settled", ""),
-            ("no-progress", assessed(room_deg=14), "least", "So much E could hide up to 14°."),
+            ("no-progress", assessed(room_deg=14), "least", "With E this large, it could be up to 14° off."),
             ("no-progress", assessed(room_deg=14, lower_deg=3), "no-progress", ""),
             ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
             ("unobservable", assessed(told=(False, True)), "unobservable", ""),
@@ -504,7 +507,7 @@ class TestStatus:
                 "no-progress",
                 assessed((36.0, 3.0), room_deg=14, learnable=True),
                 "least",
-                "So much E could hide up to 14°.",
+                "With E this large, it could be up to 14° off.",
             ),
         ],
     )
@@ -516,13 +519,15 @@ class TestStatus:
     def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
         now = replace(session.snapshot, status=ServoStatus.UNOBSERVABLE, servo_state=None)
         one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
-        assert one.title == "Cannot tell θ₂" and one.sentence.startswith("1 px of noise would turn θ₂ by 36°. E ")
+        assert one.title == "Unobservable: θ₂" and one.sentence.startswith("1 px of noise would shift θ₂ by 36°. E is ")
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
-        assert two.title == "Cannot tell θ₄ and θ₂" and "turn θ₄ any angle, θ₂ 36°" in two.sentence
+        assert two.title == "Unobservable: θ₄ and θ₂" and "shift θ₄ by any angle, θ₂ by 36°" in two.sentence
         level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
-        assert level.title == "Cannot tell θ₄" and level.sentence.startswith("E was seen not to rise. E ")
+        assert level.title == "Unobservable: θ₄" and level.sentence.startswith(
+            "E did not rise when the arm moved. E is "
+        )
 
-    @pytest.mark.parametrize("noise_px, said", [(0.0, "no room for 0.3°"), (0.5, "expects to be about 0.")])
+    @pytest.mark.parametrize("noise_px, said", [(0.0, "An error of 0.3° would show"), (0.5, "expects to be about 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
         session = Session(Settings(noise_px=noise_px))
         session.run()
@@ -532,19 +537,19 @@ class TestStatus:
     def test_the_trend_is_the_geometric_mean(self, session):
         E = (100.0, 50.0, 25.0)
         history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
-        assert f"{MINUS}50 % a motion" in status.describe(history[-1], history[:-1]).sentence
+        assert "falling by 50 % per step" in status.describe(history[-1], history[:-1]).sentence
 
     @pytest.mark.parametrize("E", [(100.0, 1e-9), (1e-9, 100.0), (0.0, 3.0), (np.nan, 3.0)])
     def test_there_is_no_trend_from_or_to_an_E_that_is_not_seen(self, session, E):
         before, now = (replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E))
-        assert "a motion" not in status.describe(now, [before]).sentence
+        assert "per step" not in status.describe(now, [before]).sentence
 
     def test_the_truth_names_the_joint_that_is_farthest_off(self):
         told = status.describe_truth((2, 4), np.radians([25.1, -93.5]), np.radians([45.0, -90.0]))
-        assert told == "19.9° off, at θ₂: 25.1° instead of 45.0°."
+        assert told == "19.9° off: θ₂ is at 25.1° but should be at 45.0°."
         told = status.describe_truth((2, 4), np.radians([45.0, -93.5]), np.radians([45.0, -90.0]))
-        assert told == f"3.5° off, at θ₄: {MINUS}93.5° instead of {MINUS}90.0°."
-        assert "to 0.1°" in status.describe_truth((2, 4), np.radians([45.0, -90.01]), np.radians([45.0, -90.0]))
+        assert told == f"3.5° off: θ₄ is at {MINUS}93.5° but should be at {MINUS}90.0°."
+        assert "to within 0.1°" in status.describe_truth((2, 4), np.radians([45.0, -90.01]), np.radians([45.0, -90.0]))
 
 
 @pytest.fixture(scope="module")

@@ -19,22 +19,22 @@ def information(*costs_deg, seen=11, flat=12.3):
 
 def test_few_joints_are_named_with_their_costs():
     said = describe_body_points((2, 4), information(2.2, 1.84), None, False)
-    assert said == "11 points; 1 px costs θ₂ 2.2°, θ₄ 1.8°; σ₁/σ₃ 12. Click an arm to place one."
+    assert said == "11 points; noise of 1 px: θ₂ 2.2°, θ₄ 1.8°; σ₁/σ₃ 12. Click an arm to place one."
 
 
 def test_of_many_joints_the_costliest_and_all_that_are_not_told_are_named():
     said = describe_body_points(SEVEN, information(2.0, 2.1, 30.0, 1.9, 1.8, 5.2, np.inf), None, False)
-    assert "1 px costs at most θ₆ 5.2°; θ₃, θ₇ not observable" in said
+    assert "noise of 1 px: at most θ₆ 5.2°; θ₃, θ₇ unobservable" in said
     assert "θ₁" not in said
 
 
 def test_too_few_points_and_those_out_of_sight_are_said():
     said = describe_body_points((2, 4), information(seen=4, flat=np.inf), None, False)
-    assert said.startswith("11 points, 4 seen in all images; a transfer needs 5.") and "σ" not in said
+    assert said.startswith("11 points, 4 in all images; a transfer needs 5.") and "σ" not in said
 
 
 @pytest.mark.parametrize(
-    "searching, words", [(True, "Looking for"), (False, "tells most: 1 px costs θ₂ 1.9°, θ₄ 1.5°.")]
+    "searching, words", [(True, "Looking for"), (False, "would help most: noise of 1 px: θ₂ 1.9°, θ₄ 1.5°.")]
 )
 def test_a_further_point_is_announced_and_then_said_with_what_it_changes(searching, words):
     before, after = information(2.2, 1.8), information(1.9, 1.5)

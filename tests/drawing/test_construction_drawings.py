@@ -59,4 +59,4 @@ def test_each_stage_has_its_words(transfer, crossed):
     words = [describe_construction(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
     assert len(set(words)) == len(words) and f"1/{last_stage(crossed) + 1}" in words[0]
     assert ("cross at" in words[-1]) == crossed
-    assert "not seen" in describe_construction(None, POINT, None, crossed)
+    assert "not visible" in describe_construction(None, POINT, None, crossed)

@@ -96,20 +96,26 @@ class TestDuel:
         text = words(draw_race(session, duel))
         for racer in (session, duel.opponent):
             error = np.degrees(np.abs(racer.snapshot.theta - racer.snapshot.theta_demo)).max()
-            assert f"motions {racer.snapshot.motion} largest error {error:.{2 if error < 10 else 1}f}" in text
+            assert f"steps {racer.snapshot.motion} largest error {error:.{2 if error < 10 else 1}f}" in text
         assert "Learner: Projective combination" in text and "Opponent: Epipolar (paper)" in text
 
     @pytest.mark.parametrize(
         "own, other, states, first, second",
         [
-            (None, None, "moving moving", "Neither is within 1°", "The learner is still moving, 3.00° off; the opp"),
-            (None, None, "stalled converged", "Neither came within 1°", "stalled, 3.00° off; the opponent converged"),
+            (None, None, "moving moving", "Neither is within 1°", "The learner is still moving, 3.00° off. The opp"),
+            (
+                None,
+                None,
+                "stalled converged",
+                "Neither came within 1°",
+                "no progress, 3.00° off. The opponent converged",
+            ),
             (6, None, "converged moving", "The learner was first within 1°", "The opponent is still moving, 4.00°"),
-            (6, 9, "converged converged", "The learner was first within 1°", "The opponent was, after 9."),
-            (9, 6, "converged converged", "The opponent was first within 1°", "The learner was, after 9."),
-            (None, 1, "ready converged", "demonstrator, after 1 motion.", "The learner is at the start, 3.00° off."),
-            (7, 7, "converged moving", "A tie: both were within 1° of the demonstrator after 7 motions.", ""),
-            (0, None, "ready moving", "The learner was first within 1°, after 0 motions.", "opp"),
+            (6, 9, "converged converged", "The learner was first within 1°", "The opponent followed after 9 steps."),
+            (9, 6, "converged converged", "The opponent was first within 1°", "The learner followed after 9 steps."),
+            (None, 1, "ready converged", "within 1°, after 1 step.", "The learner is at the start, 3.00° off."),
+            (7, 7, "converged moving", "A tie: both were within 1° of the demonstrator after 7 steps.", ""),
+            (0, None, "ready moving", "The learner was first within 1°, after 0 steps.", "opp"),
         ],
     )
     def test_the_verdict_names_who_arrived_first(self, race, own, other, states, first, second):
@@ -202,28 +208,31 @@ class TestObservability:
     def test_a_cost_that_says_nothing_is_no_number(self, degrees):
         spread = np.radians([2.0, degrees])
         told = landscape.describe_costs((2, 4), spread)
-        assert told == "1 px costs θ₂ 2.0°; θ₄ not observable"
-        assert landscape.describe_costs((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ not observable"
+        assert told == "noise of 1 px: θ₂ 2.0°; θ₄ unobservable"
+        assert landscape.describe_costs((2, 4), np.radians([25.0, degrees])) == "θ₂, θ₄ unobservable"
         said = landscape.describe_weakness((2, 4), spread)
-        assert said[0].startswith("Joint 4 is not observable") and said[1] == "1 px costs 2.0° at most at the others."
-        assert words(landscape.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ not observable"
+        assert (
+            said[0].startswith("Joint 4 is unobservable")
+            and said[1] == "1 px of noise shifts the others by 2.0° at most."
+        )
+        assert words(landscape.draw_bars((2, 4), spread, 200, 20)) == "θ₂ 2.0° θ₄ unobservable"
 
     def test_weak_joints_are_named_marked_and_beside_the_rest(self):
         html = landscape.draw_observability((1, 2, 3, 4, 5), self.SPREAD)
         said = words(html)
-        assert "Joint 4 is not observable" in said
-        assert "1 px costs 9.0° at most at the others." in said
+        assert "Joint 4 is unobservable" in said
+        assert "1 px of noise shifts the others by 9.0° at most." in said
         root = parsed(html)
         assert len(only(root, "path", WEAK_JOINT)) == 2
         one = landscape.describe_weakness((2, 4), np.radians([1, 3]))
-        assert one == ["Joint 4 is weakly observable:", "1 px costs 3.0° there, 1.0° at most at the others."]
+        assert one == ["Joint 4 is hard to see:", "1 px of noise shifts it by 3.0°, and the others by 1.0° at most."]
         none = landscape.describe_weakness((2, 4), np.radians([1, 1.5]))
-        assert none == ["No joint is much weaker than the others: 1 px costs 1.5° at most."]
+        assert none == ["No joint is much harder to see: 1 px of noise shifts each by 1.5° at most."]
 
     def test_they_take_the_landscapes_place_with_seven_joints_and_its_caption_with_two(self):
         session = Session(SEVEN)
         picture = LandscapePicture(None, session.scene, session.snapshot, "too few", np.radians(np.arange(1.0, 8)))
-        assert "What 1 px of noise costs" in picture.html and "too few" not in picture.html
+        assert "Joint error per pixel of noise" in picture.html and "too few" not in picture.html
         assert parsed(picture.draw_path(session.history, 0)).find(".//path") is None
         blind = LandscapePicture(None, session.scene, session.snapshot, "too few points")
         assert "too few points" in blind.html
@@ -231,7 +240,7 @@ class TestObservability:
         views = session.snapshot.views
         found = landscape_over(session.world, TRANSFERS["linear"], views.demo, views.visible[:, :2])
         picture = LandscapePicture(found, session.scene, session.snapshot, std_per_px=np.radians([2.2, 1.8]))
-        assert "1 px costs θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
+        assert "noise of 1 px: θ₂ 2.2°, θ₄ 1.8°" in words(picture.html)
 
 
 class TestManyJoints:
@@ -256,7 +265,7 @@ class TestManyJoints:
         labels = only(parsed(html), "text", JOINT_LABELS)
         heights = sorted(float(t.get("y")) for t in labels)
         assert len(labels) == 7 and min(np.diff(heights)) > 12.9
-        assert "2.0° off, rms 3.1° over 3 motions" in words(html)
+        assert "2.0° off, rms 3.1° over 3 steps" in words(html)
 
 
 def drawings(race, studied):

@@ -149,6 +149,6 @@ class TestBasin:
             text.split()
             == (
                 "2 of 4 end at the demonstrator, 1 at the smallest E, 1 elsewhere. "
-                "3 claim to have arrived (filled), 1 of them falsely."
+                "3 claim to have converged (filled), 1 of them falsely."
             ).split()
         )

@@ -68,7 +68,7 @@ def test_a_long_path_is_followed_where_it_begins_and_where_it_is_now(count, keep
 
 
 HIGH = 9  # px of a letter over its line
-NOTES = ("", "1 px costs θ₂ 2.0°, θ₄ 2.0°", "1 px costs θ₁₂ 19.9°; θ₁₀ not observable")
+NOTES = ("", "noise of 1 px: θ₂ 2.0°, θ₄ 2.0°", "noise of 1 px: θ₁₂ 19.9°; θ₁₀ unobservable")
 SPANS = [
     (90, 180),
     (90, 150),

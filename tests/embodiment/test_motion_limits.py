@@ -147,7 +147,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     assert ("searches elsewhere" in words) == (restarts > 0)
     if restarts == 0:
         assert not any(moment.servo_state.search.n_restarts for moment in session.history[1:])
-        assert "nothing lower nearby" in words
+        assert "No lower E nearby" in words
 
 
 def test_a_servo_that_may_not_search_elsewhere_does_not_look_for_hidden_points_there_either():

@@ -165,7 +165,7 @@ def test_the_page_hands_out_a_replay_and_every_picture():
     duel, done = ("".join(pictures[what].split()) for what in ("Duel", "Experiments"))
     for session in (page.page.model.session, page.page.model.duel.opponent):
         assert "".join(cite(session, session.snapshot.motion).command.split()) in duel
-    assert "Aduelafter1motion" in duel and "Largestjointerror" in duel
+    assert "Aduelafter1step" in duel and "Largestjointerror" in duel
     assert "viewimitreproducefig7" in done and "Fig.7:landscapeandminima." in done and "smallestE<4°miss" in done
     if figures.can_render():
         page.page.queue.call("picture", "Curves")

@@ -152,8 +152,8 @@ def test_errors_are_those_of_the_history_however_that_changes():
 
 
 def test_following_is_the_rms_of_the_last_motions():
-    assert describe_errors([5.0]) == "" and describe_errors([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 motion"
-    assert describe_errors([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} motions"
+    assert describe_errors([5.0]) == "" and describe_errors([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 step"
+    assert describe_errors([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} steps"
 
 
 def test_a_runner_is_seen_on_its_way(race):

@@ -50,7 +50,7 @@ def test_undo_brings_back_what_a_loss_has_taken(visit, loss):
     assert model.session.cursor == 0 and model.session.settings != before[0][-1].settings or loss == "reset"
     visitor.act("undo")
     assert moments(model) == before and (model.preset, model.player.speed) == (preset, speed)
-    assert "5 motions" in model.message.text
+    assert "5 steps" in model.message.text
     visitor.act("undo")
     assert model.session.cursor == 4
 

@@ -152,11 +152,11 @@ def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
     page.choose("Look only", True)
     page.act("posture", "20,-60")
     page.tick(0.5)
-    assert "nothing has moved" in page.shown and 'data-do="start/0"' in page.shown
-    assert "See-through arm</b> · (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
+    assert "The arm has not moved" in page.shown and 'data-do="start/0"' in page.shown
+    assert "Ghost arm</b> · At (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
     page.act("start", "0")
     page.tick(1.0)
-    assert "nothing has moved" not in page.shown and page.widget("Start θ₂").value == 20
+    assert "The arm has not moved" not in page.shown and page.widget("Start θ₂").value == 20
 
 
 def test_who_asks_for_less_motion_sees_the_arm_where_it_arrives(visit):

@@ -100,10 +100,10 @@ def test_what_is_said_follows_what_is_remembered(visit):
     play(model, DEFAULT_POSTURES - 3)
     assert said(model) == "Remembers 12 postures; Play imitates with them."
     play(model, 1)
-    assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 motion."
+    assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 step."
     play(model)
     count = model.session.history.imitation_motions
-    assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} motions."
+    assert said(model) == f"Remembers 12 postures, which hold. Imitated in {count} steps."
     model.undoable.change(servo="broyden")
     assert said(model) == "Remembers 12 postures; only for Trust region on images."
 

@@ -113,7 +113,7 @@ def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
         client.put("Preset", "Camera images")
         wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
         client.press("Play or pause")
-        wait_until(lambda: "Arrived" in client.status, 60)
+        wait_until(lambda: "Converged" in client.status, 60)
 
         def off() -> float:  # the bars are drawn in their own time
             bars = learners_bars(client.html.values())
@@ -148,7 +148,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     assert in_L == in_R >= 5
     assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")
-    assert re.search(r"E [\d.]+ px²", status(page))
+    assert re.search(r"E is [\d.]+ px²", status(page))
     switch(page, "Camera images")
     wait_for_count(page, PHOTOGRAPH, 0, exactly=True)
     assert page.problems == []

@@ -159,9 +159,9 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
         for key in keys:
             press(page, key)
         press(page, "Space")
-        wait_for_status(page, "Moving|Settled")
+        wait_for_status(page, "Moving|Settled|local minimum")
         press(page, "Space")
-        wait_for_status(page, "Paused|Settled")
+        wait_for_status(page, "Paused|Settled|local minimum")
         press(page, "r")
         wait_for_status(page, "Ready")
     page.keyboard.press("Tab")

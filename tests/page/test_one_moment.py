@@ -12,9 +12,9 @@ def numbers(page):
     """E of the strip and of the images; the posture of the strip's worst joint and those of the bars; the title."""
     page.tick(0.2)
     shown, strip = page.shown, page.page.layout.named["status"].content
-    told = [float(E) for E in re.findall(r"E ([\d.]+) px²", strip)]
+    told = [float(E) for E in re.findall(r"E is ([\d.]+) px²", strip)]
     seen = re.search(r"vi-E.*?<b>([\d.]+)</b>", shown)[1]
-    instead = re.search(r": (\S+)° instead", strip)[1]
+    instead = re.search(r" is at (\S+)° but", strip)[1]
     bars = re.findall(r">([−\d.]+)°</b>", shown)
     return told[0], float(seen), instead, bars, re.search(r'role="status"><b>(.*?)</b>', strip)[1]
 

@@ -17,7 +17,7 @@ def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
     page.tick(1.0)
     session = page.page.model.session
     E = session.snapshot.E
-    assert "then rectified" in page.shown and "rectification: matches come to lie in equal rows" in page.shown
+    assert "then rectified" in page.shown and "rectification: matched points get equal rows" in page.shown
     page.choose("Rectify", False)
     page.tick(1.0)
     assert "then rectified" not in page.shown and session.settings.rectify == "off"

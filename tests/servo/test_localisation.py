@@ -115,7 +115,7 @@ def test_an_arm_that_falls_short_of_its_limit_is_reported():
     """It moves by 20 % less than commanded, so it cannot be sent as far as it could go."""
     end = run(3, gain_error=-0.2)
     assert end.status == "no-progress" and end.commanded[0] == np.radians(90) > end.theta[0]
-    assert "a joint was sent to its limit" in SERVOS["trust-region"].describe_status(end.servo_state, end.status)
+    assert "A joint was sent to its limit" in SERVOS["trust-region"].describe_status(end.servo_state, end.status)
 
 
 # The innovation test of a calibration

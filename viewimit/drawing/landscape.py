@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
 from ..analysis.observability import unobservable_joints, weak_joints
+from ..language import _, listed, ngettext
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
 from ..servo.trust_region.options import MAX_STD_PER_PX
@@ -28,8 +29,8 @@ from .theme import OBSERVED
 WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
 LEFT, RIGHT = 34, 60  # px beside the bars
 ROW, BAR = 24, 11  # px
-TITLE = "What 1 px of noise costs at each joint"
-NOTE = "in the own images, at the demonstrator's posture; from the curvature of E"
+TITLE = _("Joint error per pixel of noise")
+NOTE = _("in the learner's images, at the demonstrator's pose; from the curvature of E")
 
 
 def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
@@ -74,51 +75,56 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) ->
     degrees, unobservable = np.degrees(std_per_px), unobservable_joints(std_per_px)
     weak = [k for k in weak_joints(std_per_px) if k not in unobservable]
     rest = np.delete(degrees, [*unobservable, *weak])
-    most = f"{_cost(rest.max())} at most" if len(rest) else ""
+    most = _cost(rest.max()) if len(rest) else ""
     if unobservable:
         others = np.delete(degrees, unobservable)
-        ending = (
-            f"1 px costs {_cost(others.max())} at most at the others."
-            if len(others)
-            else "Its posture is anyone's guess."
+        found = ngettext(
+            "Joint {joints} is unobservable: the images hardly show it.",
+            "Joints {joints} are unobservable: the images hardly show them.",
+            len(unobservable),
         )
-        return [f"{_named(joints, unobservable)} not observable: hardly anything in the images tells.", ending]
+        ending = (
+            _("1 px of noise shifts the others by {angle} at most.") if len(others) else _("It could be at any angle.")
+        )
+        angle = _cost(others.max()) if len(others) else ""
+        return [found.format(joints=_listed(joints, unobservable)), ending.format(angle=angle)]
     if not weak:
         if len(joints) == 1:
-            return [f"1 px costs {_cost(rest.max())}."]
-        return [f"No joint is much weaker than the others: 1 px costs {most}."]
-    costs = _listed([_cost(degrees[k]) for k in weak])
-    return [f"{_named(joints, weak)} weakly observable:", f"1 px costs {costs} there, {most} at the others."]
+            return [_("1 px of noise shifts it by {angle}.").format(angle=most)]
+        return [_("No joint is much harder to see: 1 px of noise shifts each by {angle} at most.").format(angle=most)]
+    found = ngettext("Joint {joints} is hard to see:", "Joints {joints} are hard to see:", len(weak))
+    text = ngettext(
+        "1 px of noise shifts it by {angles}, and the others by {angle} at most.",
+        "1 px of noise shifts them by {angles}, and the others by {angle} at most.",
+        len(weak),
+    )
+    angles = listed([_cost(degrees[k]) for k in weak])
+    return [found.format(joints=_listed(joints, weak)), text.format(angles=angles, angle=most)]
 
 
-def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
-    """Write the degrees of all joints in a few words, for a caption."""
+def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64], are_worst: bool = False) -> str:
+    """Write the degrees of all joints in a few words, for a caption. are_worst: whether others have smaller ones."""
     unobservable, degrees = unobservable_joints(std_per_px), np.degrees(std_per_px)
     seen = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in unobservable]
-    costs = f"1 px costs {', '.join(seen)}" if seen else ""
-    words = (
-        f"{', '.join(svg.joint_symbol(joints[k]) for k in sorted(unobservable))} not observable" if unobservable else ""
-    )
+    names = ", ".join(svg.joint_symbol(joints[k]) for k in sorted(unobservable))
+    text = _("noise of 1 px: at most {angles}") if are_worst else _("noise of 1 px: {angles}")
+    costs = text.format(angles=", ".join(seen)) if seen else ""
+    words = _("{joints} unobservable").format(joints=names) if unobservable else ""
     return "; ".join(filter(None, (costs, words)))
 
 
-def _named(joints: Sequence[int], indices: Sequence[int]) -> str:
-    numbers = [str(joints[k]) for k in indices]
-    return f"Joint {numbers[0]} is" if len(numbers) == 1 else f"Joints {_listed(numbers)} are"
+def _listed(joints: Sequence[int], indices: Sequence[int]) -> str:
+    return listed([str(joints[k]) for k in indices])
 
 
 def _cost(degrees: float) -> str:
-    return "not observable" if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
-
-
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    return _("unobservable") if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
 
 
 CLOSE_DEG, INSET = 6.0, 74  # if demonstrator and smallest E are closer: an inset of ±CLOSE_DEG, INSET px wide
 MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
-CONTOURS = {"projected": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
+CONTOURS = {"projected": _("E in px²"), "rendered": _("E, projected")}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
 SMALL_WIDTH = 207  # px of a small landscape
 SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
@@ -169,7 +175,7 @@ class LandscapePicture:
         if landscape is None:
             inside = plane.message(problem)
         elif np.isnan(landscape.E).all():
-            inside = plane.message("nowhere are five points seen in all four images")
+            inside = plane.message(_("In no pose do all four images show five points."))
         else:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
@@ -323,7 +329,7 @@ def draw_small(
     parts = [plane.frame("vi-plane")]
     E = found.E
     if np.isnan(E).all():
-        parts.append(plane.message("nowhere are five points seen"))
+        parts.append(plane.message(_("Nowhere are five points visible.")))
     else:
         grid = plane.grid(found.axes)
         parts += [relief.shading(grid, E, plane.box), relief.contours(grid, E)]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..language import _
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
@@ -145,7 +146,7 @@ class PosturePlane:
             ]
         )
 
-    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True) -> str:
+    def axes(self, note: str = "", contours: str = _("E in px²"), named: bool = True) -> str:
         """Draw the axes: frame, ticks and names.
 
         note: words below, at the right; contours: the quantity; named: whether "contours" stands before it.
@@ -166,7 +167,8 @@ class PosturePlane:
             up.append(y)
             parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
         parts.append(svg.text(left - 8, _widest_gap(up) + 4, self._joints[0], "vi-end"))
-        parts += self._below(bottom, f"{'contours: ' if named else ''}{contours}", note, across)
+        caption = _("contours: {quantity}").format(quantity=contours) if named else contours
+        parts += self._below(bottom, caption, note, across)
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
 
     def _below(self, bottom: float, contours: str, note: str, numbers: list[float]) -> list[str]:
@@ -174,7 +176,7 @@ class PosturePlane:
 
         The name moves sideways, or up between the numbers, if the line has no room in the middle.
         """
-        left, _, w, _ = self.box
+        left, __, w, __ = self.box
         end = self._right - NOTE_MARGIN if note else self._right
         begin = min(left, max(0.0, end - _length(note) - GAP - _length(contours)))
         free = begin + _length(contours) + GAP, end - _length(note) - GAP
@@ -355,7 +357,8 @@ class PathLabels:
     def _own(self, labels: Labels, theta: NDArray[np.float64], cursor: int) -> tuple[str, Rectangle | None]:
         """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
-        words = f"{'now' if cursor else 'start'} ({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
+        where = f"({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
+        words = (_("now {pose}") if cursor else _("start {pose}")).format(pose=where)
         place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 

@@ -10,6 +10,7 @@ from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
 from ..estimation.transfers.registry import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
+from ..language import _, listed, ngettext, sentences
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
@@ -24,21 +25,21 @@ WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
 COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
 ANY = np.radians(90.0)  # larger angles allow any posture
 TITLES = {
-    ServoStatus.READY: "Ready",
-    "paused": "Paused",
-    ServoStatus.MOVING: "Moving",
-    "arrived": "Arrived",
-    "least": "Settled where E is least nearby",
-    ServoStatus.SETTLED: "Settled",
-    ServoStatus.UNOBSERVABLE: "Cannot tell",
-    ServoStatus.NO_PROGRESS: "No progress",
-    "lost": "Lost",
-    ServoStatus.MAX_MOTIONS: "Motion limit",
-    "message": "Note",
-    "recording": "Recording",
-    "replaying": "Replaying",
-    "see-through": "See-through arm",
-    "editing": "Editing points",
+    ServoStatus.READY: _("Ready"),
+    "paused": _("Paused"),
+    ServoStatus.MOVING: _("Moving"),
+    "arrived": _("Converged"),
+    "least": _("At a local minimum"),
+    ServoStatus.SETTLED: _("Settled"),
+    ServoStatus.UNOBSERVABLE: _("Unobservable:"),
+    ServoStatus.NO_PROGRESS: _("No progress"),
+    "lost": _("Too few points"),
+    ServoStatus.MAX_MOTIONS: _("Step limit"),
+    "message": _("Note"),
+    "recording": _("Recording"),
+    "replaying": _("Moving the demonstrator"),
+    "see-through": _("Ghost arm"),
+    "editing": _("Editing points"),
 }
 BY_PAGE = {"message", "recording", "replaying", "see-through", "editing"}  # said by the page, not by the learner
 DOT = (
@@ -131,91 +132,110 @@ def describe(
     """
     if snapshot.pending_postures is not None and snapshot.is_rehearsing:
         left = len(snapshot.pending_postures)
-        sentence = f"watches itself, with nobody to imitate; {left} posture{'s' if left > 1 else ''} to go."
-        return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence)
+        sentence = ngettext(
+            "It watches its own arm, without a demonstrator. {n} pose is left.",
+            "It watches its own arm, without a demonstrator. {n} poses are left.",
+            left,
+        )
+        return StatusMessage(ServoStatus.MOVING if playing else "paused", sentence.format(n=left))
     if snapshot.awaits_names:
         return _without_names(snapshot, playing)
     if snapshot.transfer is None:
         return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
-    E, doubt = f"E {svg.short_E(snapshot.E)} px²", _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
+    E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
-        advice = "; reset to go on" if advises else ""
-        return StatusMessage(
-            ServoStatus.MAX_MOTIONS, f"{E} after {MAX_HISTORY} motions, the most that are made{advice}.", doubt=doubt
-        )
+        sentence = _("E is {E} px² after {n} steps, the most that are made.").format(E=E, n=MAX_HISTORY)
+        advice = _("Reset to go on.") if advises else ""
+        return StatusMessage(ServoStatus.MAX_MOTIONS, sentences(sentence, advice), doubt=doubt)
     if snapshot.status.is_at_rest:
         said = _resting(snapshot, E, assessment, joints, advises)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
-        advice = "; press space, or drag the demonstrator" if advises else ""
-        return StatusMessage(ServoStatus.READY, f"{E}{advice}.", doubt=doubt)
+        advice = _("Press Play, or drag the demonstrator.") if advises else ""
+        return StatusMessage(ServoStatus.READY, sentences(_("E is {E} px².").format(E=E), advice), doubt=doubt)
     state, doing = ServoStatus.MOVING if playing else "paused", _says(snapshot)
-    trend = "" if snapshot.probe else _trend(snapshot, previous)
-    return StatusMessage(
-        state, f"{E}{trend}{'; ' + doing if doing and playing else ''}.", doubt=doubt, probe=snapshot.probe
-    )
+    trend = None if snapshot.probe else _trend(snapshot, previous)
+    if trend is None:
+        now = _("E is {E} px².")
+    elif trend < 0:
+        now = _("E is {E} px², falling by {share} % per step.")
+    else:
+        now = _("E is {E} px², rising by {share} % per step.")
+    said = now.format(E=E, share=svg.number(100 * abs(trend or 0), 0))
+    return StatusMessage(state, sentences(said, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
 
 
 def _resting(
     snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
 ) -> StatusMessage:
-    says, after = _says(snapshot, joints), f"after {svg.count_motions(snapshot.motion)}"
-    why = f"; {says}." if says else "."
+    n, why = snapshot.motion, _says(snapshot, joints)
+    after = ngettext("E is {E} px² after {n} step.", "E is {E} px² after {n} steps.", n).format(E=E, n=n)
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
-            about = f"; expects to be about {svg.short(float(np.degrees(known.simultaneous_std_error)))}° off"
-            why = f"{about}; {says}." if snapshot.misfit is not None else f"{about}."
-        return StatusMessage("arrived", f"{E} {after}{why}")
+            angle = f"{svg.short(float(np.degrees(known.simultaneous_std_error)))}°"
+            expects = _("It expects to be about {angle} off.").format(angle=angle)
+            why = sentences(expects, why if snapshot.misfit is not None else "")
+        return StatusMessage("arrived", sentences(after, why))
     unobservable = [] if known is None else known.reportable_joints(snapshot.status)
     if known is not None and unobservable:
-        names = " and ".join(svg.joint_symbol(joints[k]) for k in unobservable)
-        return StatusMessage(ServoStatus.UNOBSERVABLE, f"{_costs(known, joints)} {E} {after}{why}", names)
+        names = listed([svg.joint_symbol(joints[k]) for k in unobservable])
+        return StatusMessage(ServoStatus.UNOBSERVABLE, sentences(_costs(known, joints), after, why), names)
     if assessment is not None and assessment.at_local_minimum:
-        return StatusMessage(
-            "least", f"{E}, not 0, {after}{why}", doubt=f"So much E could hide {_upto(assessment.max_displacement)}."
-        )
+        text = ngettext("E is {E} px², not 0, after {n} step.", "E is {E} px², not 0, after {n} steps.", n)
+        doubt = _could_be_off(assessment.max_displacement)
+        return StatusMessage("least", sentences(text.format(E=E, n=n), why), doubt=doubt)
     if snapshot.status == ServoStatus.SETTLED:
-        return StatusMessage(ServoStatus.SETTLED, f"{E} {after}{why}")
-    advice = "; move an arm or reset" if advises else ""
-    return StatusMessage(ServoStatus.NO_PROGRESS, f"{E} {after}{why if says else f', and it no longer falls{advice}.'}")
+        return StatusMessage(ServoStatus.SETTLED, sentences(after, why))
+    advice = _("It no longer falls.") + (_(" Move an arm, or reset.") if advises else "")
+    return StatusMessage(ServoStatus.NO_PROGRESS, sentences(after, why or advice))
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:
     """Say why joints are unobservable: the cost of noise, or that E did not rise."""
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
-    by = "by " if len(costly) == 1 else ""
-    each = [f"{svg.joint_symbol(joints[k])} {by}{_angle(known.std_per_px[k])}" for k in costly]
-    return f"1 px of noise would turn {', '.join(each)}." if costly else "E was seen not to rise."
+    if not costly:
+        return _("E did not rise when the arm moved.")
+    shift = _("{joint} by {angle}")
+    each = [shift.format(joint=svg.joint_symbol(joints[k]), angle=_angle(known.std_per_px[k])) for k in costly]
+    return _("1 px of noise would shift {joints}.").format(joints=", ".join(each))
 
 
 def _angle(rad: float) -> str:
-    return svg.degrees(rad, 0) if rad < ANY else "any angle"
+    return svg.degrees(rad, 0) if rad < ANY else _("any angle")
 
 
-def _upto(rad: float) -> str:
+def _could_be_off(rad: float) -> str:
+    """Say how far off a learner may be whose E is not 0."""
     if rad < EXACT:
-        return "less than 0.1°"
-    return f"up to {svg.degrees(rad, 0 if rad >= WHOLE else 1)}" if rad < ANY else "any displacement"
+        return _("With E this large, it is less than 0.1° off.")
+    if rad >= ANY:
+        return _("With E this large, it could be anywhere.")
+    angle = svg.degrees(rad, 0 if rad >= WHOLE else 1)
+    return _("With E this large, it could be up to {angle} off.").format(angle=angle)
 
 
 def _too_few(used: int) -> str:
-    seen = "no point is" if used == 0 else "only 1 point is" if used == 1 else f"only {used} points are"
-    return f"{seen} seen in all images; at least {MIN_POINTS} non-coplanar points are needed."
+    if used == 0:
+        seen = _("All four images show no point in common.")
+    else:
+        seen = ngettext("All four images show only {n} point.", "All four images show only {n} points.", used)
+    needed = _("The method needs at least {n} points that do not lie in a plane.")
+    return sentences(seen.format(n=used), needed.format(n=MIN_POINTS))
 
 
 def _swapped(snapshot: Snapshot) -> str:
     """Say which of the demonstrator's points seem to be swapped; "" for none."""
-    pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
-    return f"The demonstrator's points {pairs} seem to be exchanged." if pairs else ""
+    pairs = ", ".join(_("{first} and {second}").format(first=i, second=j) for i, j in snapshot.exchanged)
+    return _("The demonstrator's points {pairs} seem to be mixed up.").format(pairs=pairs) if pairs else ""
 
 
 def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
     """Describe a snapshot in which the demonstrator's points have no names yet."""
     if snapshot.status.is_at_rest:
-        return StatusMessage(snapshot.status, f"{_says(snapshot)}.")
+        return StatusMessage(snapshot.status, sentences(_says(snapshot)))
     state = ServoStatus.READY if snapshot.motion == 0 else ServoStatus.MOVING if playing else "paused"
-    sentence = "which of the demonstrator's points is which is not known yet, nor is E."
+    sentence = _("It does not know yet which of the demonstrator's points is which, so there is no E.")
     return StatusMessage(state, sentence, probe=snapshot.probe)
 
 
@@ -225,24 +245,31 @@ def _named(snapshot: Snapshot) -> str:
     if naming is None or snapshot.settings.matched:
         return ""
     if naming.is_ambiguous:
-        return "Two answers: with other names of the points, another pose explains the images as well."
+        return _("There are two answers: with other names of the points, another pose explains the images as well.")
     found = naming.names >= 0
     uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
-    named = f"{found.sum()} points named"
-    sure = f", {', '.join(map(str, uncertain))} uncertainly" if uncertain else " with certainty"
-    return f"{named}{sure}{f'; {alone} have no partner' if alone else ''}."
+    n = int(found.sum())
+    if uncertain:
+        text = ngettext("It named {n} point, uncertainly {points}.", "It named {n} points, uncertainly {points}.", n)
+    else:
+        text = ngettext("It is sure of the name of {n} point.", "It is sure of the names of {n} points.", n)
+    partners = ngettext("{n} point has no partner.", "{n} points have no partner.", alone).format(n=alone)
+    points = ", ".join(map(str, uncertain))
+    return sentences(text.format(n=n, points=points), partners if alone else "")
 
 
 def _ill_conditioned(snapshot: Snapshot) -> str:
     """Say why the transfer is ill-conditioned; "" if it is not."""
     assert snapshot.transfer is not None
     condition, method = float(snapshot.transfer.condition), snapshot.method
+    high, too_high = _("{name} is {value}, which is high."), _("{name} is {value}, far too high.")
     if snapshot.flatness >= RED > condition:
-        return f"{FLATNESS} {svg.number(snapshot.flatness, 0)}: {FLAT}."
+        return sentences(high.format(name=FLATNESS, value=svg.number(snapshot.flatness, 0)), FLAT)
     if condition < AMBER:
         return ""
-    high = ", far too high" if condition >= RED else ""
-    return f"{method.condition_name} {svg.number(condition, 0)}{high}: {method.degenerate_message}."
+    text = too_high if condition >= RED else high
+    number = text.format(name=method.condition_name, value=svg.number(condition, 0))
+    return sentences(number, method.degenerate_message)
 
 
 def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo: NDArray[np.float64]) -> str:
@@ -251,9 +278,13 @@ def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo
     off = [abs(own - demo) for own, demo in zip(is_at, should_be)]
     k = off.index(max(off))
     if off[k] < EXACT:
-        return "The demonstrator's posture, to 0.1°."
-    instead = f"{svg.degrees(is_at[k])} instead of {svg.degrees(should_be[k])}"
-    return f"{svg.degrees(off[k])} off, at {svg.joint_symbol(joints[k])}: {instead}."
+        return _("Correct to within 0.1°.")
+    return _("{off} off: {joint} is at {now} but should be at {then}.").format(
+        off=svg.degrees(off[k]),
+        joint=svg.joint_symbol(joints[k]),
+        now=svg.degrees(is_at[k]),
+        then=svg.degrees(should_be[k]),
+    )
 
 
 def describe_outcome(
@@ -261,14 +292,33 @@ def describe_outcome(
 ) -> str:
     """Say first, in plain words, what has come of it, as HTML; this uses the truth. theta, theta_demo: (m,) rad."""
     off = float(np.abs(theta - theta_demo).max())
-    how_far, after = f"{svg.degrees(off)} off", f"after {svg.count_motions(motions)}"
     if status == ServoStatus.READY:
-        return "<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one."
-    if not status.has_ended:
-        return f"<b>{'Copying' if playing else 'Paused'}:</b> still {how_far} {after}."
-    if off < COPIED:
-        return f"<b>Copied:</b> {how_far} {after}."
-    return f"<b>{'Nearly copied' if off < NEARLY else 'Not copied'}:</b> it stopped {how_far} {after}."
+        return _("<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one.")
+    if not status.has_ended and playing:
+        text = ngettext(
+            "<b>Copying:</b> {angle} off after {n} step.", "<b>Copying:</b> {angle} off after {n} steps.", motions
+        )
+    elif not status.has_ended:
+        text = ngettext(
+            "<b>Paused:</b> {angle} off after {n} step.", "<b>Paused:</b> {angle} off after {n} steps.", motions
+        )
+    elif off < COPIED:
+        text = ngettext(
+            "<b>Copied:</b> {angle} off after {n} step.", "<b>Copied:</b> {angle} off after {n} steps.", motions
+        )
+    elif off < NEARLY:
+        text = ngettext(
+            "<b>Nearly copied:</b> it stopped {angle} off after {n} step.",
+            "<b>Nearly copied:</b> it stopped {angle} off after {n} steps.",
+            motions,
+        )
+    else:
+        text = ngettext(
+            "<b>Not copied:</b> it stopped {angle} off after {n} step.",
+            "<b>Not copied:</b> it stopped {angle} off after {n} steps.",
+            motions,
+        )
+    return text.format(angle=svg.degrees(off), n=motions)
 
 
 def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: str = "") -> str:
@@ -277,12 +327,13 @@ def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: 
     if message.doubt:
         words += f" <i>{svg.escape(message.doubt)}</i>"
     known, true = ask(message.word) if message.word else "", svg.escape(truth)
-    who = "Page" if message.state in BY_PAGE else "Learner"
+    who = _("The page") if message.state in BY_PAGE else _("What the learner knows")
+    hidden = _("The truth (hidden from the learner)")
     first = f'<div class="vi-outcome vi-tells"><p>{outcome}</p></div>' if outcome else ""
     return (
         f'<div class="vi-strip"><div class="vi-status">{first}<div>{_icon(SHAPES.get(message.state, IDLE))}'
-        f'<em>{who} says</em><p role="status">{words}{choices}</p>{known}</div>'
-        f'<div class="vi-truth">{_icon(BETWEEN)}<em>Viewer only</em><p>{true}</p>{ask("truth")}</div></div></div>'
+        f'<em>{who}</em><p role="status">{words}{choices}</p>{known}</div>'
+        f'<div class="vi-truth">{_icon(BETWEEN)}<em>{hidden}</em><p>{true}</p>{ask("truth")}</div></div></div>'
     )
 
 
@@ -290,15 +341,13 @@ def _icon(shape: str) -> str:
     return f'<svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">{shape}</svg>'
 
 
-def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> str:
-    """Write the change of E per motion over the last motions without probes; "" if E is too small to be seen."""
+def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> float | None:
+    """Compute the relative change of E per step over the last steps without probes; None if E is too small to see."""
     recent = [s for s in previous[-TREND:] if not s.probe and s.E >= svg.UNSEEN_E and s.motion < snapshot.motion]
     if not recent or not snapshot.E >= svg.UNSEEN_E:
-        return ""
+        return None
     first = recent[0]
-    share = (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1
-    text = svg.number(100 * share, 0)
-    return f", {text if share < 0 else '+' + text} % a motion"
+    return (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1
 
 
 def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:

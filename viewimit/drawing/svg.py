@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import number
+from ..language import ngettext
 
 UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict
 SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # templates of lines, dots and arrow heads
@@ -37,8 +38,8 @@ def degrees(rad: float, digits: int = 1) -> str:
 
 
 def count_motions(count: int) -> str:
-    """Write a number of motions."""
-    return "1 motion" if count == 1 else f"{count} motions"
+    """Write a number of steps, which are the learner's motions."""
+    return ngettext("{n} step", "{n} steps", count).format(n=count)
 
 
 def joint_symbol(joint: int) -> str:
@@ -118,7 +119,7 @@ def arrow_corners(start: NDArray[np.float64], end: NDArray[np.float64], size: fl
 
 def polygons(corners: NDArray[np.float64]) -> list[str]:
     """Write per view k polygons of c corners, (views, k, c, 2) px, without corners that repeat their predecessor."""
-    views, k, c, _ = corners.shape
+    views, k, c, __ = corners.shape
     if k == 0:
         return [""] * views
     tenths = np.rint(corners * 10)  # of a px, so that relative steps add up exactly

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from ..estimation.residuals import ResidualFunction
+from ..language import _, ngettext
 from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
 from .observation import Observation
 from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, RecursiveState
 from .servo import LastMotion, Retargetable, Servo
-from .status import ServoStatus
+from .status import TEST_MOVE, ServoStatus
 from .trust_region.algorithm import TrustRegion
 from .trust_region.explanation import describe_status as describe_trust_region
 from .trust_region.explanation import equations as trust_region_equations
@@ -131,7 +132,15 @@ def _gradient_equations(
 
 
 def _describe_gradient(state: GradientState, status: ServoStatus) -> str:
-    return f"not lower for {state.n_since_best} motions" if status == ServoStatus.NO_PROGRESS else ""
+    return _not_lower(state.n_since_best) if status == ServoStatus.NO_PROGRESS else ""
+
+
+def _not_lower(steps: int) -> str:
+    return ngettext("No lower E in {n} step.", "No lower E in {n} steps.", steps).format(n=steps)
+
+
+def _next_is_small() -> str:
+    return _("The next step would be under {angle}.").format(angle=f"{np.degrees(MIN_STEP_RAD):g}°")
 
 
 def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[Equation, ...]:
@@ -166,8 +175,8 @@ def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
 
 def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
     if status == ServoStatus.MOVING:
-        return "a probe, to learn how the images move" if state.probe else ""
-    return f"next step under {np.degrees(MIN_STEP_RAD):g}°" if status == ServoStatus.SETTLED else ""
+        return TEST_MOVE if state.probe else ""
+    return _next_is_small() if status == ServoStatus.SETTLED else ""
 
 
 def _probe_note(motion: LastMotion) -> str:
@@ -204,10 +213,10 @@ def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) 
 
 def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
     if status == ServoStatus.NO_PROGRESS:
-        return "no way on from here" if state.has_patience else f"not lower for {state.n_since_best} motions"
+        return _("There is no way on from here.") if state.has_patience else _not_lower(state.n_since_best)
     if status == ServoStatus.SETTLED:
-        return f"next step under {np.degrees(MIN_STEP_RAD):g}°"
-    return "a probe, to learn how the images move" if state.probe and status == ServoStatus.MOVING else ""
+        return _next_is_small()
+    return TEST_MOVE if state.probe and status == ServoStatus.MOVING else ""
 
 
 def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str) -> ServoMethod:
@@ -227,9 +236,9 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
     """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
     return ServoMethod(
         servo=TrustRegion(options),
-        title="Trust region on images",
-        assumes="That joints turn points as rigid bodies; or else that the images follow the joints smoothly.",
-        limitations="Where two postures give the same images, or every transfer misleads: it reports no progress.",
+        title=_("Trust region on images"),
+        assumes=_("Joints turn points as rigid bodies, or at least the images follow the joints smoothly."),
+        limitations=_("Two poses give the same images, or every transfer misleads. Then it reports no progress."),
         predicts=True,
         names_points=True,
         mirror_columns=True,
@@ -242,39 +251,39 @@ SERVOS = Servos(
     {
         "gradient": _gradient_method(
             Gradient(),
-            title="Gradient (paper)",
-            assumes="That E is convex, and that a gradient learned on the way stays true.",
-            limitations="The input fades with E and the gradient goes stale: thousands of motions, mostly in vain.",
+            title=_("Gradient (paper)"),
+            assumes=_("E is convex, and the gradient that it has learned stays true."),
+            limitations=_("Its steps shrink with E, and the learned gradient goes out of date: it crawls."),
         ),
         "gradient-retuned": _gradient_method(
             Gradient(RETUNED),
-            title="Gradient, retuned",
-            assumes="The same, with a larger gain, bounded steps and a dither that keeps the gradient fresh.",
-            limitations="Hundreds of motions; it never stands still, so it never says that it has arrived.",
+            title=_("Gradient, retuned"),
+            assumes=_("The same, with a larger gain, bounded steps and small random moves."),
+            limitations=_("It takes hundreds of steps. It never stands still, so it never claims to have arrived."),
         ),
         "broyden": ServoMethod(
             servo=Broyden(),
-            title="Broyden on images",
-            assumes="That the images follow the joints nearly linearly; E is predicted, not tried.",
-            limitations="Flat valleys and missing points: it may stop degrees away, and cannot tell if it arrived.",
+            title=_("Broyden on images"),
+            assumes=_("The images follow the joints nearly linearly. It predicts E instead of trying it."),
+            limitations=_("Flat valleys and missing points. It may stop degrees away without knowing it."),
             mirror_columns=True,
             equations=_broyden_equations,
             describe_status=_describe_broyden,
         ),
         "kalman": ServoMethod(
             servo=Kalman(),
-            title="Kalman filter",
-            assumes="That the image Jacobian changes little from motion to motion, and e is small enough to be linear.",
-            limitations="Far from the goal: long motions change the Jacobian more than its filter allows, unchecked.",
+            title=_("Kalman filter"),
+            assumes=_("The image Jacobian changes little from step to step, and the residuals are nearly linear."),
+            limitations=_("Far from the goal, long steps change the Jacobian more than its filter allows."),
             mirror_columns=True,
             equations=_kalman_equations,
             describe_status=_describe_recursive,
         ),
         "gauss-newton": ServoMethod(
             servo=GaussNewton(),
-            title="Damped Gauss-Newton",
-            assumes="That the images are linear in the joints over the last few motions, and E in one valley.",
-            limitations="Where the Jacobian of some motions ago misleads: it damps its motions until it stands still.",
+            title=_("Damped Gauss-Newton"),
+            assumes=_("The images were linear in the joints over the last few steps, and E has one valley."),
+            limitations=_("An old Jacobian misleads it. Then it damps its steps until it stands still."),
             mirror_columns=True,
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,

@@ -2,6 +2,10 @@
 
 from enum import Enum
 
+from ..language import _
+
+TEST_MOVE = _("This is a test move: it shows how the images change when a joint turns.")
+
 EARLIER_WORDS: dict[object, str] = {  # of earlier versions -> today's
     "untold": "unobservable",
     "rests": "settled",

@@ -13,6 +13,7 @@ from ...analysis.construction import Construction
 from ...estimation.transfers.registry import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
+from ...language import _
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
@@ -31,10 +32,10 @@ COLUMNS = (0, 74, 140, 236, 302, 372)  # px: of the metrics in print
 LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px, in print
 SPARK, SPARK_MOTIONS = (96, 34), 60  # px of the small curve of E, and the motions that it shows at most
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
-HEADINGS = {"own": "The learner’s own arm, left and right eye", "demo": "Demonstrator"}  # of L and R, of l and r
-PUT_BY = {True: "where the lines put it", False: "where the transfer puts it"}  # by whether lines are crossed
+HEADINGS = {"own": _("The learner’s own arm, left and right eye"), "demo": _("Demonstrator")}  # of L and R, of l and r
+PUT_BY = {True: _("where the lines put it"), False: _("where the transfer puts it")}  # by whether lines are crossed
 PRINTED_COLUMN = 108  # px, of the legend in print
-RECTIFIED = {**HEADINGS, "own": "The learner’s own arm; all four images are then rectified"}
+RECTIFIED = {**HEADINGS, "own": _("The learner’s own arm; all four images are then rectified")}
 
 
 def draw_images(
@@ -96,7 +97,7 @@ def draw_images(
         built = draw_construction(construction, shown, stage, images[2:, chosen], gain)
     content = _arms(bodies, windows, whole_frames)
     if standing is not None:
-        for view, (hulls, _) in planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
+        for view, (hulls, __) in planes.draw_arm(standing.own, windows, whole_frames, "LR").items():
             content[view] = f'<path class="vi-standing" d="{hulls}"/>{content[view]}'
     if goal:
         content |= {view: ghost + content[view] for view, ghost in _ghosts(bodies, windows, whole_frames).items()}
@@ -127,7 +128,7 @@ def draw_images(
     metrics = _metrics(snapshot, lengths)
     parts.append(draw_metrics(metrics) if print_size else write_metrics(metrics, course))
     inside = "".join(parts)
-    four = f'<div class="{kind}" role="group" aria-label="The four images">{inside}</div>'
+    four = f'<div class="{kind}" role="group" aria-label="{_("The four images")}">{inside}</div>'
     return f'<div class="vi-panel vi-four">{four}</div>'
 
 
@@ -302,17 +303,17 @@ class LegendEntry(NamedTuple):
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
-    arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
+    arrow = _("residual e") if gain == 1 else _("residual e, ×{gain}").format(gain=f"{gain:g}")
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
-        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
+        LegendEntry('<path class="vi-own" d="M10 0h0"/>', _("own point"), 5, 10),
         LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
         LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
     if goal:
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
-        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
+        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', _("goal"), 3, 14))
     return entries
 
 
@@ -331,13 +332,17 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     """Draw the legend in two rows, for print."""
     entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
+        entries.append(
+            LegendEntry(
+                '<circle class="vi-ring" cx="10" cy="0" r="5"/>', _("point {point}, its").format(point=chosen), 3, 14
+            )
+        )
     if chosen is not None and crossed:
         entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
     elif chosen is not None:
-        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
+        entries.append(LegendEntry(planes.STEPS_SAMPLE, _("steps to it"), 0, 20))
     (width, height), parts = LEGEND_SIZE, []
-    for i, (mark, words, _, _) in enumerate(entries):
+    for i, (mark, words, *__) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
         place = f"translate({2 + PRINTED_COLUMN * (i % 4)} {8 + 16 * (i // 4)})"
         parts.append(f'<g transform="{place}">{mark}{label}</g>')
@@ -375,29 +380,34 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
     if known:
         each = lengths.ravel().tolist()  # for few numbers faster than numpy
         mean, largest = sum(each) / len(each), max(each)
-        where = f" px at {snapshot.usable.nonzero()[0][each.index(largest) // 2]}"
+        point = snapshot.usable.nonzero()[0][each.index(largest) // 2]
+        where = _(" px at {point}").format(point=point)
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
     name = snapshot.method.condition_name
     found = [
         Metric("", "E", svg.escape(svg.short_E(snapshot.E)), " px²" if known else ""),
-        Metric("", "mean |e|", svg.number(mean), " px" if known else ""),
-        Metric("", "largest |e|", svg.number(largest), where),
-        Metric(level, name + word, _short(condition, 100), "", name),
+        Metric("", _("mean |e|"), svg.number(mean), " px" if known else ""),
+        Metric("", _("largest |e|"), svg.number(largest), where),
+        Metric(level, word.format(name=name), _short(condition, 100), "", name),
     ]
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
         found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100), ""))
     if used < count:
-        found.append(Metric("red" if used < MIN_POINTS else "", "seen", f"{used}", f" of {count}", "points seen"))
+        found.append(
+            Metric(
+                "red" if used < MIN_POINTS else "", _("seen"), f"{used}", _(" of {n}").format(n=count), "points seen"
+            )
+        )
     return tuple(found)
 
 
 def write_metrics(metrics: Sequence[Metric], course: Sequence[float] = ()) -> str:
     """Write E large, with a small curve of its course, and the other numbers small, as HTML."""
     first, *others = metrics
-    large = f'<div class="vi-metric vi-E"><span>Conflict E {_ask(first)}</span>{_value(first)}</div>'
+    large = f'<div class="vi-metric vi-E"><span>{_("Conflict E")} {_ask(first)}</span>{_value(first)}</div>'
     small = "".join(
         f'<div class="vi-metric"><span>{metric.label} {_ask(metric)}</span>{_value(metric)}</div>' for metric in others
     )
@@ -428,7 +438,7 @@ def _small_curve(course: Sequence[float]) -> str:
     x = np.linspace(4, width - 5, max(len(E), 12))[: len(E)]
     points = np.stack([x, height - 5 - (height - 10) * (log_E - low) / (high - low)], -1)
     return (
-        f'<svg class="vi vi-spark" viewBox="0 0 {width} {height}" role="img" aria-label="E over the motions">'
+        f'<svg class="vi vi-spark" viewBox="0 0 {width} {height}" role="img" aria-label="{_("E over the steps")}">'
         f'<path class="vi-axis" d="M2 {height - 1}H{width - 2}"/><path class="vi-line-E" d="{svg.path(points)}"/>'
         f'<path class="vi-dot-E" d="{svg.dots(points[-1:])}"/></svg>'
     )
@@ -444,10 +454,10 @@ def draw_metrics(metrics: Sequence[Metric]) -> str:
 def gauge(condition: float) -> tuple[str, str]:
     """Return the colour and the word for a transfer's condition."""
     if condition >= RED:
-        return "red", ": too high"
+        return "red", _("{name}: too high")
     if condition >= AMBER:
-        return "amber", ": high"
-    return "", ""
+        return "amber", _("{name}: high")
+    return "", "{name}"
 
 
 def _short(value: float, whole_from: float = 1000) -> str:

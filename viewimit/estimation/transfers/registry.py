@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.affine import DEMO_PAIR, VIEW_PAIRS
+from ...language import _
 from ..equations import HOLE, Equation, column, each, matrix, number, short
 from ..residuals import warn_renamed
 from ..views import FourViews
@@ -26,7 +27,7 @@ from .transfer import FittedTransfer, TransferFunction, fit_function
 PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
 LINE_PAIRS = tuple("lrLR"[p] + "lrLR"[q] for p, q in np.delete(VIEW_PAIRS, DEMO_PAIR, 0))  # of the rows of 𝐀, Eq. (4)
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]
-FLAT = "the points nearly lie in a plane, E may mislead"
+FLAT = _("The points nearly lie in a plane, so E may mislead.")
 
 Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple[Equation, ...]]
 
@@ -161,34 +162,34 @@ def _rank3_conflict(E: float) -> Equation:
 TRANSFERS = Transfers(
     {
         "epipolar": TransferMethod(
-            title="Epipolar (paper)",
-            assumes="Affine cameras: each point is where the epipolar lines of its images in l and r cross.",
-            limitations="Lines nearly parallel, and depth in the views: E is least degrees off, and no claim is made.",
+            title=_("Epipolar (paper)"),
+            assumes=_("Affine cameras. Each point is where the epipolar lines of its images in l and r cross."),
+            limitations=_("Nearly parallel lines, and perspective: the lowest E is degrees off, so no claim."),
             fit=epipolar.fit,
             equations=_epipolar_equations,
             crosses_lines=True,
             condition_name="cond A",
-            degenerate_message="epipolar lines nearly parallel, E may mislead",
+            degenerate_message=_("The epipolar lines are nearly parallel, so E may mislead."),
         ),
         "linear": TransferMethod(
-            title="Linear combination",
-            assumes="Affine cameras: each own image is an affine function of the demonstrator's shape.",
-            limitations="Depth in the views: E is least degrees off, and no claim is made. No lines are crossed.",
+            title=_("Linear combination"),
+            assumes=_("Affine cameras. Each image of the learner is an affine function of the demonstrator's shape."),
+            limitations=_("Perspective: the lowest E is degrees off, so no claim. It never intersects lines."),
             fit=linear.fit,
             equations=_affine_equations,
         ),
         "rank3": TransferMethod(
-            title="Rank 3, all views",
-            assumes="Affine cameras, and equal noise in all four images, which are fitted at once.",
-            limitations="Depth in the views: the largest bias without noise, so no claim; steady under much noise.",
+            title=_("Rank 3, all views"),
+            assumes=_("Affine cameras, and equal noise in all four images, which it fits at once."),
+            limitations=_("Perspective: the largest bias without noise, so no claim. It is steady under much noise."),
             fit=rank3.fit,
             equations=_affine_equations,
             conflict_equation=_rank3_conflict,
         ),
         "projective": TransferMethod(
-            title="Projective combination",
-            assumes="Parallel optical axes, or rectified images: both of a pair have one depth. Then it is exact.",
-            limitations="Lenses that distort, and much noise: the demonstrator's is amplified, so average its frames.",
+            title=_("Projective combination"),
+            assumes=_("Parallel optical axes, or rectified images: a point has one depth in both."),
+            limitations=_("Distorting lenses, and much noise: average several images of the demonstrator."),
             fit=projective.fit,
             equations=_projective_equations,
             homography_of_space=True,

@@ -3,8 +3,9 @@
 import numpy as np
 
 from ...estimation.equations import Equation, angles, short
+from ...language import _, ngettext, sentences
 from ..servo import LastMotion
-from ..status import ServoStatus
+from ..status import TEST_MOVE, ServoStatus
 from .options import DEFAULTS, TrustRegionOptions
 from .state import Phase, TrustRegionState
 
@@ -16,7 +17,7 @@ _BY_KINEMATICS = (
     r"\hat{𝐲}_i(𝛉)=\pi\left(𝐂\,e^{\theta_1𝐆_1}\cdots e^{\theta_m𝐆_m}\,𝐗_i\right),\quad "
     r"𝛉^{*}=\underset{𝛉}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 )
-AT_JOINT_LIMIT = "a joint was sent to its limit: if the arm moves less than commanded, begin nearer"
+AT_JOINT_LIMIT = _("A joint was sent to its limit. If the arm moves less than commanded, begin nearer.")
 
 
 def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equation, ...]:
@@ -39,39 +40,43 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     if state.explanation is not None and status.is_at_rest:
         return state.explanation.misfit.describe()
     if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
-        return "no naming of the demonstrator's points explains its images"
+        return _("No naming of the demonstrator's points explains its images.")
     if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:
-        return "two answers: other names of the points explain the images as well, in another posture"
+        return _("There are two answers: other names of the points explain the images as well, in another pose.")
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
-        return "E rises in every direction, and no motion leads nearer"
+        return _("E rises in every direction, and no step leads nearer.")
     if status == ServoStatus.CONVERGED:
-        return f"E leaves no room for {np.degrees(options.xtol_converged):.1g}° and rises in every direction"
+        error = f"{np.degrees(options.xtol_converged):.1g}°"
+        return _("An error of {error} would show, as E rises in every direction.").format(error=error)
     if status == ServoStatus.SETTLED:
-        return "no evidence yet that E rises in every direction"
+        return _("There is no evidence yet that E rises in every direction.")
     if status == ServoStatus.UNOBSERVABLE:
-        return "E does not rise in every direction"
+        return _("E does not rise in every direction.")
     if status == ServoStatus.NO_PROGRESS:
-        elsewhere = f"nothing lower in {search.n_restarts} searches elsewhere"
-        found = elsewhere if search.n_restarts else "nothing lower nearby"
-        return f"{found}; {AT_JOINT_LIMIT}" if state.destination.at_joint_limit else found
+        n = search.n_restarts
+        elsewhere = ngettext("No lower E in {n} search elsewhere.", "No lower E in {n} searches elsewhere.", n)
+        found = elsewhere.format(n=n) if n else _("No lower E nearby.")
+        return sentences(found, AT_JOINT_LIMIT if state.destination.at_joint_limit else "")
     if state.destination.status is not None:
-        return "back to the best posture"
+        return _("It goes back to the best pose.")
     if search.min_points:
-        return f"looks where more than {search.min_points - 1} points are visible, as these leave a joint undetermined"
+        text = _("It looks for poses that show {n} points or more, because these leave a joint undetermined.")
+        return text.format(n=search.min_points)
     if search.n_restarts:
-        return f"looks for a smaller E, as noise does not explain this one: search {search.n_restarts}"
+        text = _("It searches for a smaller E elsewhere (search {n}), because noise does not explain this one.")
+        return text.format(n=search.n_restarts)
     if state.phase is Phase.MATCH:
-        return "learns more of its images, as no naming of the demonstrator's points explains its own yet"
+        return _("It learns more of its images, because no naming of the demonstrator's points explains them yet.")
     if state.probe:
-        return "a probe, to learn how the images move"
+        return TEST_MOVE
     if state.mismatch is not None:
-        return "the arm is not where it was sent, so its images determine its posture"
+        return _("The arm is not where it was sent, so its images determine its pose.")
     if search.partial_points:
-        return "uses points that one camera alone sees, too, as the others leave a joint undetermined"
+        return _("It also uses points that only one camera sees, because the others leave a joint undetermined.")
     if state.kinematics is not None:
-        return "knows how its joints turn its points, and goes to the smallest predicted E"
+        return _("It knows how its joints turn its points, and goes to the smallest predicted E.")
     transfer = options.ladder[search.rung][0]
-    return f"tries the {transfer} transfer" if transfer else ""
+    return _("It tries the {transfer} transfer.").format(transfer=transfer) if transfer else ""
 
 
 def _outcome(state: TrustRegionState, motion: LastMotion) -> str:

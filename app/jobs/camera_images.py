@@ -25,7 +25,7 @@ from viewimit.simulation.world import World
 
 from . import camera_child
 
-MOST_SESSIONS = 8  # that share the seven motions a second of one process
+MOST_SESSIONS = 8  # that share the twenty motions a second of one process
 UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
 ANSWERS_WITHIN_S = 30.0  # else it hangs
 IDLE_S = 60.0  # without a look, after which a place may go to who asks for one
@@ -213,7 +213,7 @@ class CameraProcess:
 
 # What one session of a page looks with: projected points here, or pictures in the process of the camera images.
 
-MOST_PX = 1280 * 720  # of an image: a look takes 6 s then, for which all others wait
+MOST_PX = 1280 * 720  # of an image: a look takes 0.1 s then, for which all others wait
 MOST_LOOKS = 60  # whose pictures are kept, of a session: 1 MB
 
 

@@ -144,9 +144,8 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4
     press(page, "ArrowRight")
     page.wait_for_selector(f"{POSTURE} >> text=/^40[.]?/", timeout=60_000)
-    seen = int(re.search(r"points seen\s*(\d+)\s*of 36", page.text_content("body"))[1])
     in_L, in_R, *_ = page.evaluate(DOTS, DETECTED)
-    assert in_L == in_R == seen >= 5
+    assert in_L == in_R >= 5
     assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")
     assert re.search(r"E is [\d.]+ px²", status(page))

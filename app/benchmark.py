@@ -60,6 +60,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
             moved = session.step()
             stepped = time.process_time()
             model.refresh(0.0)
+            assert scene.arms is not None  # of the world that is built
             scene.arms.draw(*model.poses(0.0))
             scene.show(model)
             for drawing in layout.drawings:

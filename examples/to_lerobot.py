@@ -3,8 +3,8 @@
     pip install lerobot
     python examples/to_lerobot.py FOLDER
 
-A frame holds the image points of both arms in all four views, their residuals, and the angles that the learner was sent to,
-and as its action the angles that it was sent to next. Points that were not seen are 0, with a mask beside them.
+A frame holds the image points of both arms in all four views, their residuals, and the angles that the learner was sent
+to, and as its action the angles that it was sent to next. Points that were not seen are 0, with a mask beside them.
 """
 
 import sys

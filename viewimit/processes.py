@@ -58,7 +58,10 @@ def stop_signals() -> list[signal.Signals]:
 
     nohup's wish not to hear of the terminal is kept.
     """
-    terminal = signal.SIGBREAK if sys.platform == "win32" else signal.SIGHUP
+    if sys.platform == "win32":
+        terminal = signal.SIGBREAK
+    else:
+        terminal = signal.SIGHUP
     ignored = signal.getsignal(terminal) == signal.SIG_IGN
     return [signal.SIGINT, signal.SIGTERM, *([] if ignored else [terminal])]
 

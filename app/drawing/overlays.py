@@ -195,8 +195,8 @@ def posture_links(scene: Scene) -> str:
             one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
-    x, y, *__ = plane.box
-    hint = svg.text(x + 6, y + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
+    left, top, *__ = plane.box
+    hint = svg.text(left + 6, top + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
     return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 

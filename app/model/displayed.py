@@ -279,9 +279,10 @@ class Displayed:
         print_size
             As in `viewimit.drawing.images.panel.draw_images`.
         """
-        view, now, session, construction = self.view, self.image_snapshot, self.session, None
+        view, now, session = self.view, self.image_snapshot, self.session
+        construction: Construction | None = None
         if view.chosen is not None:
-            construction: Construction | None = construct(now, view.chosen)
+            construction = construct(now, view.chosen)
         before = session.history[max(session.cursor + 1 - SPARK_MOTIONS, 0) : session.cursor + 1]
         return draw_images(
             now,

@@ -28,9 +28,9 @@ class Queued:
         Of entries with the same key the newest is enough. None: each counts.
     """
 
-    moves: bool = False
-    order_independent: bool = False
-    cancels: bool = False
+    moves: ClassVar[bool] = False
+    order_independent: ClassVar[bool] = False
+    cancels: ClassVar[bool] = False
 
     @property
     def coalesce_key(self) -> Hashable | None:
@@ -73,9 +73,9 @@ class Command:
     parsers: tuple[Callable[[Any], Any], ...] = ()
     takes_now: bool = False
     latest: bool = False
-    moves: bool = False
-    order_independent: bool = False
-    cancels: bool = False
+    moves: ClassVar[bool] = False
+    order_independent: ClassVar[bool] = False
+    cancels: ClassVar[bool] = False
     link: bool = False
     camera: Callable[..., bool] | None = None
 

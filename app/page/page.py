@@ -60,7 +60,8 @@ class Page:
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
         self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
         self._world: World | None = None  # that is drawn
-        self._docked, self._posed = False, None  # whether it is drawn at all; the poses that are drawn
+        self._docked = False  # whether it is drawn at all
+        self._posed: tuple[bytes, ...] | None = None  # the poses that are drawn
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         budget = TimeBudget(services.clock)
@@ -154,7 +155,8 @@ class Page:
 
     def _due_drawings(self) -> list[ToDraw]:
         """Of what has changed and is due."""
-        model, to_draw = self.model, []
+        model = self.model
+        to_draw: list[ToDraw] = []
         if self._scene.arms is not None and self._redraw.changed(Scene3D, self._scene.key(model)):
             to_draw.append((Scene3D, partial(self._scene.show, model)))
         for drawing in self.layout.drawings:

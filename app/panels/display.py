@@ -2,6 +2,7 @@
 what a small window shows of it."""
 
 import html
+from functools import partial
 
 from viser import Icon
 
@@ -47,7 +48,7 @@ def display(layout: Layout, model: PageModel) -> None:
         camera = layout.checkbox("Camera images", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
         for label, name in SWITCHES:
-            layout.checkbox(label, lambda model, name=name: model.view.on(name), "switch", name)
+            layout.checkbox(label, partial(_is_on, name), "switch", name)
         layout.button(("Fit view", None), "fit_view")
     queue.on_value(chosen, "choose_point")
     queue.on_value(points, "points")
@@ -197,3 +198,8 @@ def points(layout: Layout, model: PageModel) -> None:
         put_html(told, f'<div class="vi-edited">{content}</div>')
 
     layout.drawing(lambda model: (model.points.shown, model.generation), draw)
+
+
+def _is_on(name: str, model: PageModel) -> bool:
+    """Whether a switch of the page is on."""
+    return model.view.on(name)

@@ -1,5 +1,7 @@
 """E over the postures and the learner's path in it; or all transfers' landscapes. A posture is touched there."""
 
+from functools import partial
+
 from viser import Icon
 
 from viewimit.drawing.glossary import ask
@@ -32,7 +34,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
             layout.button(_starts_look, "starts", hint=STARTS)
             layout.checkbox("Look only", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY)
         for over in (ground, path, preview, links, cost, basin):
-            layout.bind(alone, lambda shown, over=over: put_visible(over, shown))
+            layout.bind(alone, partial(put_visible, over))
         drawn: list = [None]  # the landscape that lies under the path
 
         def key(model: PageModel) -> tuple:

@@ -26,7 +26,7 @@ from ..viser_private import push_input, push_property
 SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, which nobody reads faster
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
-Look = tuple[str, IconName]  # a button's label and icon
+Look = tuple[str, IconName | None]  # a button's label and icon
 
 
 class ClientInfo(NamedTuple):

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from viewimit.app.sessions.link import Linked, written
+from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
 from viewimit import Session, Settings
 
@@ -47,4 +47,7 @@ def chosen(name: str) -> int:
 
 def address(name: str) -> str:
     """Of the page in that state."""
-    return PAGE + written(Linked(script=session(name).script, chosen=chosen(name), show=STATES[name].show))
+    shown = session(name)
+    present = Branch(runs=(Run(script=shown.script, cursor=shown.cursor),))
+    saved = SavedPage(present=present, settings=shown.settings, chosen=chosen(name), show=STATES[name].show)
+    return PAGE + encode_link(saved)

@@ -161,8 +161,8 @@ def describe(
         now = _("E is {E} px², falling by {share} % per step.")
     else:
         now = _("E is {E} px², rising by {share} % per step.")
-    said = now.format(E=E, share=svg.number(100 * abs(trend or 0), 0))
-    return StatusMessage(state, sentences(said, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
+    sentence = now.format(E=E, share=svg.number(100 * abs(trend or 0), 0))
+    return StatusMessage(state, sentences(sentence, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
 
 
 def _resting(

@@ -42,7 +42,7 @@ from .benchmark import (
 from .bound import bound
 from .draws import draw_postures
 
-NOISE = {"noise_px": 0.25, "frames": 25, "points": 16}
+NOISE: dict[str, Any] = {"noise_px": 0.25, "frames": 25, "points": 16}
 MAX_MOTIONS = 80
 MEDIAN_OF_TWO = 1.0518  # median of the larger of two |x|, x standard normal: Φ(x) = (1 + √½) / 2
 N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # as of the calibration of claims
@@ -157,14 +157,14 @@ def _mixed_up(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 def _other_head(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     head, zoom, wider = scene.stereo_head(), rng.uniform(*FOCAL), rng.uniform(*BASELINE)
     shift = rng.uniform(-CENTRE_PX, CENTRE_PX)
-    lenses = [
+    left, right = (
         replace(
             lens, focal=(zoom * lens.focal[0], zoom * lens.focal[1]), centre=(lens.centre[0] + shift, lens.centre[1])
         )
         for lens in (head.left, head.right)
-    ]
+    )
     other = StereoHead(
-        head.position, wider * head.baseline_m, head.width, head.height, *lenses, head.verged, head.toe_in
+        head.position, wider * head.baseline_m, head.width, head.height, left, right, head.verged, head.toe_in
     )
     return OtherDemonstrator(scene, points, cameras=Cameras(other.gaze(scene.head.gaze_demonstrator)))
 
@@ -261,7 +261,7 @@ def run_once(name: str, seed: list[int]) -> Row:
     case, rng = next(case for case in CASES if case.name == name), np.random.default_rng(seed)
     settings = Settings(joints=case.joints, **NOISE)
     scene = Session(settings).scene
-    postures = draw_postures(scene, rng, case.offset_deg)
+    postures: dict[str, Any] = dict(draw_postures(scene, rng, case.offset_deg))
     settings = Settings(joints=case.joints, seed=int(rng.integers(2**32)), **NOISE, **postures)
     session = Session(settings, open_eyes=lambda camera, scene, points: case.eyes(rng, scene, points))
     if case.stops_short and isinstance(session.embodiment, SimulatedRobot):

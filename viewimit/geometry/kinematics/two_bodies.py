@@ -293,7 +293,7 @@ def with_shared_metric(kinematics: ProjectiveKinematics, H: Array) -> Projective
     values, vectors = np.linalg.eigh(g * np.sign(np.trace(g)))
     if values[0] <= MIN_METRIC * values[-1]:
         return kinematics
-    U = np.linalg.qr(np.sqrt(values)[:, None] * vectors.T, mode="r")
+    U = np.linalg.qr(np.sqrt(values)[:, None] * vectors.T)[1]
     U = U * np.sign(np.diag(U))[:, None] / abs(U[2, 2])
     frame = np.concatenate([np.log(np.diag(U)[:2]), U[[0, 0, 1], [1, 2, 2]], A[3, :3]])
     found = replace(kinematics, parameters=np.concatenate([frame, kinematics.parameters[N_FRAME:]]))

@@ -256,7 +256,7 @@ def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange,
         changes = [_relative_length(replace(pair, parameters=pair.parameters + step), inner, outer) for step in steps]
         if np.isfinite(changes).all():
             gradient = (np.array(changes[1:]) - changes[0]) / FD_STEP
-            std = float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
+            std = float(np.sqrt(max(float(gradient @ covariance @ gradient), 0.0)))
             found.append(LinkChange((inner, outer), float(changes[0]), std))
     return tuple(found)
 

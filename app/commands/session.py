@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,8 +184,8 @@ class Arrived(Queued):
     """What was played beside the page, which becomes it."""
 
     played: Played
-    moves: ClassVar[bool] = True
-    cancels: ClassVar[bool] = True
+    moves = True
+    cancels = True
 
     @property
     def coalesce_key(self) -> Hashable:

@@ -5,7 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 PENDING_LIMIT = 200  # actions that wait, per page
 MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
@@ -28,9 +28,9 @@ class Queued:
         Of entries with the same key the newest is enough. None: each counts.
     """
 
-    moves: ClassVar[bool] = False
-    order_independent: ClassVar[bool] = False
-    cancels: ClassVar[bool] = False
+    moves: bool = False
+    order_independent: bool = False
+    cancels: bool = False
 
     @property
     def coalesce_key(self) -> Hashable | None:
@@ -73,9 +73,9 @@ class Command:
     parsers: tuple[Callable[[Any], Any], ...] = ()
     takes_now: bool = False
     latest: bool = False
-    moves: ClassVar[bool] = False
-    order_independent: ClassVar[bool] = False
-    cancels: ClassVar[bool] = False
+    moves: bool = False
+    order_independent: bool = False
+    cancels: bool = False
     link: bool = False
     camera: Callable[..., bool] | None = None
 
@@ -151,7 +151,7 @@ class JobResult(Queued):
 class DemonstratorJobResult(JobResult):
     """A result that moves the demonstrator, or the whole session."""
 
-    moves: ClassVar[bool] = True
+    moves = True
 
 
 class CommandQueue:

@@ -20,7 +20,7 @@ def main() -> int:
     (step,) = lesson.step
     found = {
         dealt.digest: compute_rounds(dealt, ROUNDS)
-        for dealt in deals(situation_of(lesson, step), step.id, SCENE_DEALS, DEAL_SEED)
+        for dealt in deals(situation_of(lesson, step), SCENE_DEALS, DEAL_SEED)
     }
     ROOT.joinpath("lessons", "rounds.json").write_text(json.dumps(found, separators=(",", ":")) + "\n", "utf-8")
     return 0

@@ -9,14 +9,15 @@ Mark whole sentences, with named fields: `_("Point {name} is hidden.").format(na
 
 import gettext
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from .assets import ROOT
 
 DOMAIN = "viewimit"
 FOLDER = ROOT / "locale"
 _catalog = gettext.translation(DOMAIN, os.environ.get("VIEWIMIT_LOCALE", FOLDER), fallback=True)
-_, ngettext = _catalog.gettext, _catalog.ngettext
+_: Callable[[str], str] = _catalog.gettext
+ngettext: Callable[[str, str, int], str] = _catalog.ngettext
 
 
 def sentences(*texts: str) -> str:

@@ -7,11 +7,12 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 if sys.platform == "win32":
     import ctypes
 
-    kernel32 = ctypes.WinDLL("kernel32")
+    kernel32: Any = ctypes.WinDLL("kernel32")
     kernel32.GetCurrentProcess.restype = ctypes.c_void_p
     kernel32.SetPriorityClass.argtypes = ctypes.c_void_p, ctypes.c_uint32
     BELOW_NORMAL_PRIORITY_CLASS = 0x4000

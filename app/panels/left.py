@@ -7,6 +7,7 @@ from viser import Icon
 from viewimit.drawing.glossary import key_of
 from viewimit.drawing.svg import number
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
@@ -67,7 +68,7 @@ def copy(layout: Layout, model: PageModel) -> None:
     motion = gui.add_button_group("Motion", list(MOTIONS))
 
     @motion.on_click
-    async def _(event) -> None:
+    async def call_chosen(event) -> None:
         if event.target.value in MOTIONS:
             layout.queue.call(MOTIONS[event.target.value])
 
@@ -87,7 +88,8 @@ def history(layout: Layout, model: PageModel) -> None:
         cursor, last = model.player.cursor, model.player.last
         put_max(slider, max(last, 1))
         put(slider, cursor)
-        put_html(count, f'<div class="vi-count"><span>Motion {cursor} of {last}</span></div>')
+        step = _("Step {n} of {last}").format(n=cursor, last=last)
+        put_html(count, f'<div class="vi-count"><span>{step}</span></div>')
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
     layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)

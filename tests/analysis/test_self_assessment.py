@@ -112,7 +112,7 @@ def test_no_flight_goes_without_a_word():
         if now.servo_state.search.n_restarts:
             said.append(servo.describe_status(now.servo_state, now.status))
     assert len(said) > 4
-    assert all("looks for a smaller E" in words or words == "back to the best posture" for words in said)
+    assert all("searches for a smaller E" in words or words == "It goes back to the best pose." for words in said)
     last = session.snapshot
     assert last.status == "no-progress" and "No lower E in 4 searches" in servo.describe_status(
         last.servo_state, last.status

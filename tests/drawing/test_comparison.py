@@ -28,7 +28,7 @@ class LaterWorker(dict):
 
 @pytest.fixture
 def compared():
-    session, shown, worker, queue = Session(Settings.paper()), [], LaterWorker(), CommandQueue()
+    session, shown, worker, queue = Session(Settings.paper()), [], LaterWorker(), CommandQueue({})
     comparison = Comparison(1, worker, queue)
 
     def tick():

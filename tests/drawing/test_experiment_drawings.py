@@ -36,7 +36,7 @@ from drawn import (
     words,
 )
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.panels import experiments as verdict
+from viewimit.app.panels.experiments import draw_progress, draw_verdict
 from viewimit.app.static import PAGE_CSS
 
 from viewimit.drawing import plots, svg, theme
@@ -414,7 +414,7 @@ CLAIMS = (
 
 class TestVerdict:
     def test_rows_are_judged_by_shape_colour_and_word(self):
-        html = verdict.draw_verdict(Run("fig9", "done", claims=CLAIMS))
+        html = draw_verdict(Run("fig9", "done", claims=CLAIMS))
         rows = list(parsed(html).iter("tr"))[1:]
         assert [row[0].text for row in rows] == ["broyden, came within 3°", "Eq. (11): E convex", "broyden, smallest E"]
         assert ["".join(row[4].itertext()) for row in rows] == ["pass", "–", "miss"]
@@ -424,8 +424,8 @@ class TestVerdict:
         assert parsed(html).find(".//p/b").text == f"1 of 2 holds; {HOSTILE} does not"
 
     def test_where_nothing_is_found_it_says_why(self):
-        assert words(verdict.draw_verdict(Run("fig9", "failed", problem=HOSTILE))) == f"Fig. 9 failed: {HOSTILE}"
-        assert verdict.draw_verdict(None) == verdict.draw_verdict(Run("fig9", "running")) == ""
+        assert words(draw_verdict(Run("fig9", "failed", problem=HOSTILE))) == f"Fig. 9 failed: {HOSTILE}"
+        assert draw_verdict(None) == draw_verdict(Run("fig9", "running")) == ""
 
     @pytest.mark.parametrize(
         "run, said, percent",
@@ -448,7 +448,7 @@ class TestVerdict:
         ids=str,
     )
     def test_progress(self, run, said, percent):
-        root = parsed(verdict.draw_progress(run, "fig9"))
+        root = parsed(draw_progress(run, "fig9"))
         bar = next(box for box in root.iter("div") if box.get("role") == "progressbar")
         assert "".join(root.itertext()) == said and bar.get("aria-valuenow") == str(percent)
         assert bar.get("aria-label") == ("experiment" if run is None else EXPERIMENTS[run.name].short_title)

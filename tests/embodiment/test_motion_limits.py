@@ -144,7 +144,7 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     last = session.run(200).last
     assert last.status == "no-progress" and last.servo_state.search.n_restarts == restarts
     words = SERVOS["trust-region"].describe_status(last.servo_state, last.status)
-    assert ("searches elsewhere" in words) == (restarts > 0)
+    assert ("elsewhere" in words) == (restarts > 0)
     if restarts == 0:
         assert not any(moment.servo_state.search.n_restarts for moment in session.history[1:])
         assert "No lower E nearby" in words

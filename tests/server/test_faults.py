@@ -62,7 +62,7 @@ def work(client: Client) -> None:
     last = once_drawn(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4
-    taken = lambda: any(f'{MOTIONS_MADE}"><span>4 of' in html for html in client.html.values())  # by the server
+    taken = lambda: any(f'{MOTIONS_MADE}"><span>Step 4 of' in html for html in client.html.values())  # by the server
     wait_until(lambda: taken() and learner_of(client) != last["learner"] and client.status != last["status"])
 
 

@@ -42,7 +42,7 @@ from .benchmark import (
 from .bound import bound
 from .draws import draw_postures
 
-NOISE: dict[str, Any] = {"noise_px": 0.25, "frames": 25, "points": 16}
+NOISE: dict[str, Any] = dict(noise_px=0.25, frames=25, points=16)
 MAX_MOTIONS = 80
 MEDIAN_OF_TWO = 1.0518  # median of the larger of two |x|, x standard normal: Φ(x) = (1 + √½) / 2
 N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # as of the calibration of claims

@@ -144,7 +144,9 @@ def fit_kinematics(
     return found if extended is found else problem.restricted_to_known(extended).solve(extended) or found
 
 
-def _initial(observations: Observations, images: NDArray, rectification: Rectification | None) -> ProjectiveKinematics:
+def _initial(
+    observations: Observations, images: NDArray[np.float64], rectification: Rectification | None
+) -> ProjectiveKinematics:
     """Kinematics that know no point yet. images: (K, N, 4) px, rectified."""
     visible = observations.visible_in_both
     frame = StereoFrame.fit(images[visible])
@@ -199,7 +201,7 @@ def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observati
 
 
 def _reassigned(
-    kinematics: ProjectiveKinematics, points: NDArray, problem: BundleAdjustment, required: bool = True
+    kinematics: ProjectiveKinematics, points: NDArray[np.bool_], problem: BundleAdjustment, required: bool = True
 ) -> ProjectiveKinematics:
     """Let these points, (N,) bool, be moved by the joints that fit all their images.
 

@@ -89,7 +89,9 @@ def jacobian(model: Any, residuals_of: Residuals, residuals: NDArray[np.float64]
     return np.nan_to_num((residuals_of(stepped) - residuals) / FD_STEP)
 
 
-def _linearised(found: Model, residuals_of: Residuals, residuals: NDArray, prior: NDArray) -> Callable[[float], Model]:
+def _linearised(
+    found: Model, residuals_of: Residuals, residuals: NDArray[np.float64], prior: NDArray[np.float64]
+) -> Callable[[float], Model]:
     """Return the function from a damping to the minimum of the damped linear model."""
     J, P = jacobian(found, residuals_of, residuals), len(found.parameters)
     A, B, C = normal_equations(J, P)

@@ -132,13 +132,13 @@ def joints_moving_points(
     return moved | (~decided & by_outer), (decided | by_outer | by_inner).all(1)
 
 
-def _moves_more(moved: NDArray) -> NDArray:
+def _moves_more(moved: NDArray[np.bool_]) -> NDArray[np.float64]:
     """(m, m) bool: whether one joint moves all points that another one moves, and more. moved: (n, m) bool."""
     beyond = moved.T.astype(int) @ ~moved  # number of points that the first moves and the second does not
     return (beyond > 0) & (beyond.T == 0)
 
 
-def _single_joint_pairs(displacement: NDArray) -> list[tuple[int, int, int]]:
+def _single_joint_pairs(displacement: NDArray[np.float64]) -> list[tuple[int, int, int]]:
     """(k, l, joint): pairs of visits between which one joint was turned, and no other."""
     k, l = np.triu_indices(len(displacement), 1)
     turned = np.abs(displacement[k] - displacement[l])

@@ -168,19 +168,19 @@ class ProjectiveKinematics:
     def clusters(self) -> LinkClusters:
         return LinkClusters.from_table(self.moved_by)
 
-    def motions(self, displacement: NDArray) -> NDArray:
+    def motions(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """Motions of projective space, (..., B, m, 4, 4), at displacements (B, m) rad, or (..., B, m) rad."""
         return exponentials(*self._generators, displacement - self.reference)
 
     @cached_property
-    def _generators(self) -> tuple[NDArray, NDArray]:
+    def _generators(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`generator_powers` of each joint, (..., m, 4, 4, 4), and its rate |ω|, (..., m)."""
         twists = self.parameters[..., N_FRAME:].reshape(*self.parameters.shape[:-1], -1, 6)
         A, rate = self.metric_upgrade[..., None, :, :], np.sqrt((twists[..., :3] ** 2).sum(-1))
         return generator_powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
 
     @property
-    def metric_upgrade(self) -> NDArray:
+    def metric_upgrade(self) -> NDArray[np.float64]:
         """A, (..., 4, 4): from the projective frame to a metric one."""
         return frame_matrices(self.parameters[..., :N_FRAME])
 

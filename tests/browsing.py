@@ -178,7 +178,8 @@ def uncovered_row(page, label: str):
 
 def _named(label: str) -> re.Pattern:
     """A label, with the name of the joint before its symbol."""
-    return re.compile(f"^(Start )?(?:{drawn.JOINT_NAME})?{re.escape(label.removeprefix('Start '))}$")
+    start, name = ("Start ", label.removeprefix("Start ")) if label.startswith("Start ") else ("", label)
+    return re.compile(f"^{start}(?:{drawn.JOINT_NAME})?{re.escape(name)}$")
 
 
 def set_number(page, label: str, value) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 from viewimit.drawing import svg
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
 from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
@@ -165,37 +166,37 @@ class Preset:
 
 PRESETS = (
     Preset(
-        "Paper, Section 5.3",
+        _("Paper, Section 5.3"),
         Settings.paper(),
         2,
-        "Ten points in four images: where their conflict E is least, arms nearly agree.",
+        _("Ten points, four pictures. Press Play and watch the conflict shrink."),
     ),
     Preset(
-        "Beyond the paper",
+        _("Beyond the paper"),
         Settings(),
         2,
-        "No bias, a handful of motions: it asks for E of images that it predicts.",
+        _("Our best method: exact in 5 to 10 steps, as it predicts images before it moves."),
     ),
     Preset(
-        "The paper's own law",
+        _("The paper's own law"),
         Settings.paper(servo="gradient", start_deg=(30, -60)),
         0,
-        "Eq. (13) as printed: u fades with E, and the learned gradient goes stale.",
+        _("The paper's law as printed. Its steps shrink with E, so it slows to a crawl."),
     ),
     Preset(
-        "The paper's law, retuned",
+        _("The paper's law, retuned"),
         Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
         0,
-        "More gain, bounded steps, dither: near in hundreds of motions, never at rest.",
+        _("With a larger gain it comes near in hundreds of steps, but never stands still."),
     ),
     Preset(
-        "Linear combination of views",
+        _("Linear combination of views"),
         Settings.paper(transfer="linear", start_deg=(75, -150)),
         2,
-        "No lines are intersected, so none can be parallel; it ends as near.",
+        _("Just as accurate. It intersects no lines, so parallel ones cannot spoil it."),
     ),
     Preset(
-        "Seven joints",
+        _("Seven joints"),
         Settings(
             joints=tuple(range(1, 8)),
             points=16,
@@ -203,71 +204,71 @@ PRESETS = (
             start_deg=(-10, 25, 10, -50, -15, 75, 60),
         ),
         2,
-        "More unknowns, the same method. The wrist moves its points least.",
+        _("Seven unknowns. The wrist is hardest to see, as it moves its points least."),
     ),
     Preset(
-        "Verged cameras",
+        _("Verged cameras"),
         Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
         2,
-        "Each camera looks at the gaze point itself: E is least at a wrong posture.",
+        _("Each camera looks at the gaze point itself. The lowest E is at a wrong pose."),
     ),
     Preset(
-        "Toed-in cameras",
+        _("Toed-in cameras"),
         Settings(scene="panda-toed", start_deg=(25, -45)),
         2,
-        "Unlike eyes, turned inwards: their matches alone tell how to rectify them.",
+        _("Two different cameras, toed in. Matched points alone rectify their images."),
     ),
     Preset(
-        "Demonstrator faces the learner",
+        _("Demonstrator faces the learner"),
         Settings.paper(scene="panda-facing", start_deg=(25, -45)),
         2,
-        "Turned by 180°, near and far swap: E is least many degrees off, and far from 0.",
+        _("Near and far swap for a demonstrator that faces the learner: far from exact."),
     ),
     Preset(
-        "Few points",
+        _("Few points"),
         Settings.paper(points=5, start_deg=(25, -45)),
         2,
-        "Five are the least for which E is not always 0: too few to tell a joint by.",
+        _("With four points E is always 0. With five it is nearly flat: no joint is found."),
     ),
     Preset(
-        "Nearly coplanar points",
+        _("Nearly coplanar points"),
         Settings.paper(scene="panda-flat", start_deg=(25, -45)),
         2,
-        "Points near one plane leave one coordinate to chance: watch σ₁/σ₃.",
+        _("The points nearly lie in one plane, so one coordinate is left to chance."),
     ),
     Preset(
-        "Half a pixel of noise",
+        _("Half a pixel of noise"),
         Settings.paper(noise_px=0.5, start_deg=(25, -45)),
         2,
-        "The minimum itself moves by degrees: the transfer amplifies the noise.",
+        _("Noise moves the minimum itself by degrees, because the transfer amplifies it."),
     ),
     Preset(
-        "Points get lost",
+        _("Points get lost"),
         Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
         2,
-        "A point counts only if all four views see it; below five the arm holds still.",
+        _("A point counts if all four images show it. Below five, the arm holds still."),
     ),
     Preset(
-        "Points without names",
+        _("Points without names"),
         Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
         2,
-        "The demonstrator's points come in any order: after two probes it names them.",
+        _("The points come in any order. After two test moves the learner names them."),
     ),
     Preset(
-        "KUKA iiwa",
+        _("KUKA iiwa"),
         Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,
-        "Another body, the same method: nothing in it knows the robot.",
+        _("Another robot, the same method: it knows no robot."),
     ),
     Preset(
-        "Camera images",
+        _("Camera images"),
         Settings(sensor="rendered"),
         2,
-        "Pictures of arms that wear coloured balls: only balls detected in them count.",
+        _("Rendered pictures. Only coloured balls that are detected in them count."),
     ),
 )
 
-AS_STARTED = "As started"
+AS_STARTED = _("As started")
 
 
 def presets_from(asked: Settings) -> dict[str, Preset]:

@@ -100,7 +100,7 @@ def test_a_new_visitor_sees_everything(used_page):
     names = page.locator(VIEW_NAME).all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    tabs = ["Images", "Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
+    tabs = ["Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
     assert row(page, "Transfer").locator("input:visible").first.input_value() == "Epipolar (paper)"
     assert chosen_point(page) and page.locator(EPIPOLAR_LINE).count() == 15  # three in each image, and the legend's
@@ -153,7 +153,7 @@ def test_every_preset_runs(session):
         start = posture(page)
         press(page, "Space")
         wait(page, lambda start=start: posture(page) != start or "Lost" in status(page))
-        assert re.search(r"E is (< )?[\d.]+ px²|images show", status(page)), preset.name
+        assert re.search(r"E is (< )?[\d.]+ px²|images show|there is no E", status(page)), preset.name
         press(page, "Space")  # one that rests costs a frame, not one after the other
         world = preset.settings.scene, preset.settings.joints
         if world not in worlds:

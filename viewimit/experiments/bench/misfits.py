@@ -1,6 +1,6 @@
 """Misfits: a demonstrator or an arm that is not as the method assumes. Does the learner say so, and say why?
 
-Each run draws the misfit anew. The learner sees 16 points in 25 frames with 0.25 px of noise, so 0.05 px in their mean.
+Each run draws its own misfit. The learner sees 16 points in 25 frames with 0.25 px of noise, so 0.05 px in their mean.
 """
 
 from collections import Counter

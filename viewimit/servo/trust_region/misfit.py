@@ -4,7 +4,7 @@ Every reason is a small model on the final adjustment, with a few unknowns more.
 the own images to C (in variances of the noise), the best model has the least C + k ln n, the Bayesian information
 criterion, n the number of image coordinates. The best is named if noise explains what it leaves.
 
-Which reasons cannot be told apart: within a rigid group of points, a longer link, a fixed joint turned, and points
+Which reasons cannot be distinguished: within a rigid group of points, a longer link, a fixed joint turned, and points
 moved on it; a home offset of a joint and its angle; a body larger as a whole and one farther away.
 
 References

@@ -126,7 +126,7 @@ def test_each_tab_has_a_session_of_its_own(here):
         one.put("θ₂", 60.0)
         two.put("θ₂", 70.0)
         wait_until(lambda: begun not in (learner_of(one), learner_of(two)))
-        tabs = [client.keep() for client in (one, two)]
+        tabs = [client.keep(20) for client in (one, two)]
         with Client(here.url).ready() as stranger:
             assert stranger.value("θ₂") == 45.0
     for tab, angle in zip(tabs, (60.0, 70.0)):

@@ -14,7 +14,7 @@ TO_BE_READ = {
     "test_keys_and_names",
     "test_points_by_hand",
     "test_touching",
-}  # most fail, after long waits
+}  # most fail
 SOME_FAIL = {
     "test_behind_nginx",
     "test_browser_page",

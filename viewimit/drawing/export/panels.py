@@ -26,8 +26,8 @@ START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # sett
 class Appearance:
     """What both arms look like in the four images, and which part of each image is shown.
 
-    The windows fit what has been shown so far of the run and its goal. They widen when an arm leaves them, and fit again
-    when the run begins again.
+    The windows fit what has been shown so far of the run and its goal. They widen when an arm leaves them, and fit
+    again when the run begins again.
     """
 
     def __init__(self, world: World):

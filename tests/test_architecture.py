@@ -260,10 +260,9 @@ def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
 
 
 def test_a_server_loads_what_reads_meshes_for_a_robot_of_ones_own_alone():
-    begun = (
-        "import viewimit.app.server.serve, viewimit.app.page.page\nfrom viewimit.simulation.robot import link_meshes"
-    )
-    assert not loaded_by(f"{begun}\nlink_meshes('panda')") & {"trimesh", "scipy"}
+    begun = "import viewimit.app.server.serve, viewimit.app.page.page"
+    with_meshes = f"{begun}\nfrom viewimit.simulation.robot import link_meshes\nlink_meshes('panda')"
+    assert not loaded_by(with_meshes) & {"trimesh", "scipy"}
 
 
 COMMANDS = (

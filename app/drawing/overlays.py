@@ -1,4 +1,4 @@
-"""Draw links over the page's drawings. The page's script sends the action of a clicked link over the page's connection."""
+"""Draw links over the page's drawings. The page's script sends the action of a clicked link."""
 
 from collections.abc import Mapping
 from functools import lru_cache

@@ -7,9 +7,8 @@ import threading
 
 import pytest
 from protocol import Client
-from viewimit.app import serve as serve_module
-from viewimit.app.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 from viewimit.app.server import address as address_module
+from viewimit.app.server import serve as serve_module
 from viewimit.app.server.address import (
     PortInUse,
     address,
@@ -21,6 +20,7 @@ from viewimit.app.server.address import (
     path_of_page,
     require_free,
 )
+from viewimit.app.server.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings

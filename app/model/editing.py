@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import msgspec
 from numpy.typing import NDArray
 
+from viewimit.language import _
 from viewimit.loop.script import Log
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -283,9 +284,9 @@ class ShownWord:
         is, if there is nothing to be given back, or that cannot be any more."""
         before, player = self.before, self._undoable.player
         if before is None:
-            raise ValueError("nothing is shown in place of what was here")
+            raise ValueError(_("nothing is shown in place of what was here"))
         if len(before.left.runs) != len(player.runners):
-            raise ValueError("a duel has begun or ended since: end or begin it again first")
+            raise ValueError(_("a duel has begun or ended since: end or begin it again first"))
         player.pause()
         self._undoable.go_on_with(before.left)
         self._undoable.past.go_back_to(before.past)

@@ -1,6 +1,7 @@
 """The four images."""
 
 from viewimit.drawing.images.rectified import draw_rectified
+from viewimit.language import _
 
 from ..drawing.overlays import point_links, point_places, proposed_marks
 from ..model.page_model import PageModel
@@ -8,8 +9,8 @@ from .panel import Layout, put_html
 
 
 def images(layout: Layout, model: PageModel) -> None:
-    with layout.upper_tab("Images"):
-        shown, links, proposed = (layout.gui.add_html("") for _ in range(3))
+    with layout.upper_tab(_("Images")):
+        shown, links, proposed = (layout.gui.add_html("") for k in range(3))
         layout.named["images"] = shown
 
         def key(model: PageModel) -> tuple:

@@ -20,7 +20,7 @@ from browsing import (
 
 pytestmark = pytest.mark.browser
 TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
-FOLDERS = ("Start", "Arm and chance", "Display")
+FOLDERS = ("Start", "Actuator errors, random seed", "Display")
 ROLES = "button|checkbox|combobox|link|radio|slider|spinbutton|switch|tab|textbox"
 UNNAMED = re.compile(rf"- (?:{ROLES})\b(?! \")[^\n]*")
 # What answers a pointer, and is neither a control that keys reach, nor in one, nor the same as one that they reach

@@ -20,6 +20,7 @@ from typing import NamedTuple, Protocol
 
 from ...assets import ROOT
 from ...estimation.equations import MISSING, Equation
+from ...language import _
 from .. import svg
 from ..equations import filled
 from ..theme import DRAWING_CSS, ROLES
@@ -30,6 +31,7 @@ MARGIN = 8  # px around a drawing
 PNG_SCALE, PRINT_SCALE = 3, 4  # pixels per px of a drawing; PRINT_SCALE: 15 cm at 300 pixels per inch
 RENDERER, TYPESETTER = "resvg_py", "ziamath"
 INSTALL = "pip install 'viewimit[plot]'"  # installs both
+NO_PNG = _("PNG needs {renderer}: {install}; SVG does not").format(renderer=RENDERER, install=INSTALL)
 WRITERS = {".png": (RENDERER, INSTALL), ".pdf": ("typst", "pip install 'viewimit[typst]'")}  # packages, by extension
 PICTURES = (".svg", *WRITERS)
 TYPST = """#set document(title: sys.inputs.title, date: none)
@@ -160,7 +162,7 @@ def encode(picture: str, suffix: str, render: Callable[[str], bytes] = as_png) -
     if suffix == ".svg":
         return picture.encode()
     if not can_render():
-        raise ValueError(f"PNG needs {RENDERER}: {INSTALL}; SVG does not")
+        raise ValueError(NO_PNG)
     return render(picture)
 
 

@@ -67,12 +67,12 @@ def texts() -> Iterator[tuple[str, str, str]]:
 
 
 def _texts_of(step: Step) -> Iterator[tuple[str, str]]:
-    """All but names of things: labels of sliders, fields, values and told numbers."""
+    """All but names of things: labels of sliders, fields, values and headline numbers."""
     for field in ("title", "text", "after", "say"):
         if getattr(step, field):
             yield field, getattr(step, field)
-    if step.told is not None and step.told.note:
-        yield "note", step.told.note
+    if step.headline is not None and step.headline.note:
+        yield "note", step.headline.note
     ask = step.ask
     yield "question", ask.question
     for field in ("close", "far", "less", "on_line"):

@@ -137,8 +137,8 @@ def _read(step: Step) -> Iterator[str]:
     """The texts that a reader reads; of the replies to a question, the longest."""
     ask = step.ask
     yield from (step.title, step.text, step.after, step.say, ask.question, *(slider.label for slider in step.sliders))
-    if step.told is not None:
-        yield from (step.told.label, step.told.note)
+    if step.headline is not None:
+        yield from (step.headline.label, step.headline.note)
     replies: list[str] = []
     if isinstance(ask, Choice):
         yield from (answer.text for answer in ask.answers)

@@ -230,15 +230,15 @@ class _StepOnPaper:
         """The index of the right answer; None if only a browser computes it."""
         if ask.right is None:
             return next(k for k, answer in enumerate(ask.answers) if answer.right)
-        told = self._facts.get(ask.right)
-        return round(float(told)) - 1 if told else None
+        right = self._facts.get(ask.right)
+        return round(float(right)) - 1 if right else None
 
     def _solution(self, column: "_Column") -> None:
         for words in self._replies():
             column.text(_whole(self._fill(words)))
             column.gap(0.8)
-        if self._step.told is not None and self._step.told.measure in self._facts:
-            column.text(f"{self._fill(self._step.told.label)}: **{self._facts[self._step.told.measure]}**")
+        if self._step.headline is not None and self._step.headline.measure in self._facts:
+            column.text(f"{self._fill(self._step.headline.label)}: **{self._facts[self._step.headline.measure]}**")
             column.gap(0.8)
         if _whole(self._fill(self._step.after)):
             column.text(_whole(self._fill(self._step.after)), colour=GREY)
@@ -371,10 +371,10 @@ def _texts_of_measures(situation: Situation, step: Step) -> dict[str, str]:
     """Measures of a step that the library computes, as they stand in a sentence."""
     names = sorted(measures_of(step))
     inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.sliders)]
-    return cached("handout", [*inputs, repr(situation.race)], lambda: _told(situation, names))
+    return cached("handout", [*inputs, repr(situation.race)], lambda: _compute_facts(situation, names))
 
 
-def _told(situation: Situation, names: Iterable[str]) -> dict[str, str]:
+def _compute_facts(situation: Situation, names: Iterable[str]) -> dict[str, str]:
     found = {name: fact["text"] for name, fact in facts.compute(situation, names)[0].items()}
     for name in names:
         if name in PAPER_MEASURES and name not in found:

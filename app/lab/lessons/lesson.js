@@ -40,7 +40,7 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
-const FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
+const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
 
 /** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
 function secondsOf(step) {
@@ -492,7 +492,7 @@ function begin(data) {
     state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed
       ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
       answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [],
-        motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
+        motions: stage?.motions.slice(-MAX_SHARED) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
     /** How far one is, for a class's overview. */
     summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length,
       answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,

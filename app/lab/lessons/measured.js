@@ -23,7 +23,7 @@ export const short = value => {
  * @param {string} [missing] what is said of NaN
  * @returns {Measured}
  */
-export function told(value, unit = "", digits = null, missing = MISSING) {
+export function measured(value, unit = "", digits = null, missing = MISSING) {
   return {value, unit, text: Number.isFinite(value)
     ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
 }

@@ -5,7 +5,7 @@
  * @typedef {import("./stage.js").Measure} Measure
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {energy, placed, short, told} from "./measured.js";
+import {energy, placed, short, measured} from "./measured.js";
 import {carriedPlaces, energyCarried} from "./places.js";
 import {fixed} from "../view/svg.js";
 
@@ -79,23 +79,23 @@ export const TOUR_MEASURES = {
   "recovered in L": stage => placed(inL(stage.recovered(), stage.chosen)),
   "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
-  "arm height": stage => told(armHeight(stage), " px", 0),
+  "arm height": stage => measured(armHeight(stage), " px", 0),
   "crossing to own point": stage =>
-    told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
+    measured(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
   "crossing to ghost": stage =>
-    told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
-  "arrow of 3": stage => told(arrowOf(stage, BASE_POINT), " px", 0),
-  "arrow of 9": stage => told(arrowOf(stage, HAND_POINT), " px", 0),
-  "way of 9": stage => told(wayOf(stage, HAND_POINT), " px", 0),
-  "cosine": stage => told(cosine(stage), "", 2),
+    measured(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+  "arrow of 3": stage => measured(arrowOf(stage, BASE_POINT), " px", 0),
+  "arrow of 9": stage => measured(arrowOf(stage, HAND_POINT), " px", 0),
+  "way of 9": stage => measured(wayOf(stage, HAND_POINT), " px", 0),
+  "cosine": stage => measured(cosine(stage), "", 2),
   "E sideways": stage => energy(energyCarried(stage, [0, 0.5])),
   "E back": stage => energy(energyCarried(stage, [0.5, 0])),
   "E nearer": stage => energy(energyCarried(stage, [-0.3, 0])),
   "times by place": stage => {
     const E = [stage.moment.E, ...carriedPlaces(stage).map(place => place.E)];
-    return told(Math.max(...E) / Math.min(...E), "", 1);
+    return measured(Math.max(...E) / Math.min(...E), "", 1);
   },
-  "times by shape": stage => told(stage.moment.E / stage.ghost().E, "", 0),
+  "times by shape": stage => measured(stage.moment.E / stage.ghost().E, "", 0),
   "where the arm stands": ({moment, scene}) => {
     const degrees = moment.theta.map(v => v / DEGREE), names = scene.names.map(name => name.split(" ")[0].toLowerCase());
     return {value: degrees, unit: "°", text: degrees.map((v, k) => `${names[k]} ${fixed(v, 0)}°`).join(" and ")};
@@ -104,6 +104,6 @@ export const TOUR_MEASURES = {
     const unit = step.ask.unit ?? "", {number = NaN} = answer;
     return {value: number, unit, text: `${short(number).replace(/\.0+$/, "")}${unit}`};
   },
-  "share of the longest": stage => told(100 * longestShare(stage), " %", 0),
-  "widest below the goal": stage => told(widest(stage), "°", 0),
+  "share of the longest": stage => measured(100 * longestShare(stage), " %", 0),
+  "widest below the goal": stage => measured(widest(stage), "°", 0),
 };

@@ -74,7 +74,7 @@
  * @property {string} say
  * @property {string} [after]
  * @property {Ask} ask
- * @property {{measure: string, label: string, note?: string} | null} [told]
+ * @property {{measure: string, label: string, note?: string} | null} [headline]
  * @property {number | null} [chosen]
  * @property {FigureUse[]} [main]
  * @property {FigureUse[]} [side]

@@ -34,12 +34,12 @@ def state(key: str) -> Situation:
 
 
 @cache
-def dealt(key: str) -> list[Situation]:
-    """The dealt states of "lesson/step", as the page has them."""
+def sampled(key: str) -> list[Situation]:
+    """The sampled states of "lesson/step", as the page has them."""
     lesson, step = shipped()[key.split("/")[0]], step_named(key)
     origin = step if step.carry is None else next(other for other in lesson.step if other.id == step.carry)
-    count = step_data.SCENE_DEALS if origin.dealt else step_data.DEALS
-    return facts.deals(state(key), count, step_data.DEAL_SEED)
+    count = step_data.SCENE_SAMPLES if origin.randomised else step_data.SAMPLES
+    return facts.sample_states(state(key), count, step_data.SAMPLE_SEED)
 
 
 def fact(key: str, name: str) -> float:

@@ -23,7 +23,7 @@ export function playedOnly(words, stage) {
   if (!isOpen(words)) return words;
   const left = words.split(/(?<=[.!?])\s+/).map(sentence => isOpen(sentence)
     ? sentence.replace(/you \{your [^}]*\}, /, "") : sentence).filter(sentence => !isOpen(sentence));
-  const played = stage.carried ? `“${stage.carried.step.title}”` : "it";
+  const played = stage.previous ? `“${stage.previous.step.title}”` : "it";
   return [...left, `You have not played ${played}.`].join(" ");
 }
 

@@ -182,7 +182,7 @@ def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
     if step.play is not None and step.play <= 0:
         yield ".play", "must be above 0 s"
     yield from _of_sliders(step.sliders)
-    yield from _of_dealt(lesson, step)
+    yield from _of_randomised(lesson, step)
     yield from _of_ask(lesson, step)
     for where, said in texts_with_measures(step):
         if re.search(r"[{}]", re.sub(r"\{[^{}]*\}", "", said)):
@@ -218,16 +218,16 @@ def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
             yield f"{at}.name", f"another slider is called {slider.name!r}"
 
 
-def _of_dealt(lesson: Lesson, step: Step) -> Faults:
-    if step.dealt and not step.deal:
-        yield ".dealt", "needs deal = true"
-    for k, one in enumerate(step.dealt):
+def _of_randomised(lesson: Lesson, step: Step) -> Faults:
+    if step.randomised and not step.randomise:
+        yield ".randomised", "needs randomise = true"
+    for k, one in enumerate(step.randomised):
         if not (one.low <= one.high and one.step > 0):
-            yield f".dealt[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
+            yield f".randomised[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
         elif one.name not in HEAD_RANGES:
             why = _unsettled(lesson, step, one.name, one.low) or _unsettled(lesson, step, one.name, one.high)
             if why:
-                yield f".dealt[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
+                yield f".randomised[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
 
 
 def _of_ask(lesson: Lesson, step: Step) -> Faults:

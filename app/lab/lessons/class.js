@@ -312,7 +312,7 @@ class Classroom {
   /** Whether a step has a random start. @param {string} name @param {string} id @returns {boolean} */
   #hasRandomStart(name, id) {
     const step = this.#lessonOf(name)?.steps.find((/** @type {any} */ one) => one.id === id);
-    return Boolean(step && (step.deal || step.ask.kind === "predict" || step.carry && this.#hasRandomStart(name, step.carry)));
+    return Boolean(step && (step.randomise || step.ask.kind === "predict" || step.carry && this.#hasRandomStart(name, step.carry)));
   }
 
   /** How a screen of the eight questions is named. @param {string} lesson @param {string} item @param {string} phase */

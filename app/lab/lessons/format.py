@@ -172,7 +172,7 @@ class Slider(msgspec.Struct, **FIELDS):
 
 
 class Range(msgspec.Struct, **FIELDS):
-    """Something that is dealt at random besides the postures, evenly from low to high.
+    """Something that is sampled besides the postures, uniformly from low to high.
 
     Its name is a field of `Settings`, or `head distance` (m), `head baseline` (m), `head toe-in` (degrees).
     """
@@ -209,8 +209,8 @@ class Step(msgspec.Struct, **FIELDS):
     play: float | None = None  # seconds that the animation of the reveal takes
     meets: bool = False  # the reveal brings the learner to the demonstrator's posture
     carry: str | None = None  # the id of an earlier step whose state and path continue here
-    deal: bool = False  # postures are dealt at random
-    dealt: tuple[Range, ...] = ()
+    randomise: bool = False  # postures are sampled at random
+    randomised: tuple[Range, ...] = ()
     headline: Headline | None = None
     after: str = ""
 

@@ -40,7 +40,7 @@ from .sheet import (
     write,
 )
 from .situation import Situation
-from .step_data import cached, dealt_situations, situation_of
+from .step_data import cached, sampled_situations, situation_of
 
 BLANK = "_____"
 FIRST_START = "This is start 1. On the screen, it is the one with &seed=1 at the end of the address."
@@ -144,7 +144,7 @@ class _StepOnPaper:
         y += write(canvas, (MARGIN, y), _whole(self._fill(self._step.text)), BODY, WIDTH - 2 * MARGIN) + 3.0
         pictures = self._pictures(canvas, y)
         column = _Column(canvas, TEXT_LEFT if pictures else MARGIN, y, TEXT_WIDTH if pictures else WIDTH - 2 * MARGIN)
-        if self._step.deal:
+        if self._step.randomise:
             column.text(FIRST_START, size=SMALL, colour=GREY)
             column.gap(1.0)
         self._question(column)
@@ -361,8 +361,8 @@ def _on_paper(question: str) -> str:
 
 
 def situation_on_paper(lesson: Lesson, step: Step) -> Situation:
-    """Return the state that a step shows at first: of those that are dealt the first, sliders where they begin."""
-    situation = (dealt_situations(lesson, step) or [situation_of(lesson, step)])[0]
+    """Return the state that a step shows at first: of those that are sampled the first, sliders where they begin."""
+    situation = (sampled_situations(lesson, step) or [situation_of(lesson, step)])[0]
     moved = {slider.name: slider.start for slider in step.sliders if slider.name in ("distance", "baseline")}
     return situation.with_eyes(**moved) if moved else situation
 

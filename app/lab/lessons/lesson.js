@@ -97,7 +97,7 @@ function begin(data) {
   const placeOf = (of, name) => placesOf(of).find(one => nameOf(one) === name) ?? {kind: "home"};
   const index = () => placesOf(lesson).findIndex(one => nameOf(one) === nameOf(place));
 
-  /** @param {Lesson} next @param {Place} to @param {number} [seed] of what is dealt */
+  /** @param {Lesson} next @param {Place} to @param {number} [seed] of the random state */
   function enter(next, to, seed) {
     if (next !== lesson) {
       stages = new Map();
@@ -105,7 +105,7 @@ function begin(data) {
     }
     lesson = next;
     place = to;
-    if (seed && to.kind === "step") deal(to.id, seed);
+    if (seed && to.kind === "step") setSeed(to.id, seed);
     show();
     remember();
     hooks.onStep(nameOf(to));
@@ -121,8 +121,8 @@ function begin(data) {
   }
 
   /** @param {string} id @param {number} seed */
-  function deal(id, seed) {
-    const step = lesson.steps.find(one => one.id === id), source = step?.carry && !step.deal ? step.carry : id;
+  function setSeed(id, seed) {
+    const step = lesson.steps.find(one => one.id === id), source = step?.carry && !step.randomise ? step.carry : id;
     seeds.set(source, seed);
     if (stages.get(source)?.seed !== seed) stages.delete(source);
     if (kept().steps[source] && kept().steps[source].seed !== seed) forget(source);
@@ -140,10 +140,10 @@ function begin(data) {
   function stageOf(id) {
     const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)),
       was = kept().steps[id];
-    const carried = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
-    if (known && known.carried === carried && (!carried || known.motions === carried.motions
-      || carried.motions.length < 2)) return known;
-    const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
+    const previous = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
+    if (known && known.previous === previous && (!previous || known.motions === previous.motions
+      || previous.motions.length < 2)) return known;
+    const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, previous});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
     made.truthHidden = isTruthHidden;
     if (was) recall(made, was);
@@ -163,7 +163,7 @@ function begin(data) {
       [name, {...one, value: one.value ?? NaN}])) : null; // JSON has no NaN
     for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name)
       && !name.startsWith("knob ")) made.slide(name, value);
-    if (was.motions?.length > 1 && !made.carried) {
+    if (was.motions?.length > 1 && !made.previous) {
       made.motions = was.motions;
       made.observe(was.motions[was.motions.length - 1].theta);
     }
@@ -173,10 +173,10 @@ function begin(data) {
 
   function keep() {
     if (!stage) return;
-    const {answer, mark, seed, motions, rounds, step, carried, run, bets, graded} = stage;
+    const {answer, mark, seed, motions, rounds, step, previous, run, bets, graded} = stage;
     kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs,
       right: stage.isRevealed ? isRight(stage) : null, run, bets, graded,
-      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders]};
+      motions: previous || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders]};
     store.save(lesson.name);
     hooks.onChange();
   }
@@ -192,12 +192,12 @@ function begin(data) {
     hooks.onChange();
   }
 
-  const isDealt = (/** @type {Stage} */ {step, carried}) =>
-    Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
+  const isRandom = (/** @type {Stage} */ {step, previous}) =>
+    Boolean(step.randomise || previous?.step.randomise || step.ask.kind === "predict");
   function remember() {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
-    if (stage && isDealt(stage)) parts.push(`seed=${stage.seed}`);
+    if (stage && isRandom(stage)) parts.push(`seed=${stage.seed}`);
     if (instrument) parts.push(`page=${instrument}`);
     try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
   }
@@ -404,7 +404,7 @@ function begin(data) {
     const {moment} = stage;
     Object.assign(stage, {mark: shown.mark, answer: shown.answer, rounds: shown.rounds, run: shown.run});
     for (const [name, value] of shown.sliders) if (stage.sliders.get(name) !== value) stage.slide(name, value);
-    if (shown.motions.length > 1 && !stage.carried) stage.motions = shown.motions;
+    if (shown.motions.length > 1 && !stage.previous) stage.motions = shown.motions;
     if (shown.theta.length && shown.theta.some((v, k) => v !== moment.theta[k])) stage.observe(shown.theta);
     if (shown.revealed && !stage.isRevealed) hooks.reveal();
     redraw();
@@ -441,10 +441,10 @@ function begin(data) {
       if (!store.aside || !before) return;
       store.putBack();
       stages = new Map();
-      const {lesson: name, place: at, seeds: dealt} = before;
+      const {lesson: name, place: at, seeds: earlier} = before;
       before = null;
       lesson = name;
-      seeds = dealt;
+      seeds = earlier;
       enter(name, at);
     },
     /** @param {string} name @param {string} step @param {number} [seed] */

@@ -6,7 +6,7 @@
  */
 import {projectPoint, transform} from "../engine/engine.js";
 import {energy, placed, short, measured} from "./measured.js";
-import {carriedPlaces, energyCarried} from "./places.js";
+import {movedPlaces, energyMoved} from "./places.js";
 import {fixed} from "../view/svg.js";
 
 const DEGREE = Math.PI / 180;
@@ -88,11 +88,11 @@ export const TOUR_MEASURES = {
   "arrow of 9": stage => measured(arrowOf(stage, HAND_POINT), " px", 0),
   "way of 9": stage => measured(wayOf(stage, HAND_POINT), " px", 0),
   "cosine": stage => measured(cosine(stage), "", 2),
-  "E sideways": stage => energy(energyCarried(stage, [0, 0.5])),
-  "E back": stage => energy(energyCarried(stage, [0.5, 0])),
-  "E nearer": stage => energy(energyCarried(stage, [-0.3, 0])),
+  "E sideways": stage => energy(energyMoved(stage, [0, 0.5])),
+  "E back": stage => energy(energyMoved(stage, [0.5, 0])),
+  "E nearer": stage => energy(energyMoved(stage, [-0.3, 0])),
   "times by place": stage => {
-    const E = [stage.moment.E, ...carriedPlaces(stage).map(place => place.E)];
+    const E = [stage.moment.E, ...movedPlaces(stage).map(place => place.E)];
     return measured(Math.max(...E) / Math.min(...E), "", 1);
   },
   "times by shape": stage => measured(stage.moment.E / stage.ghost().E, "", 0),

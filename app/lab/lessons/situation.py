@@ -37,7 +37,7 @@ class Situation:
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
     sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
-    dealt: tuple[Any, ...] = ()  # ranges of further dealt values: `name`, `low`, `high`, `step`
+    randomised: tuple[Any, ...] = ()  # ranges of further random values: `name`, `low`, `high`, `step`
     choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
 
     @cached_property

@@ -343,7 +343,7 @@ export class StepScreen {
   /** Another start, and its number. */
   #drawAgain() {
     const {stage, course} = this, isOffered = stage.isRevealed
-      && Boolean(stage.step.deal || stage.step.ask.kind === "predict") && !this.stop;
+      && Boolean(stage.step.randomise || stage.step.ask.kind === "predict") && !this.stop;
     this.again.hidden = !isOffered;
     if (!isOffered || this.again.childElementCount) return;
     const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed,

@@ -19,7 +19,7 @@ const MIN_DENOMINATOR = .1; // of a homography, as of the library's: no point is
 const GAP = 18, LINE = 18, MARGIN = 14, LEAST_PX = .01;
 
 /** @type {FigureKind} */
-export const MENDED = {
+export const RECTIFIED = {
   layers: LAYERS,
   title: "Maps of E, as seen and rectified",
   aspect: 1.1,

@@ -56,7 +56,7 @@ export class Card {
     this.#write(this.headline, isShown ? this.#headline() : "");
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
-    const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of what was not done
+    const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of an answer that was not given
     this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(playedOnly(step.after, stage), stage),
       this.glossary) : "");
     this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}`
@@ -76,7 +76,7 @@ export class Card {
     return `<span>${inline(fill(headline.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${suffix}</i></strong>${note}`;
   }
 
-  /** What is read aloud as it becomes known, and not the whole card. */
+  /** The news that is read aloud, and not the whole card. */
   spoken() {
     const {stage} = this, {step} = stage;
     if (!stage.isRevealed) return step.ask.kind === "do"

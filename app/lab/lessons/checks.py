@@ -1,6 +1,6 @@
 """What types do not check in a lesson: unknown names, numbers that contradict each other, questions without an answer.
 
-Each check yields faults as (field, what is wrong), with the field as .step[2].ask.
+Each check yields faults as (field, message), with the field as .step[2].ask.
 """
 
 import re
@@ -78,7 +78,7 @@ def measure_units() -> Mapping[str, str]:
 
 
 def faults(lesson: Lesson) -> Faults:
-    """Yield what is wrong in a lesson, without its scenes."""
+    """Yield the faults of a lesson, without its scenes."""
     if not 1 <= len(lesson.step) <= MAX_STEPS:
         yield "", f"a lesson needs a [[step]], and at most {MAX_STEPS}; it has {len(lesson.step)}"
     ids: set[str] = set()
@@ -102,7 +102,7 @@ def faults_in_scenes(lesson: Lesson) -> Faults:
 
 
 def faults_of_questions(questions: Questions, lessons: Mapping[str, Lesson]) -> Faults:
-    """Yield what is wrong in the eight questions."""
+    """Yield the faults of the eight questions."""
     if len(questions.item) != QUESTION_COUNT:
         yield "", f"{len(questions.item)} questions; there are {QUESTION_COUNT}"
     for k, item in enumerate(questions.item):
@@ -319,7 +319,7 @@ def _of_select(lesson: Lesson, step: Step, ask: Select) -> Faults:
 
 
 def _unsettled(lesson: Lesson, step: Step, name: str, value: Any) -> str:
-    """Return what is wrong with a setting; nothing for one that can be."""
+    """Return the fault of a setting; nothing for a valid one."""
     try:
         settings_of(lesson, step, **{name: value})
     except ValueError as error:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 # joints, degrees.
 REGIONS = (((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60)))
 MAX_TRIED = 200  # postures that are tried for each sample
-LEAST_E, APART_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
+LEAST_E, MIN_DIFFERENCE_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
 RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # random starts over which servos are compared; px²
 FAR_DEG = 30.0  # of a start in rounds from the demonstrator, the joint that is farthest
 ROUNDS, OWN_ROUNDS = 20, 5  # starts in the shipped lesson, and in lessons of others, whose pages are to be written soon
@@ -69,7 +69,7 @@ def sample_postures(situation: Situation, count: int, seed: int) -> list[Situati
         region = np.array(REGIONS[len(found) % len(REGIONS)], float)
         demo = rng.uniform(*region.T).round()
         start = rng.uniform(low, high).round()
-        if np.abs(start - demo).min() < APART_DEG:
+        if np.abs(start - demo).min() < MIN_DIFFERENCE_DEG:
             continue
         sample = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
         if is_fair(sample):

@@ -91,7 +91,7 @@ def sample_states(situation: Situation, count: int, seed: int) -> list[Situation
     Returns
     -------
     list of Situation
-        Equal except for what is randomised.
+        Equal except for their random values.
     """
     sample = design.sample_scenes if situation.randomised else design.sample_postures
     return sample(situation, count, seed)

@@ -39,7 +39,7 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  *   where marks were made
  */
 
-const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
+const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
 
 /** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
@@ -50,7 +50,7 @@ function secondsOf(step) {
     + (play ?? 0) + ROUND_S * (roundsOf(ask) - 1);
 }
 
-/** Rounds that are behind, but for the last. @param {Stage} stage */
+/** Finished rounds, except the last. @param {Stage} stage */
 const roundsMade = ({step, rounds, run}) =>
   Math.min(roundsOf(step.ask) - 1, step.ask.kind === "bet" ? run : rounds.length);
 
@@ -71,7 +71,7 @@ function begin(data) {
   /** @type {Others} */
   let others = null;
   /**
-   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside
+   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was suspended
    */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false;
@@ -181,7 +181,7 @@ function begin(data) {
     hooks.onChange();
   }
 
-  /** The step anew. @param {number} seed */
+  /** The step from its start. @param {number} seed */
   function restart(seed) {
     if (!stage) return;
     forget(stage.step.id);
@@ -429,16 +429,16 @@ function begin(data) {
     /** In the head line. @type {HTMLElement} */
     head: $("head"),
     data,
-    /** Put answers and place aside, and go on with a copy that is not kept. */
-    aside() {
-      if (store.aside) return;
+    /** Suspend answers and place, and go on with a copy that is not kept. */
+    suspend() {
+      if (store.suspended) return;
       keep();
-      store.putAside();
+      store.suspend();
       before = {lesson, place, seeds: new Map(seeds)};
     },
-    /** Bring back what was put aside. */
+    /** Bring back the suspended answers and place. */
     back() {
-      if (!store.aside || !before) return;
+      if (!store.suspended || !before) return;
       store.putBack();
       stages = new Map();
       const {lesson: name, place: at, seeds: earlier} = before;
@@ -453,18 +453,18 @@ function begin(data) {
       if (found) enter(found, placeOf(found, step), seed);
       return Boolean(found);
     },
-    /** Lock all that could be pressed. @param {boolean} on */
+    /** Lock all buttons. @param {boolean} on */
     freeze(on) {
       isFrozen = on;
       redraw();
     },
-    /** Show what another page shows; null to let go. @param {Shown | null} shown */
+    /** Follow another page; null to stop. @param {Shown | null} shown */
     lead(shown) {
       isLed = Boolean(shown);
       if (shown) follow(shown);
       redraw();
     },
-    /** Take answers, but leave it to others to show what is right. @param {boolean} on */
+    /** Take answers, but leave it to others to show the right one. @param {boolean} on */
     hold(on) {
       isHeld = on;
       redraw();
@@ -481,13 +481,13 @@ function begin(data) {
       if (stage) stage.others = others && "marks" in others ? others.marks : [];
       redraw();
     },
-    /** Show what is right, answered or not. */
+    /** Show the right answer, answered or not. */
     reveal() {
       if (screen instanceof StepScreen && stage && !stage.isRevealed) screen.reveal(!isAnswered(stage));
       redraw();
     },
     /** The step as if nobody had answered it. */
-    askAnew: () => { if (stage) restart(stage.seed); },
+    askAgain: () => { if (stage) restart(stage.seed); },
     /** @returns {Shown} */
     state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed
       ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,

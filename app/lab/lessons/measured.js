@@ -20,7 +20,7 @@ export const short = value => {
  * @param {number} value NaN where there is none
  * @param {string} [unit] with the space before it
  * @param {number | null} [digits] after the point, null for as many as it deserves
- * @param {string} [missing] what is said of NaN
+ * @param {string} [missing] text for NaN
  * @returns {Measured}
  */
 export function measured(value, unit = "", digits = null, missing = MISSING) {

@@ -1,6 +1,6 @@
 /**
  * Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
- * first, then what is computed here.
+ * first, then those computed here.
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
@@ -21,7 +21,7 @@ export function reached(E, goal) {
 }
 
 /** Of the joint that is farthest off. @param {number[]} theta @param {number[]} other */
-const degreesApart = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
+const degreesBetween = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {string} servo */
 function raced(stage, servo) {
@@ -30,7 +30,7 @@ function raced(stage, servo) {
 }
 
 /** From the mark to the truth: px, or degrees on maps and between postures. @param {Stage} stage @returns {Measured} */
-function apart(stage) {
+function markError(stage) {
   const {ask} = stage.step;
   if (ask.kind === "pose") {
     const truth = /** @type {number[]} */ (measure(stage, ask.truth ?? "").value);
@@ -63,8 +63,8 @@ export const MEASURES = {
   ...RAY_MEASURES,
   ...TOUR_MEASURES,
   ...JACOBIAN_MEASURES,
-  "px apart": apart,
-  "degrees apart": apart,
+  "px apart": markError,
+  "degrees apart": markError,
   "your bet": stage => measured(stage.answer.bet ?? NaN, " %", 0),
   "outcome": stage => ({value: outcome(stage), unit: "", text: outcome(stage) ? "true" : "false"}),
   "penalty": stage => measured(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
@@ -73,9 +73,9 @@ export const MEASURES = {
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
-  "smallest E is off": stage => measured(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN],
+  "smallest E is off": stage => measured(degreesBetween(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
-  "your error": stage => measured(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
+  "your error": stage => measured(degreesBetween(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
     : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
   "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal)
     : measured(NaN),

@@ -17,9 +17,9 @@ import {energy, measured} from "./measured.js";
 
 const FEWEST = 4; // matches
 const NEAR_ZERO = 1, NEAR_DEG = 5; // px², of an E that is explained; degrees
-const ASIDE_M = 1e-4; // for the slope of a projection
+const STEP_M = 1e-4; // for the slope of a projection
 
-/** Of all matches, thousands apart. @param {number} E @returns {Measured} */
+/** E of all matches, which are thousands. @param {number} E @returns {Measured} */
 const rounded = E => ({value: E, unit: " px²", text: `${Math.round(E)} px²`});
 
 /** Of the two lines. @param {(crossing: Crossing) => number} of @param {string} unit @returns {Measure} */
@@ -42,8 +42,8 @@ function withoutDepth({world, session, moment}) {
     world.pairs[who].forEach((camera, side) => {
       const at = projectPoint(camera, middle), slope = [0, 1, 2].map(k => {
         const beside = (/** @type {number} */ by) => projectPoint(camera, middle.map((v, i) => i === k ? v + by : v));
-        const [up, down] = [beside(ASIDE_M), beside(-ASIDE_M)];
-        return [0, 1].map(c => (up[c] - down[c]) / (2 * ASIDE_M));
+        const [up, down] = [beside(STEP_M), beside(-STEP_M)];
+        return [0, 1].map(c => (up[c] - down[c]) / (2 * STEP_M));
       });
       points.forEach((p, i) => [0, 1].forEach(c =>
         images[4 * i + 2 * side + c] = at[c] + slope.reduce((sum, v, k) => sum + v[c] * (p[k] - middle[k]), 0)));

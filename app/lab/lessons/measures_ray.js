@@ -23,7 +23,7 @@ function matches(world, demonstrator, own) {
   return world.body.map((_, i) => [[demo[4 * i], demo[4 * i + 1]], [images[4 * i], images[4 * i + 1]]]);
 }
 
-/** The pencils of a stage's two sliders: lines in l, lines in L, and what is left over. @param {Stage} stage */
+/** The pencils of a stage's two sliders: lines in l, lines in L, and the residual. @param {Stage} stage */
 export function pencilOf({world, moment, sliders}) {
   const pairs = matches(world, moment.thetaDemo, moment.theta);
   const angle = (/** @type {string} */ name) => (sliders.get(name) ?? 0) * DEGREE;

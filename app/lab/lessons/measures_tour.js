@@ -22,13 +22,13 @@ const inL = (images, i) => [images[4 * i], images[4 * i + 1]];
 const ghostImages = ({world, moment}) => world.look("learner", moment.thetaDemo).images;
 
 /** @param {number[]} p @param {number[]} q */
-const apart = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+const distance = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
 
 /** The residual of a point in L, px. @param {Stage} stage @param {number} i */
-const arrowOf = (stage, i) => apart(inL(stage.recovered(), i), inL(stage.moment.views.own, i));
+const arrowOf = (stage, i) => distance(inL(stage.recovered(), i), inL(stage.moment.views.own, i));
 
 /** How far a point in L is from where it goes, px. @param {Stage} stage @param {number} i */
-const wayOf = (stage, i) => apart(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
+const wayOf = (stage, i) => distance(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
 
 /**
  * Of all arrows, followed backwards from dot to diamond, with the ways to the ghost, over L and R.
@@ -83,7 +83,7 @@ export const TOUR_MEASURES = {
   "crossing to own point": stage =>
     measured(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
   "crossing to ghost": stage =>
-    measured(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+    measured(distance(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
   "arrow of 3": stage => measured(arrowOf(stage, BASE_POINT), " px", 0),
   "arrow of 9": stage => measured(arrowOf(stage, HAND_POINT), " px", 0),
   "way of 9": stage => measured(wayOf(stage, HAND_POINT), " px", 0),

@@ -32,7 +32,7 @@ export const linked = ({words, go, href}, look) => go
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
 
 /**
- * The normalised gain (Hake 1998): the share of what was wrong before that is right after; null where nothing was wrong.
+ * The normalised gain (Hake 1998): the share of the wrong answers before that is right after; null where nothing was wrong.
  *
  * @param {number} before
  * @param {number} after

@@ -37,7 +37,7 @@ export class HomeScreen {
             "Without the questions") : null,
           isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
             : null,
-          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew")
+          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Start again")
             : null),
         make("ol", {class: "contents"}, ...one.steps.map(step =>
           make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)},

@@ -1,5 +1,5 @@
 /**
- * A step of a lesson at one moment: its two arms, what was answered, and how far its reveal has gone. Figures, measures
+ * A step of a lesson at one moment: its two arms, the answer, and how far its reveal has gone. Figures, measures
  * and the card read it and nothing else. It touches no document.
  *
  * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[],
@@ -110,15 +110,15 @@
  * @property {Record<string, number[][]>} hulls outermost vertices of links
  * @property {Record<string, string>} [glossary] sentences by term
  *
- * @typedef {Object} Answer what was answered to a step
+ * @typedef {Object} Answer the answer to a step
  * @property {number} [choice] from 0
  * @property {Mark} [place]
  * @property {number} [number]
  * @property {number[]} [pose] degrees
  * @property {number[]} [selected] the value of each field, from 0, -1 for none yet
- * @property {number} [reason] for what was selected, from 0
+ * @property {number} [reason] for the selection, from 0
  * @property {number} [bet] 0 … 100 %
- * @property {boolean} [done] what was to be reached has been
+ * @property {boolean} [done] whether the goal was reached
  * @property {boolean} [shown] shown without an answer
  *
  * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
@@ -213,7 +213,7 @@ export class Stage {
     const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;
     this.session = new Session(this.world, {transfer, servo: servo in SERVOS ? servo : "broyden", demonstrator, start,
       noisePx, missing, seed: noise ?? 7});
-    /** @type {Moment} what is seen now */
+    /** @type {Moment} the current images */
     this.moment = this.session.now;
     /** @type {Motion[]} made by hand, the start first */
     this.motions = previous && previous.motions.length > 1 ? previous.motions
@@ -334,11 +334,11 @@ export class Stage {
     if (!(servo in SERVOS)) return null;
     if (!this.raced[servo]) {
       const session = new Session(this.world, {...this.session.settings, servo}), goal = this.goal;
-      const moments = [session.now];
-      while (moments.length <= MAX_RACE && !(goal !== null && session.now.E < goal)
-        && session.step()) moments.push(session.now);
-      const [postures, E, probes] = [moments.map(({theta}) => theta), moments.map(one => one.E),
-        moments.map(({probe}) => probe)];
+      const snapshots = [session.now];
+      while (snapshots.length <= MAX_RACE && !(goal !== null && session.now.E < goal)
+        && session.step()) snapshots.push(session.now);
+      const [postures, E, probes] = [snapshots.map(({theta}) => theta), snapshots.map(one => one.E),
+        snapshots.map(({probe}) => probe)];
       this.raced[servo] = {postures, E, probes, status: session.now.status};
     }
     return this.raced[servo];

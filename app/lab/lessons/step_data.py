@@ -228,7 +228,7 @@ def _keep(path: Path, data: bytes) -> None:
 
 @cache
 def source_digest() -> str:
-    """Return a digest of the package's version, source and data: any of them may change what is computed."""
+    """Return a digest of the package's version, source and data: any of them may change the results."""
     digest = hashlib.sha256(viewimit.__version__.encode())
     for path in _sources():
         digest.update(path.read_bytes())

@@ -83,7 +83,7 @@ function drawn({width, height}, stage, layers) {
   if (layers.has("found")) names.keep(goal, 9);
   const you = guess !== undefined && layers.has("predicted") ? at(ASKED, guess) : null;
   if (you) names.keep(you, 16);
-  if (layers.has("found") && you) svg += path("lesson-apart", polyline([you, goal]));
+  if (layers.has("found") && you) svg += path("lesson-gap", polyline([you, goal]));
   if (layers.has("found")) {
     svg += path("lesson-ring", circles([goal], 6.5));
     names.put(`${short(found)}°`, goal, "", {away: 13});
@@ -96,7 +96,7 @@ function drawn({width, height}, stage, layers) {
 }
 
 /**
- * Names at the ends of curves, apart from each other.
+ * Names at the ends of curves, which do not overlap.
  *
  * @param {{name: string, at: number, words: string}[]} ends
  * @param {number} right

@@ -39,7 +39,7 @@ export const RECTIFIED = {
           const words = least ? `${fixed(farthest(least, demonstrator))}° off` : "";
           const lowest = least ? [least] : [], {scene} = stage.world;
           const shown = stage.truthHidden ? {words: "", demonstrator: null} : {words, demonstrator};
-          panels[k].draw({title: TITLES[k], ...shown, map, lowest, apart: true}, scene);
+          panels[k].draw({title: TITLES[k], ...shown, map, lowest, gap: true}, scene);
         });
       },
     };

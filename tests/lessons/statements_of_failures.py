@@ -759,10 +759,10 @@ STATEMENTS: Statements = {
         },
     },
     "runs/5": {
-        "name": {"a pixel of noise": lambda: run_of(5)["noise"].startswith("1 px")},
+        "name": {"two pixels of noise": lambda: run_of(5)["noise"].startswith("2 px")},
         "because": {
             "The learner claims to have arrived": lambda: claims(5),
-            "leaves more than 1°": lambda: off_of_run(5) > 1,
+            "leave more than 1°": lambda: off_of_run(5) > 1,
             "Its certificate is not sure either": lambda: 0.4 < run_of(5)["certificate"] < 0.7,
         },
     },

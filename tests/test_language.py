@@ -22,7 +22,7 @@ def test_nothing_hides_the_translator(path):
 
 @pytest.mark.parametrize("path", TRANSLATED, ids=lambda path: path.stem)
 def test_marked_texts_are_literals(path):
-    """What is not written in the code is not in the catalog; texts of the glossary and of the script are, from there."""
+    """What is not written in the code is not in the catalog, but for texts that are read from files."""
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("_", "ngettext"):
             texts = node.args[:2] if node.func.id == "ngettext" else node.args

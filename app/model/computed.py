@@ -197,8 +197,7 @@ class Comparison:
 
     def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         if isinstance(made, Exception):
-            title = TRANSFERS[transfer].title
-            raise ValueError(_("nothing to compare for the transfer {title}: {why}").format(title=title, why=made))
+            raise ValueError(_("nothing to compare for the {name} transfer: {why}").format(name=transfer, why=made))
         if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
             return
         self._compared[transfer] = made

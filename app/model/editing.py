@@ -161,7 +161,7 @@ class Left:
 
     @property
     def sensor(self) -> str:
-        moments, cursor, _ = self.runs[0]
+        moments, cursor, _log = self.runs[0]
         return moments[cursor].settings.sensor
 
 
@@ -214,7 +214,7 @@ class Past:
         sessions = self._player.sessions
         # stay as they are for who begins anew
         histories = [(session.history, session.cursor, session.log) for session in sessions]
-        branches = any(cursor < len(history) - 1 for history, cursor, _ in histories)
+        branches = any(cursor < len(history) - 1 for history, cursor, _log in histories)
         runs = tuple(map(_run, sessions)) if branches else None
         before = self._leaving((), 0)
         yield

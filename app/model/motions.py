@@ -96,8 +96,9 @@ class Motions:
         """State and sentence, as the line under the scene has them."""
         if self.recorder is not None:
             if self.recorder.seconds == 0:
-                return "recording", _("Move the demonstrator by its sliders or its hand.")
-            return "recording", f"{self.recorder.seconds:.1f} s of the demonstrator's motion."
+                return "recording", _("move the demonstrator by its sliders or its hand.")
+            text = _("{time:.1f} s of the demonstrator's motion.")
+            return "recording", text.format(time=self.recorder.seconds)
         if (played := self._played) is not None:
             now, last = self.moment
             text = _("{name}, {now:.1f} of {end:.1f} s.")

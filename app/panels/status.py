@@ -23,8 +23,8 @@ from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
 STARTS_PICTURES = _("Starting the camera images … All that is grey is still of the moment before.")
-FOLLOWS = _("Computing what the link holds. Esc lets it go.")
-RESTORES = _("Computing this tab’s session again. Esc begins anew.")
+FOLLOWS = _("Computing what the link holds: Esc lets it go.")
+RESTORES = _("Computing this tab’s session again: Esc begins anew.")
 UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
 CHOICES = {  # by what is said: where a link leads, and its words
     "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),

@@ -45,8 +45,8 @@ EQUATION_PX = 13  # height of a letter
 LARGE, SMALL = ("L", "R"), ("l", "r")
 SVG_NAMESPACE = "http://www.w3.org/2000/svg"
 COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # of the paper's claims: px, letters per line
-HEADS = ("", "paper", "here", "tolerance", "")
-WORDS = {True: "pass", False: "miss", None: MISSING}
+HEADS = ("", _("paper"), _("here"), _("tolerance"), "")
+WORDS = {True: _("pass"), False: _("miss"), None: MISSING}
 
 _ROOT = re.compile(r'<svg class="([^"]*)" viewBox="0 0 ([\d.]+) ([\d.]+)"[^>]*>(.*)</svg>', re.DOTALL)
 _COMMENT_OR_AT_RULE = re.compile(r"/\*.*?\*/|@[^{};]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", re.DOTALL)
@@ -80,7 +80,7 @@ def standalone(drawing: str, title: str, description: str = "", css: str = DRAWI
     """
     found = _ROOT.search(drawing)
     if found is None:
-        raise ValueError("the drawing has no <svg class=… viewBox=…>")
+        raise ValueError(_("the drawing has no <svg class=… viewBox=…>"))
     classes, width, height = found[1], float(found[2]) + 2 * MARGIN, float(found[3]) + 2 * MARGIN
     inside = _with_short_ids(with_light_colours(found[4]))
     frame = f'x="{-MARGIN}" y="{-MARGIN}" width="{width:g}" height="{height:g}"'
@@ -128,7 +128,8 @@ def require_renderer(path: Path, instead: str) -> None:
     suffix = path.suffix.lower()
     if suffix in WRITERS and not can_render(suffix):
         package, install = WRITERS[suffix]
-        raise ValueError(f"{path}: {suffix} needs {package}: {install}; {instead} does not")
+        refusal = _("{path}: {suffix} needs {package}: {install}; {instead} does not")
+        raise ValueError(refusal.format(path=path, suffix=suffix, package=package, install=install, instead=instead))
 
 
 def as_png(picture: str, scale: int = PRINT_SCALE) -> bytes:
@@ -209,7 +210,9 @@ class Figure:
         lines = [(line, "vi-b") for line in textwrap.wrap(f"{self.title}.", letters)]
         lines += [(line, "vi-2nd") for line in textwrap.wrap(f"{citation.conditions}. {citation.software}.", letters)]
         if citation.repeated_by:
-            wrapped = textwrap.wrap(f"Repeated by: {citation.repeated_by}", letters, break_on_hyphens=False)
+            wrapped = textwrap.wrap(
+                _("Repeated by: {command}").format(command=citation.repeated_by), letters, break_on_hyphens=False
+            )
             lines += [(line, "vi-2nd") for line in wrapped]
         caption = "".join(
             svg.text(0, self.height + GAP + LINE * (k + 1), line, kind) for k, (line, kind) in enumerate(lines)
@@ -315,7 +318,8 @@ def can_typeset() -> bool:
 def require_typesetter() -> None:
     """Raise ValueError if equations cannot be typeset."""
     if not can_typeset():
-        raise ValueError(f"a picture of equations needs {TYPESETTER}: {INSTALL}")
+        refusal = _("a picture of equations needs {typesetter}: {install}")
+        raise ValueError(refusal.format(typesetter=TYPESETTER, install=INSTALL))
 
 
 def typeset_equations(equations: Sequence[Equation], title: str) -> Figure:
@@ -386,8 +390,10 @@ def draw_claims(claims: Sequence[Claim]) -> str:
 
 def _row(cells: Sequence[str], y: float, kind: str) -> tuple[str, int]:
     """Draw a row of the table, its first line at y px. → the drawing, its number of lines."""
-    wrapped = [textwrap.wrap(cell, letters) for cell, (_, letters) in zip(cells, COLUMNS)]
+    wrapped = [textwrap.wrap(cell, letters) for cell, (_x, letters) in zip(cells, COLUMNS)]
     drawn = (
-        svg.text(x, y + LINE * k, line, kind) for lines, (x, _) in zip(wrapped, COLUMNS) for k, line in enumerate(lines)
+        svg.text(x, y + LINE * k, line, kind)
+        for lines, (x, _letters) in zip(wrapped, COLUMNS)
+        for k, line in enumerate(lines)
     )
     return "".join(drawn), max(map(len, wrapped))

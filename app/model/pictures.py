@@ -126,10 +126,10 @@ def _curves(model: PageModel) -> Picture:
 
 def _equations(model: PageModel) -> Picture:
     require_typesetter()
-    told = equations_of(model.snapshot, model.view.chosen)
+    text = equations_of(model.snapshot, model.view.chosen)
     return Picture(
         partial(
-            typeset_equations, told, f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
+            typeset_equations, text, f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
         )
     )
 
@@ -154,9 +154,9 @@ def _experiment(model: PageModel) -> Picture:
     if run is None or run.request is None or not run.claims:
         raise ValueError("the experiment is not done yet: run it in its tab")
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    told = draw_claims(run.claims)
+    text = draw_claims(run.claims)
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(append_below(figure, told) if told else figure, cited)
+    return Picture.of(append_below(figure, text) if text else figure, cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {

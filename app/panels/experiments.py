@@ -17,7 +17,7 @@ from ..model.motions import NAMES
 from ..model.page_model import PageModel
 from .panel import Layout, put, put_html, put_max
 
-SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # what is imitated, in 3-D and in the images
+SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
 RUN, CANCEL = ("Run", Icon.PLAYER_PLAY), ("Cancel", Icon.PLAYER_STOP)
 POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 PASS = (
@@ -54,7 +54,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
                 lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
             )
             layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=_can_be_taken)
-        layout.html(lambda model: POINTS_ONLY if model.experiments.sets_pictures_aside else "")
+        layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
 

@@ -51,7 +51,7 @@ KEYS = (
     Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", "remove"),
     Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", "share"),
     Key("S", "S", "picture", "Save a picture of the panel chosen under Save", "save_picture"),
-    Key("Esc", "escape", "close", "Close the help, or what is large, or let the see-through arm go", "dismiss"),
+    Key("Esc", "escape", "close", "Close the help, a large panel or the see-through arm", "dismiss"),
 )
 
 
@@ -173,7 +173,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
         put_html(listed, offers(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
-        """The way back is written anew now and then, as that takes time; the offer goes at once."""
+        """The way back is updated now and then, as that takes time; the offer is removed at once."""
         return REWRITTEN_EVERY if _offered(model) == offered else 0.0
 
     layout.drawing(key, draw, period)
@@ -185,14 +185,14 @@ def glossary(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     layout.drawing(
-        lambda model: (model.snapshot, model.word.key),
-        lambda model: put_html(values, current_values(numbers_now(model), model.word.key)),
+        lambda model: (model.snapshot, model.glossary_demo.key),
+        lambda model: put_html(values, current_values(numbers_now(model), model.glossary_demo.key)),
         period=SLOWEST,
     )
 
 
 def _offered(model: PageModel) -> bool:
-    """Whether the tour is: not to a visitor who has begun."""
+    """Whether the tour is offered: not after the first motion."""
     return model.tour_offered and model.player.last == 0
 
 

@@ -10,7 +10,6 @@ import pytest
 HERE = Path(__file__).parent
 REASON = "written for the page as it was laid out before"
 TO_BE_READ = {
-    "test_claims",
     "test_keys_and_names",
     "test_points_by_hand",
     "test_touching",

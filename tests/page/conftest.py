@@ -16,7 +16,6 @@ TO_BE_READ = {
 }  # most fail
 SOME_FAIL = {
     "test_behind_nginx",
-    "test_browser_page",
     "test_browser_scene",
     "test_layout",
     "test_presenting",

@@ -35,7 +35,6 @@ APP_ORDER = (
     {"commands", "panels", "scene"},
     {"page"},
     {"benchmark", "camera_benchmark", "server"},
-    {"serve"},
 )
 OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints", "_is_protocol"}  # names of Python's, IPython's and viser's
 # image points, nothing of the world
@@ -261,8 +260,9 @@ def test_the_library_and_the_commands_load_neither_viser_nor_pybullet():
 
 
 def test_a_server_loads_what_reads_meshes_for_a_robot_of_ones_own_alone():
-    begun = "import viewimit.app.serve, viewimit.app.page.page\nfrom viewimit.simulation.robot import link_meshes"
-    assert not loaded_by(f"{begun}\nlink_meshes('panda')") & {"trimesh", "scipy"}
+    begun = "import viewimit.app.server.serve, viewimit.app.page.page"
+    with_meshes = f"{begun}\nfrom viewimit.simulation.robot import link_meshes\nlink_meshes('panda')"
+    assert not loaded_by(with_meshes) & {"trimesh", "scipy"}
 
 
 COMMANDS = (

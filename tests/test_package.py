@@ -310,7 +310,7 @@ print(asked, b.build_wheel("made"), file=sys.stderr)"""
     assert done.returncode == 0 and done.stderr.splitlines()[-1].startswith("[] viewimit"), done.stderr
     (wheel,) = (clone / "made").glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert "viewimit/app/serve.py" in names and not [name for name in names if name.startswith("viewimit/site")]
+    assert "viewimit/app/server/serve.py" in names and not [name for name in names if name.startswith("viewimit/site")]
     asked = build(env=bare | {"VIEWIMIT_DOCS": "1"})
     assert asked.returncode != 0 and "docs/build.py" in asked.stderr
 

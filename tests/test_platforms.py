@@ -56,7 +56,7 @@ in_app = pkgutil.walk_packages(viewimit.app.__path__, "viewimit.app.")  # which 
 for found in [*pkgutil.walk_packages(viewimit.__path__, "viewimit."), *in_app]:
     if not found.name.endswith(("__main__", "physics")):
         __import__(found.name)
-assert "viewimit.app.serve" in sys.modules
+assert "viewimit.app.server.serve" in sys.modules
 from viewimit.commands.cli import main
 assert main(["imitate", "--demonstrator", "45,-90", "--start", "25,-45"]) == 0
 """
@@ -74,7 +74,7 @@ print([name for name, *_ in Kernel32.calls], Kernel32.calls[1][2] == 0x4000, ins
 print(processes.stop_signals() == [signal.SIGINT, signal.SIGTERM, signal.SIGBREAK], processes.usable_cores() > 0)
 processes.ignore_interrupts()
 print(signal.getsignal(signal.SIGINT) == signal.getsignal(signal.SIGBREAK) == signal.SIG_IGN, processes.stop_signals())
-from viewimit.app.serve import usual_workers
+from viewimit.app.server.serve import usual_workers
 from viewimit.app.jobs.child import stand_back
 stand_back(1)
 print(usual_workers("0.0.0.0"))

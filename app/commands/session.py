@@ -18,6 +18,7 @@ from ..model.following import Played
 from ..model.keeping import become
 from ..model.page_model import PageModel
 from ..model.queue import Queued, choice, number, one_of, text
+from ..model.readable_link import read_link
 from ..sessions.link import decode
 from .registry import command
 
@@ -202,7 +203,7 @@ class Arrived(Queued):
 @command("link", latest=True, moves=True, link=True)
 def follow_link(model: PageModel, address: Text) -> None:
     """Become what a link holds. Its motions are computed beside the page, as that may take seconds."""
-    model.following.begin(decode(address, model.begun), Arrived)
+    model.following.begin(read_link(address, model.begun), Arrived)
 
 
 @command("session", latest=True, link=True)

@@ -156,12 +156,13 @@ def _number(count: int) -> str:
 
 @dataclass(frozen=True)
 class Preset:
-    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes."""
+    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes; key: in links."""
 
     name: str
     settings: Settings
     motions_per_second: float
     lesson: str
+    key: str = ""
 
 
 PRESETS = (
@@ -170,30 +171,35 @@ PRESETS = (
         Settings.paper(),
         2,
         _("Ten points, four pictures. Press Play and watch the conflict shrink."),
+        "paper",
     ),
     Preset(
         _("Beyond the paper"),
         Settings(),
         2,
         _("Our best method: exact in 5 to 10 steps, as it predicts images before it moves."),
+        "best",
     ),
     Preset(
         _("The paper's own law"),
         Settings.paper(servo="gradient", start_deg=(30, -60)),
         0,
         _("The paper's law as printed. Its steps shrink with E, so it slows to a crawl."),
+        "gradient",
     ),
     Preset(
         _("The paper's law, retuned"),
         Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
         0,
         _("With a larger gain it comes near in hundreds of steps, but never stands still."),
+        "retuned",
     ),
     Preset(
         _("Linear combination of views"),
         Settings.paper(transfer="linear", start_deg=(75, -150)),
         2,
         _("Just as accurate. It intersects no lines, so parallel ones cannot spoil it."),
+        "linear",
     ),
     Preset(
         _("Seven joints"),
@@ -205,66 +211,77 @@ PRESETS = (
         ),
         2,
         _("Seven unknowns. The wrist is hardest to see, as it moves its points least."),
+        "seven",
     ),
     Preset(
         _("Verged cameras"),
         Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
         2,
         _("Each camera looks at the gaze point itself. The lowest E is at a wrong pose."),
+        "verged",
     ),
     Preset(
         _("Toed-in cameras"),
         Settings(scene="panda-toed", start_deg=(25, -45)),
         2,
         _("Two different cameras, toed in. Matched points alone rectify their images."),
+        "toed",
     ),
     Preset(
         _("Demonstrator faces the learner"),
         Settings.paper(scene="panda-facing", start_deg=(25, -45)),
         2,
         _("Near and far swap for a demonstrator that faces the learner: far from exact."),
+        "facing",
     ),
     Preset(
         _("Few points"),
         Settings.paper(points=5, start_deg=(25, -45)),
         2,
         _("With four points E is always 0. With five it is nearly flat: no joint is found."),
+        "few",
     ),
     Preset(
         _("Nearly coplanar points"),
         Settings.paper(scene="panda-flat", start_deg=(25, -45)),
         2,
         _("The points nearly lie in one plane, so one coordinate is left to chance."),
+        "flat",
     ),
     Preset(
         _("Half a pixel of noise"),
         Settings.paper(noise_px=0.5, start_deg=(25, -45)),
         2,
         _("Noise moves the minimum itself by degrees, because the transfer amplifies it."),
+        "noise",
     ),
     Preset(
         _("Points get lost"),
         Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
         2,
         _("A point counts if all four images show it. Below five, the arm holds still."),
+        "lost",
     ),
     Preset(
         _("Points without names"),
         Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
         2,
         _("The points come in any order. After two test moves the learner names them."),
+        "unnamed",
     ),
     Preset(
         _("KUKA iiwa"),
         Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,
         _("Another robot, the same method: it knows no robot."),
+        "iiwa",
     ),
     Preset(
         _("Camera images"),
         Settings(sensor="rendered"),
         2,
         _("Rendered pictures. Only coloured balls that are detected in them count."),
+        "images",
     ),
 )
 

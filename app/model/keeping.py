@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import msgspec
 import numpy as np
 
+from viewimit.drawing.export.panels import largest_residual
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.session import Session
 
@@ -154,7 +155,8 @@ def _show(model: PageModel, page: SavedPage, is_own: bool) -> None:
     model.player.speed = present.speed
     model.tour_offered = model.tour_offered and page.offers_tour
     dark = model.view.dark if page.dark is None else page.dark
-    view = replace(switched(model.view, page.show), chosen=page.chosen, dark=dark)
+    chosen = largest_residual(model.session.snapshot) if page.chosen == -1 else page.chosen
+    view = replace(switched(model.view, page.show), chosen=chosen, dark=dark)
     if view != model.view:
         model.view = view
 

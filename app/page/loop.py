@@ -19,6 +19,7 @@ BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
 SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
 AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
+MAX_DEBT_S = 1.0  # s that later commands make up for, by waiting MAX_DEBT_S / SHARE at most
 
 
 def _beside() -> float:
@@ -195,8 +196,11 @@ class Background:
 
 
 class TimeBudget:
-    """How much of the time one page's visitor may have carried out, so that the others' pages keep their pace. What one
-    command takes beyond it is made up for by those after it, which wait."""
+    """Bounds the time that one page's commands take, so that the other pages keep their pace.
+
+    A command that takes longer than what is left delays the commands after it. At most MAX_DEBT_S is made up for: a
+    computation of a minute on a busy machine must not block its page for five more.
+    """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
@@ -204,15 +208,22 @@ class TimeBudget:
 
     @property
     def left(self) -> bool:
-        now = self._clock()
-        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
-        self._last = now
+        """Whether the next command may run now."""
+        self._earn()
         return self._left > 0
 
     def spend(self, work: Callable[[], None]) -> None:
-        """Do it, and count how long it takes."""
+        """Run work() and count how long it takes."""
         began = self._clock()
         try:
             work()
         finally:
             self._left -= self._clock() - began
+            self._earn()
+            self._left = max(self._left, -MAX_DEBT_S)
+
+    def _earn(self) -> None:
+        """Add this page's share of the time since this was called last."""
+        now = self._clock()
+        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
+        self._last = now

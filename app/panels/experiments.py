@@ -10,7 +10,7 @@ from viewimit.estimation.equations import MISSING, with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
 
-from ..drawing.overlays import asks
+from ..drawing.glossary import asks
 from ..jobs.experiments import Run
 from ..model.computed import titles
 from ..model.motions import NAMES

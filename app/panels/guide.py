@@ -13,7 +13,8 @@ from viewimit.drawing.svg import escape
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
-from ..drawing.overlays import button, current_values, linked_cards, listed
+from ..drawing.glossary import current_values, linked_cards, listed
+from ..drawing.overlays import button
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
 from ..model.page_model import PageModel

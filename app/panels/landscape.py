@@ -6,7 +6,8 @@ from viser import Icon
 
 from viewimit.drawing.glossary import ask
 
-from ..drawing.overlays import asks, draw_see_through, posture_links
+from ..drawing.glossary import asks
+from ..drawing.overlays import draw_see_through, posture_links
 from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html, put_visible
 

@@ -3,7 +3,8 @@
 from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
 
-from ..drawing.overlays import asks, hide_later_motions, motion_links
+from ..drawing.glossary import asks
+from ..drawing.overlays import hide_later_motions, motion_links
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html
 

@@ -2,6 +2,7 @@
 repeats it."""
 
 import html
+from contextlib import suppress
 from typing import Any
 
 import segno
@@ -13,6 +14,7 @@ from viewimit.sensing.files import file_name
 from ..lab.address import lab_address
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
+from ..model.readable_link import NotReadable, write_link
 from ..sessions.link import encode_link, files_named
 from .panel import Layout, put_html
 
@@ -20,6 +22,11 @@ REPLAY = "all motions as one file that any browser opens, without a server"
 PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 SCALE, BORDER = 3, 2  # px a module of a QR code, and modules around it
+ONLY_HERE = (
+    '<p class="vi-2nd">This link opens on this machine only: the server answers nobody else. '
+    "Start it with <code>--host 0.0.0.0</code> for others on your network.</p>"
+)
+WIDTH = 420  # px of a link's QR code, if its modules are not smaller than that: a projector's is read from a back row
 
 
 def save(layout: Layout, model: PageModel) -> None:
@@ -58,20 +65,23 @@ def share(layout: Layout, model: PageModel) -> None:
                 done = layout.gui.add_button("Close")  # first, so that it has the focus and is in sight
                 inside = layout.gui.add_html("")
             layout.queue.on_click(done, "share")
-        put_html(inside, share_html(model, origin))
+        put_html(inside, share_html(model, origin, is_local=layout.info.public_url is None))
 
     layout.drawing(key, show)
 
 
-def share_html(model: PageModel, origin: str | None) -> str:
-    """origin: scheme://host:port by which the server is known, None if nobody says."""
+def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:
+    """Write the card. origin: scheme://host:port by which the server is known, None if nobody says; is_local: by no
+    other machine."""
     parts, script = [], model.session.script.renamed(file_name)
     try:
-        text = encode_link(model.linked())
-        address = f"{origin or ''}/?s={text}"
+        query, files = _query(model)
+        address = f"{origin or ''}/?{query}"
         parts.append(_copied("A link that opens this very state", address))
-        parts.append(_bound(files_named(text)))
-        parts.append(_qr(address) if origin is not None else "")
+        parts.append(_bound(files))
+        if origin is not None:
+            parts.append(ONLY_HERE if is_local else "")
+            parts.append(_qr(address))
     except ValueError as error:
         parts.append(f"<p>{html.escape(str(error))}</p>")
     in_lab = lab_address(model.snapshot)
@@ -83,6 +93,19 @@ def share_html(model: PageModel, origin: str | None) -> str:
         except ValueError as error:
             parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'
+
+
+def _query(model: PageModel) -> tuple[str, list[str]]:
+    """Return what follows "?" in a link, and the files that its server has to be started with.
+
+    It is readable where settings and a number of steps are all that there is to say, and the answer may be seen.
+    Raises ValueError for what is too long.
+    """
+    if model.view.truth:
+        with suppress(NotReadable):
+            return write_link(model), []
+    packed = encode_link(model.linked())
+    return f"s={packed}", files_named(packed)
 
 
 def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> str:
@@ -104,13 +127,17 @@ def _bound(files: list[str]) -> str:
 def _qr(address: str) -> str:
     if len(address) > MOST_IN_QR:
         return '<p class="vi-2nd">Too long for a QR code that a telephone can read.</p>'
-    return draw_qr(address, "QR code of the link", error="l")
+    return draw_qr(address, "QR code of the link", error="l", width=WIDTH)
 
 
-def draw_qr(address: str, name: str, error: str = "m") -> str:
-    """Draw a QR code that a telephone reads in both colour schemes, as HTML. name: for screen readers; error: how much
-    of it may be hidden, as segno has it."""
+def draw_qr(address: str, name: str, error: str = "m", width: int = 0) -> str:
+    """Draw a QR code that a telephone reads in both colour schemes, as HTML.
+
+    name: for screen readers; error: how much of it may be hidden, as segno has it; width: px that it may be wide, if
+    that is more than it needs.
+    """
     code = segno.make(address, error=error, micro=False)
     drawn = code.svg_inline(border=BORDER, dark="#000", light="#fff", omitsize=True)
-    width = code.symbol_size(SCALE, BORDER)[0]
+    modules = code.symbol_size(1, BORDER)[0]
+    width = modules * max(SCALE, width // modules)
     return f'<div class="vi-qr" role="img" aria-label="{name}" style="width:{width}px">{drawn}</div>'

@@ -81,8 +81,8 @@ class SavedPage(msgspec.Struct, **FIELDS):
     """What a link or a tab keeps of a page.
 
     present: without runs where no script is known; past: what Undo goes back to, the oldest first; settings, commanded:
-    of the snapshot shown, commanded in rad; chosen: a point; show: switches of the page; motion: a recorded motion, as
-    its file; incomplete: what could not be kept, or read, and why.
+    of the snapshot shown, commanded in rad; chosen: a point, -1 for the one with the largest residual; show: switches
+    of the page; motion: a recorded motion, as its file; incomplete: what could not be kept, or read, and why.
     """
 
     present: Branch
@@ -179,7 +179,7 @@ def encode_link(page: SavedPage) -> str:
         renamed = page.renamed(rename)
         text = ".".join(encode_blocks(renamed, level=19))
         if len(text) <= MAX_LINK:
-            _require(renamed, renamed.settings)
+            require_allowed(renamed, renamed.settings)
             return text
     raise ValueError(f"too much was done for a link: {len(text)} characters of {MAX_LINK}")
 
@@ -221,7 +221,7 @@ def decode(text: str, begun: Settings) -> SavedPage:
     places = [place for place in (begun.scene, begun.robot) if place is not None]
     own = {name(place): place for place in places for name in (file_name, described)}
     page = page.renamed(lambda name: own.get(name, name))
-    _require(page, begun)
+    require_allowed(page, begun)
     return page
 
 
@@ -413,7 +413,7 @@ def _damaged(error: BaseException) -> ValueError:
     return ValueError(f"the link is damaged: {' '.join(str(error).split())[:120]}")
 
 
-def _require(page: SavedPage, begun: Settings) -> None:
+def require_allowed(page: SavedPage, begun: Settings) -> None:
     """Raise ValueError for what a server does not do for whoever comes by."""
     scripts = page.scripts
     all_settings = [page.settings, *(settings for script in scripts for settings in _all_settings(script))]

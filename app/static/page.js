@@ -29,7 +29,9 @@ const taken = last => {
 // What the tab keeps is handed back first, on each connection: then come clicks that were made since it was kept, and that
 // the lost connection may have swallowed
 const searched = new URLSearchParams(location.search);
-const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, searched.get("s"));
+const OWN_FIELDS = ["s", "present", "websocket", "at"];  // of the address: the others are of a link that people can read
+const readable = new URLSearchParams([...searched].filter(([name]) => !OWN_FIELDS.includes(name))).toString();
+const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, searched.get("s") ?? readable);
 let keptBox = "", redone = [], problemTold = "";
 const handBack = () => {
   kept.connect();
@@ -51,11 +53,9 @@ const keep = part => {
   if (!kept.take(part)) return act("resend", 0);
   redone = redone.filter(([number]) => number > kept.acted);
   const page = new URL(location.href);
-  if ((page.searchParams.get("s") ?? "") !== kept.address) {
-    page.searchParams.delete("s");
-    const search = [page.searchParams.has("present") ? "present" : "", kept.address && `s=${kept.address}`];
-    history.replaceState(history.state, "", page.pathname + search.filter(Boolean).map((one, k) => (k ? "&" : "?") + one).join(""));
-  }
+  const fields = [page.searchParams.has("present") ? "present" : "", kept.address && `s=${kept.address}`];
+  const search = fields.filter(Boolean).map((one, k) => (k ? "&" : "?") + one).join("");
+  if (page.search !== search) history.replaceState(history.state, "", page.pathname + search);
   tellProblem();
 };
 const heard = message => {

@@ -227,7 +227,7 @@ def test_too_few_points_exit_with_1_and_null(ask):
     status, out, err = ask("imitate", "--missing", 1, "--json")
     told = json.loads(out)
     assert status == 1 and told["E"] is None and told["motions"] == 0
-    assert "too few points" in err
+    assert "Too few points" in err
     status, out, err = ask("landscape", "--missing", 1, "--json")
     assert status == 1 and json.loads(out)["minimum_deg"] == [None, None] and "too few points" in err
 
@@ -447,7 +447,7 @@ def test_reports_for_people_carry_the_same_figures(ask, ask_json):
     affine = ("imitate", "--transfer", "linear", "--servo", "broyden")
     _, told = ask_json(*affine)
     status, out, err = ask(*affine)
-    assert status == 1 and "it rests, without evidence of having arrived" in err
+    assert status == 1 and "motions. It rests, without evidence of having arrived." in err
     assert f"after {told['motions']} motions, settled" in out and f"{told['E']:.4g} px²" in out
     _, told = ask_json("imitate", "--start", "25,-45")
     status, out, err = ask("imitate", "--start", "25,-45")

@@ -8,9 +8,9 @@ import pytest
 import viser
 from protocol import VIEW, Client
 from serving import Here, Server
-from viewimit.app.serve import usual_per_address
 from viewimit.app.server.limits import PENDING, Limits, PendingConnections, ServerOptions, Unsent, network_of
 from viewimit.app.server.seats import Seats
+from viewimit.app.server.serve import usual_per_address
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 

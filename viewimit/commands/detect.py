@@ -89,7 +89,10 @@ def run(args: argparse.Namespace) -> int:
         raise BadInput(f"--out: {args.out}: its name must end in .csv")
     files, files_of_both = _files_by_view(args)
     if files_of_both and args.aruco is None:
-        raise BadInput(f"{files_of_both[0]}: both arms in one picture need markers with numbers: give --aruco")
+        raise BadInput(
+            f"{files_of_both[0]}: its name does not end in a view such as _demo_left; name it by {VIEW_OPTIONS};"
+            " both arms in one picture need markers with numbers: give --aruco"
+        )
     names, detect = _ball_detector(args) if args.aruco is None else _square_detector(args)
     from ..sensing.detection import read_pictures  # loads OpenCV
 

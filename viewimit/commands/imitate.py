@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
         _report(result)
     if result["converged"]:
         return DONE
-    print(f"viewimit imitate: not converged after {result['motions']} motions: {ended.message}", file=sys.stderr)
+    print(f"viewimit imitate: not converged after {result['motions']} motions. {ended.message}", file=sys.stderr)
     return MISSED
 
 

@@ -58,8 +58,8 @@ def run(args: argparse.Namespace) -> int:
     settings = settings_from(args)
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own
-    from ..app.serve import ServerOptions, serve, usual_per_address, usual_workers
     from ..app.server.address import require_origin
+    from ..app.server.serve import ServerOptions, serve, usual_per_address, usual_workers
 
     with naming("--origin"):
         for origin in args.origin:

@@ -14,6 +14,7 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
+from ..language import sentences
 from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import repeat_xy
 from .evaluation import Evaluation
@@ -442,12 +443,12 @@ def _equal(one: NDArray, other: NDArray) -> bool:
 
 
 WHY = {
-    ServoStatus.CONVERGED: "the learner claims to have arrived",
-    ServoStatus.SETTLED: "it rests, without evidence of having arrived",
-    ServoStatus.UNOBSERVABLE: "the points do not determine every joint",
-    ServoStatus.NO_PROGRESS: "no progress",
-    ServoStatus.TOO_FEW_POINTS: "too few points are seen in all four images",
-    ServoStatus.MAX_MOTIONS: "it made as many motions as it was allowed",
+    ServoStatus.CONVERGED: "The learner claims to have arrived.",
+    ServoStatus.SETTLED: "It rests, without evidence of having arrived.",
+    ServoStatus.UNOBSERVABLE: "The points do not determine every joint.",
+    ServoStatus.NO_PROGRESS: "It found no way to a smaller E.",
+    ServoStatus.TOO_FEW_POINTS: "Too few points are seen in all four images.",
+    ServoStatus.MAX_MOTIONS: "It made as many motions as it was allowed.",
 }
 
 
@@ -477,17 +478,20 @@ class RunResult:
 
     @property
     def message(self) -> str:
-        """Why the run ended, in a sentence."""
-        status, last = self.status, self.last
-        why = "no motion was made" if status == ServoStatus.MAX_MOTIONS and last.motion == 0 else WHY[status]
-        reasons = [why]
+        """Why the run ended, in sentences: those of the servo where it made no progress, if it has any."""
+        status, last, why = self.status, self.last, ""
         if status == ServoStatus.NO_PROGRESS:
-            reasons.append(last.servo.describe_status(last.servo_state, last.status))
-        if last.transfer is None and status != ServoStatus.TOO_FEW_POINTS:
-            reasons.append(WHY[ServoStatus.TOO_FEW_POINTS])
-        if last.transfer is None and last.n_rejected:
-            reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head")
-        return ": ".join(filter(None, reasons))
+            why = last.servo.describe_status(last.servo_state, status)
+        elif status == ServoStatus.MAX_MOTIONS and last.motion == 0:
+            why = "No motion was made."
+        reasons = [why or WHY[status]]
+        if last.transfer is None and not last.awaits_names:
+            if status != ServoStatus.TOO_FEW_POINTS:
+                reasons.append(WHY[ServoStatus.TOO_FEW_POINTS])
+            if last.n_rejected:
+                reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head.")
+        text = sentences(*reasons)
+        return text[0].upper() + text[1:]
 
     @property
     def travel_deg(self) -> float:

@@ -116,11 +116,14 @@ def _linearised(
 def normal_equations(
     J: NDArray[np.float64], n_parameters: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Blocks of JᵀJ for derivatives (P + 3, K, N, 3): A (P, P), B (N, P, 3) and C (N, 3, 3)."""
-    by_parameter = J[:n_parameters].reshape(n_parameters, -1)
-    by_point = np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
-    both = by_point @ by_point[:, n_parameters:].swapaxes(1, 2)
-    return by_parameter @ by_parameter.T, both[:, :n_parameters], both[:, n_parameters:]
+    """Blocks of JᵀJ for derivatives (P + 3, K, N, 3): A (P, P), B (N, P, 3) and C (N, 3, 3).
+
+    A is summed over points: products of small matrices stay below the size at which BLAS starts threads, which would
+    take longer than the products.
+    """
+    P, by_point = n_parameters, np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
+    products = by_point @ by_point.swapaxes(1, 2)
+    return J[:P].reshape(P, -1) @ J[:P].reshape(P, -1).T, products[:, :P, P:], products[:, P:, P:]
 
 
 def sqrt_inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

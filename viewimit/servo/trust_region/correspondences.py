@@ -70,6 +70,7 @@ def find_swaps(
     upper: Array,
     objective_floor: float,
     options: TrustRegionOptions = DEFAULTS,
+    name_all: Callable[[], Pairs] = tuple,
 ) -> Pairs:
     """Find the pairs of the demonstrator's points that are swapped.
 
@@ -83,11 +84,14 @@ def find_swaps(
     objective_floor : float
         E that needs no explanation [px²].
     options : TrustRegionOptions, optional
+    name_all : callable, optional
+        Names all points anew and returns the swaps that this takes, none if it finds nothing. It is asked where points
+        are mixed up, and no single pair explains how: what seem to be two pairs may be a part of it.
 
     Returns
     -------
     tuple of pairs
-        None, one or two pairs of indices.
+        None, one or two pairs of indices, or those by `name_all`.
     """
 
     def smallest(pairs: Pairs, postures: Array, E: Array) -> float:
@@ -117,6 +121,8 @@ def find_swaps(
     E_one = smallest(one, postures, E[order[0]])
     if E_one < objective_floor:
         return one
+    if mixed_up := name_all():
+        return mixed_up
     postures = posture_grid(lower, upper, options.swap_grid_two)
     first = [single[k] for k in order[: options.swap_first_pairs]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]

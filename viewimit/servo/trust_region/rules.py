@@ -195,10 +195,15 @@ def swap_suspected(state: TrustRegionState, context: StepContext) -> bool:
 def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Search for swapped points. If some are found, begin the search for the minimum again with them swapped back."""
     observation, options = context.observation, context.options
-    predict, floor = context.images.fit().predict, objective_floor(context)
-    pairs = find_swaps(predict, context.residuals, observation.lower, observation.upper, floor, options)
-    if len(pairs) != 1:  # none, or two that may be a part of what is mixed up
-        pairs = mixed_up_points(context) or pairs
+    pairs = find_swaps(
+        context.images.fit().predict,
+        context.residuals,
+        observation.lower,
+        observation.upper,
+        objective_floor(context),
+        options,
+        name_all=lambda: mixed_up_points(context),
+    )
     state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
         return state
@@ -209,9 +214,10 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
 def mixed_up_points(context: StepContext) -> Pairs:
     """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images."""
     model, observation = context.images.fit(), context.observation
-    if not isinstance(model, KinematicImages) or observation.demo is None:
+    if not isinstance(model, KinematicImages) or observation.demo is None or not np.isfinite(observation.demo).all():
         return ()
-    found = find_naming(observation.demo, model, observation.lower, observation.upper, context.options)
+    options = replace(context.options, naming_left_out=0)  # as every point is to have a partner
+    found = find_naming(observation.demo, model, observation.lower, observation.upper, options)
     if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
         return ()
     return transpositions(found.names)

@@ -12,10 +12,10 @@ from dataclasses import replace
 from viewimit.loop.session import Session
 from viewimit.processes import stop_signals, usable_cores
 
-from .server.address import address, invite, is_loopback, listen, require_free
-from .server.limits import ServerOptions
-from .server.processes import LOG_FORMAT, Termination, supervised
-from .server.seats import Seats
+from .address import address, invite, is_loopback, listen, require_free
+from .limits import ServerOptions
+from .processes import LOG_FORMAT, Termination, supervised
+from .seats import Seats
 
 __all__ = ["ServerOptions", "serve", "usual_per_address", "usual_workers"]
 
@@ -50,7 +50,7 @@ def serve(
             port = listeners[0].getsockname()[1]
             stack.enter_context(supervised(options, listeners, stopped))
         else:
-            from .server.pages import serving  # what only supervises need not load viser
+            from .pages import serving  # what only supervises need not load viser
 
             port = stack.enter_context(serving(options, Seats(), port=port))
         url = address(host, port)

@@ -111,7 +111,7 @@ def next_larger(model: PageModel) -> None:
 @command("dismiss", order_independent=True, link=True)
 def dismiss(model: PageModel) -> None:
     """Close the help, or else end a link that is followed, a proposed point or editing them, or else an imitation, the
-    see-through arm, what is large and the offer of the tour."""
+    see-through arm, the large panel and the offer of the tour."""
     if model.view.help or model.view.share:
         model.show(help=False, share=False)
     elif not model.following.let_go() and not model.points.let_go():

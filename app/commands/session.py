@@ -33,7 +33,7 @@ Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in
 def play(model: PageModel) -> None:
     """Play, or pause. A duel's opponent first gets what has changed for the learner."""
     if not model.player.playing:
-        model.past.keep_branch()
+        model.past.push_branch()
         model.duel.follow()
     model.player.toggle()
 
@@ -42,7 +42,7 @@ def play(model: PageModel) -> None:
 def step(model: PageModel, *, now: float) -> None:
     """Make one motion."""
     model.player.pause()
-    model.past.keep_branch()
+    model.past.push_branch()
     model.duel.follow()
     model.player.step(now)
 
@@ -54,7 +54,7 @@ def _undo_needs_camera(model: PageModel) -> bool:
 
 @command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
 def undo(model: PageModel, *, now: float) -> None:
-    """Go one motion back; where a reset, a preset or a start began, back to what was there before. A link that is
+    """Go one motion back; where a reset, a preset or a start began, back to the former session. A link that is
     being followed is abandoned instead."""
     if model.following.let_go():
         return
@@ -88,7 +88,7 @@ def toggle_rehearsal(model: PageModel) -> None:
 
 @command("moment", latest=True, moves=True, link=True)
 def scrub(model: PageModel, motion: int) -> None:
-    """Show the moment after so many motions."""
+    """Show the snapshot after this number of motions."""
     model.player.pause()
     model.player.scrub(motion)
 
@@ -164,21 +164,21 @@ def show_word(model: PageModel, key: Word) -> None:
     lesson = _("{symbol}, {name}: where it is bad.") if entry.bad else _("{symbol}, {name}.")
     lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
     title = _("Show me: {symbol}").format(symbol=entry.symbol)
-    model.word.show(key, Preset(title, entry.show, speed, lesson), model.view)
+    model.glossary_demo.show(key, Preset(title, entry.show, speed, lesson), model.view)
     model.show(help=False)
     if entry.plays:
         play(model)
 
 
 def _restore_needs_camera(model: PageModel) -> bool:
-    before = model.word.before
-    return before is not None and before.left.sensor == "rendered" != model.session.settings.sensor
+    before = model.glossary_demo.before
+    return before is not None and before.entry.sensor == "rendered" != model.session.settings.sensor
 
 
 @command("restore", moves=True, link=True, camera=_restore_needs_camera)
 def restore(model: PageModel) -> None:
-    """Give back what was there before an entry of the glossary was shown."""
-    model.view = model.word.give_back(model.view)
+    """Restore the page before an entry of the glossary was shown."""
+    model.view = model.glossary_demo.give_back(model.view)
 
 
 # Commands that make a page what a link holds, or what its own tab has kept.
@@ -188,7 +188,7 @@ Text = Annotated[str, text]
 
 @dataclass(frozen=True, eq=False)
 class Arrived(Queued):
-    """What was played beside the page, which becomes it."""
+    """Replace the page by the one that was played in the background."""
 
     played: Played
     moves = True
@@ -229,7 +229,7 @@ def restore_session(model: PageModel, kept: Text) -> None:
 
 @command("resend", latest=True, link=True)
 def resend_all(model: PageModel) -> None:
-    """Send again all that the tab is to keep, of which it has missed a part."""
+    """Send the tab its whole text again, of which it has missed a part."""
     model.resends_all = True
 
 

@@ -36,7 +36,7 @@ def download(model: PageModel) -> None:
 
 @command("imitation", moves=True)
 def show_imitation(model: PageModel, *, now: float) -> None:
-    """Show what was imitated, or stop showing it."""
+    """Show the imitated motion, or stop showing it."""
     run = model.experiments.shown
     if model.display.playback.playing:
         model.display.playback.stop()

@@ -10,6 +10,7 @@ from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
 from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
+from viewimit.drawing.landscape import HINT, HINT_PLACE
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
@@ -194,7 +195,7 @@ def posture_links(scene: Scene) -> str:
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
     left, top, *__ = plane.box
-    hint = svg.text(left + 6, top + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
+    hint = svg.text(left + HINT_PLACE[0], top + HINT_PLACE[1], HINT, "vi-2nd vi-halo vi-hint")
     return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 

@@ -36,7 +36,7 @@ def servo_names() -> dict[str, str]:
 
 
 def modified(preset: str) -> str:
-    """A preset whose settings have been changed; first of all that, as a narrow list cuts off what is last."""
+    """A preset whose settings have been changed. This word comes first, as a narrow list cuts off the end."""
     return _("(modified) {preset}").format(preset=preset)
 
 
@@ -45,7 +45,7 @@ def modified(preset: str) -> str:
 
 @dataclass(frozen=True)
 class Amount:
-    """name: in `Settings`; label, low, high, step, hint: of its slider; per: so many on the page are one there."""
+    """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there."""
 
     name: str
     label: str
@@ -101,7 +101,7 @@ WORDS = (
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
-    """What `Settings.joints` may become, by name; the present ones too, whatever they are."""
+    """What `Settings.joints` may become, by name; the present ones included."""
     scene = load_scene(settings.scene, settings.robot)
     every = load_robot(scene.robot).movable_joints
     choices = {_name(scene.moving_joints): None, _("all {count}").format(count=_number(len(every))): every}
@@ -135,12 +135,12 @@ class Freedom:
         return {
             "joints": joints,
             "points": points,
-            "demonstrator_deg": _carried(given(settings.demonstrator_deg), scene, after),
-            "start_deg": _carried(given(settings.start_deg), scene, after),
+            "demonstrator_deg": _converted(given(settings.demonstrator_deg), scene, after),
+            "start_deg": _converted(given(settings.start_deg), scene, after),
         }
 
 
-def _carried(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tuple[float, ...]:
+def _converted(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tuple[float, ...]:
     """Angles of the joints that moved, as angles of those that will; the others are at rest."""
     known = dict(zip(scene.moving_joints, angles_deg))
     return tuple(known.get(joint, after.posture_deg[joint - 1]) for joint in after.moving_joints)
@@ -160,7 +160,7 @@ def _number(count: int) -> str:
 
 @dataclass(frozen=True)
 class Preset:
-    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes; key: in links."""
+    """name: as listed; settings: its values; motions_per_second: 0 is as fast as it computes; key: in links."""
 
     name: str
     settings: Settings
@@ -317,7 +317,7 @@ class Presets:
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
-WINDOW = "window"  # in place of all tabs' names
+WINDOW = "window"  # instead of all tabs' names
 SWITCHES = (
     "goal",
     "rays",

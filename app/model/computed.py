@@ -106,12 +106,12 @@ class Basins:
     def __init__(self, page_id: int, worker: ExperimentWorker, queue: CommandQueue):
         self._page_id, self._worker, self._queue = page_id, worker, queue
         self._asked: Settings | None = None
-        self._count = 0  # of what was asked
+        self._count = 0  # of requests
         self.run: Run | None = None
 
     @property
     def html(self) -> str:
-        """As far as it is found."""
+        """The landscape, or the part that is computed so far."""
         return "" if self.run is None else self.run.figure
 
     @property
@@ -137,7 +137,7 @@ class Basins:
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError for a run that has failed."""
-        if self.run is None or run.name != self.run.name:  # of what is not shown any more
+        if self.run is None or run.name != self.run.name:  # of a run that is no longer shown
             return
         self.run = run
         if run.state == "failed":
@@ -157,11 +157,11 @@ def _without_start(settings: Settings) -> Settings:
     return msgspec.structs.replace(settings, start_deg=None)
 
 
-# The landscapes of all transfers in place of the one that is used: computed only while they are shown.
+# The landscapes of all transfers instead of the one that is used: computed only while they are shown.
 
 
 class Comparison:
-    """Each transfer is asked for apart, so that the landscapes of other pages come in between.
+    """Each transfer is asked for separately, so that the landscapes of other pages come in between.
 
     on: whether they are to be shown; html: all of them; None while the one that is used is shown.
     """
@@ -180,7 +180,7 @@ class Comparison:
             self.html = None
 
     def ask(self, world: World, snapshot: Snapshot) -> None:
-        """Ask anew if what is shown would differ."""
+        """Ask again if the landscapes would differ."""
         if not self.on:
             return
         asked = world, *landscape_key(snapshot, ignored=("transfer",))
@@ -205,7 +205,7 @@ class Comparison:
         self._draw_if_complete()
 
     def _draw_if_complete(self) -> None:
-        """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""
+        """Once all are as asked for; or all are newer than those shown, while the demonstrator goes on moving."""
         if len(self._compared) < len(TRANSFERS):
             return
         as_asked = all(one.asked == self._asked for one in self._compared.values())
@@ -225,7 +225,7 @@ def titles() -> dict[str, str]:
 class Experiments:
     """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
 
-    All look at projected points, whatever the page looks with: pictures would take them hours.
+    All look at projected points, also if the page uses camera images: pictures would take them hours.
     """
 
     def __init__(
@@ -248,7 +248,7 @@ class Experiments:
         return self.latest is not None and self.latest.goes_on
 
     @property
-    def sets_pictures_aside(self) -> bool:
+    def ignores_pictures(self) -> bool:
         """Whether the page looks with pictures, which an experiment does not."""
         return self._session.settings.sensor == "rendered"
 

@@ -1,4 +1,4 @@
-"""What is shown of an arm on its way from one posture to the next."""
+"""The display of a page's arms, at rest and on the way between two postures."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -34,7 +34,7 @@ class OnTheWay:
 
     def __init__(self):
         self._key: tuple | None = None
-        self._looked: Snapshot | None = None  # what was shown last of an arm at rest, or on its way by points
+        self._looked: Snapshot | None = None  # shown last, of an arm at rest, or on its way by points
         self._heading: Snapshot | None = None  # the moment that the arm was seen at, or on its way to, last
         self._shown: Snapshot | None = None
 
@@ -113,7 +113,7 @@ class Imitated:
         self._shown: Imitation | None = None
         self._from: Snapshot | None = None  # the present then
         self._began = 0.0
-        self._seen: tuple[int, Snapshot] | None = None  # a frame, and what is seen in it
+        self._seen: tuple[int, Snapshot] | None = None  # a frame, and its snapshot
 
     @property
     def playing(self) -> bool:
@@ -134,7 +134,7 @@ class Imitated:
         self._shown = self._from = self._seen = None
 
     def moment(self, now: float) -> Snapshot | None:
-        """What is seen: None without an imitation, and after its end."""
+        """The displayed snapshot: None without an imitation, and after its end."""
         if (
             self._shown is None
             or self._session.snapshot is not self._from
@@ -198,7 +198,7 @@ class BuildingUp:
 
 @dataclass(frozen=True, eq=False)
 class Displayed:
-    """What is displayed at one time. Drawings read it and change nothing; what they have in common is computed once.
+    """The display at one time. Drawings read it and change nothing; what they have in common is computed once.
 
     Attributes
     ----------
@@ -213,7 +213,7 @@ class Displayed:
     preview
         What would be seen at another posture, which then is displayed too.
     playback
-        A sentence on an imitation that is displayed in place of the session.
+        A sentence on an imitation that is displayed instead of the session.
     stage
         Up to which the chosen point's construction is shown; None for all of it.
     """
@@ -305,7 +305,7 @@ class Displayed:
 
 
 class Display:
-    """What is displayed of one session and its player, and what may be displayed in its place. now: s"""
+    """The display of one session and its player, or of a preview or playback instead. now: s"""
 
     def __init__(self, session: Session, player: Player):
         self._session, self._player = session, player
@@ -314,7 +314,7 @@ class Display:
         self._appearance: Appearance | None = None  # made when it is first shown
 
     def reset(self) -> None:
-        """End all that is displayed beside the session's own: the world is another."""
+        """End previews, playbacks and constructions: the world was replaced."""
         self._on_the_way, self._appearance = OnTheWay(), None
         self.preview.let_go()
         self.construction.end()
@@ -331,7 +331,7 @@ class Display:
         return learner, self._session.snapshot.theta_demo, *others
 
     def at(self, now: float, shortest_motion: float, view: View) -> Displayed:
-        """Return what is displayed. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
+        """Return the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""
         session, eyes = self._session, self._session.eyes
         theta, moving = self._player.theta(now)
         if self._player.runners[0].duration < shortest_motion:
@@ -361,13 +361,13 @@ class Display:
         return self._appearance.of(moment)
 
 
-# What a learner has seen of itself before it imitates, and what is said of that
+# The self-observations of a learner before it imitates, in words
 
 
 @dataclass(frozen=True)
 class Rehearsal:
     """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
-    holds: whether the servo goes by what was seen, None if it was not asked yet; motions: of the imitation; rests:
+    holds: whether the servo uses the observations, None before it was asked; motions: of the imitation; rests:
     whether that has come to its end."""
 
     seen: int
@@ -384,12 +384,12 @@ class Rehearsal:
 
     @property
     def offered(self) -> bool:
-        """Whether a rehearsal can begin, or what is held can be forgotten."""
+        """Whether a rehearsal can begin, or its observations can be discarded."""
         return self.held or SERVOS[self.servo].predicts
 
     @property
     def words(self) -> str:
-        """What is remembered and whether it holds, or why a rehearsal is not offered; "" if there is nothing to say."""
+        """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
             text = _("Watches itself: {n} of {all} postures.")
             return text.format(n=self.seen, all=self.seen + self.to_go)

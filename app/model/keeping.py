@@ -16,7 +16,7 @@ from viewimit.loop.session import Session
 
 from ..sessions.link import MAX_MOTION, MAX_TEXT, Branch, Run, SavedPage, described, encode_blocks
 from .choices import AS_STARTED, SWITCHES, Preset, switched
-from .editing import Left
+from .editing import UndoEntry
 from .following import Played
 from .page_model import PageModel
 from .services import Redraw
@@ -25,19 +25,19 @@ MESSAGE_STAYS = 30.0  # s
 FROM_LINK = _("From a link")
 
 
-def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None] | None = None) -> SavedPage:
-    """What is kept of a page. branches: those that were made before.
+def saved_page(model: PageModel, branches: WeakKeyDictionary[UndoEntry, Branch | None] | None = None) -> SavedPage:
+    """Return a page as its tab stores it. branches: those encoded before.
 
-    A recorded motion that is too long is not kept, nor what no script can hold: `incomplete` says so.
+    It leaves out a recorded motion that is too long, and runs that no script can hold: `incomplete` says so.
     """
     view, snapshot = model.view, model.session.snapshot
     incomplete: list[str] = []
     branches = WeakKeyDictionary() if branches is None else branches
     past: list[Branch] = []
-    for left in reversed(model.past.everything):
-        if left not in branches:
-            branches[left] = _branch(left, incomplete)
-        branch = branches[left]
+    for entry in reversed(model.past.everything):
+        if entry not in branches:
+            branches[entry] = _branch(entry, incomplete)
+        branch = branches[entry]
         if branch is None:
             break
         past.append(branch)
@@ -60,24 +60,24 @@ def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None
     )
 
 
-def _branch(left: Left, incomplete: list[str]) -> Branch | None:
+def _branch(entry: UndoEntry, incomplete: list[str]) -> Branch | None:
     """A branch with its scripts, None where its own is not known."""
     runs = []
-    for moments, cursor, log in left.runs:
+    for snapshots, cursor, log in entry.runs:
         try:
-            runs.append(Run(script=log.script(moments[-1].motion), cursor=cursor))
+            runs.append(Run(script=log.script(snapshots[-1].motion), cursor=cursor))
         except ValueError as error:
             if not runs:
                 incomplete.append(_("its steps are not kept: {why}").format(why=error))
                 return None
             incomplete.append(_("the duel's opponent is not kept"))
-    return Branch(runs=tuple(runs), at=left.at, preset=left.preset.name, speed=left.speed)
+    return Branch(runs=tuple(runs), at=entry.at, preset=entry.preset.name, speed=entry.speed)
 
 
 def become(model: PageModel, played: Played, now: float) -> None:
-    """Make a page what was played, and say what of it could not be. Undo goes back to what was there before a link.
+    """Restore a page from a played script, and say if anything is missing. Undo goes back to the page before a link.
 
-    Raises ValueError, with all as it is, for a link that cannot be followed.
+    Raises ValueError, and changes nothing, for a link that cannot be followed.
     """
     page = played.page
     whole = len(played.branches) == len(page.past) + 1
@@ -87,7 +87,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     if not sessions and not page.commanded:
         raise ValueError(_("the link cannot be followed: {why}").format(why=why))
     model.player.pause()
-    with nullcontext() if played.is_own else model.past.kept(whole=True):
+    with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
         try:
             if sessions:
                 _resume(model.session, sessions[0])
@@ -104,16 +104,16 @@ def become(model: PageModel, played: Played, now: float) -> None:
         elif not whole:
             complaints.append(_("what Undo would go back to is not all here: {why}").format(why=why))
     if played.is_own:
-        model.past.go_back_to(())
+        model.past.replace(())
     if sessions:
-        before = [_left(model, *branch) for branch in reversed(played.branches[1:])]
-        model.past.go_back_to((*model.past.everything, *before))
+        before = [_undo_entry(model, *branch) for branch in reversed(played.branches[1:])]
+        model.past.replace((*model.past.everything, *before))
         if page.commanded and page.commanded != tuple(model.session.snapshot.commanded.tolist()):
             off = np.abs(model.session.snapshot.commanded - page.commanded).max()
             text = _("computed again here, the arm is {angle:.2g}° from where it was")
             complaints.append(text.format(angle=np.degrees(off)))
     _show(model, page, played.is_own)
-    model.undoable.begin_anew()
+    model.undoable.after_restart()
     for opponent in sessions[1:]:
         model.duel.resume(opponent)
     if page.motion is not None:
@@ -121,7 +121,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
             model.motions.load(page.motion)
         except ValueError as error:
             complaints.append(str(error))
-    model.resends_all = played.is_own and not complaints  # else the tab keeps what is more than this, until a change
+    model.resends_all = played.is_own and not complaints  # else the tab keeps its larger text until a change
     if complaints:
         text = _("Not all of this session is back: {complaints}.")
         model.say(text.format(complaints="; ".join(complaints)), now + MESSAGE_STAYS)
@@ -142,10 +142,10 @@ def _restart(model: PageModel, page: SavedPage) -> None:
         model.session.begin(msgspec.structs.replace(settings, sensor="projected"))
 
 
-def _left(model: PageModel, branch: Branch, sessions: list[Session]) -> Left:
-    """What Undo goes back to."""
+def _undo_entry(model: PageModel, branch: Branch, sessions: list[Session]) -> UndoEntry:
+    """The state that Undo restores."""
     runs = tuple((tuple(session.history), session.cursor, session.log) for session in sessions)
-    return Left(runs, branch.at, _preset(model, branch, branch.preset), branch.speed)
+    return UndoEntry(runs, branch.at, _preset(model, branch, branch.preset), branch.speed)
 
 
 def _preset(model: PageModel, branch: Branch, unknown: str) -> Preset:
@@ -156,7 +156,7 @@ def _preset(model: PageModel, branch: Branch, unknown: str) -> Preset:
 
 
 def _show(model: PageModel, page: SavedPage, is_own: bool) -> None:
-    """Take what is no part of the session."""
+    """Take over the preset, speed, view and tour."""
     present = page.present
     model.presets.chosen = _preset(model, present, present.preset if is_own else FROM_LINK)
     if present.preset == AS_STARTED and model.modified and not is_own:  # another server was started otherwise
@@ -187,7 +187,7 @@ class Part(msgspec.Struct):
 
 
 class Keeper:
-    """Sends to a page's tab what it is to keep, after the tab has told what it has kept.
+    """Sends to a page's tab the text that it stores, after the tab has sent its stored text.
 
     Parameters
     ----------
@@ -203,16 +203,16 @@ class Keeper:
         self._parts, self._last = float(AT_ONCE), -math.inf  # that may be sent; s, of the last tick
         self._begun = self._has_changed = self._has_acted = False
         self._sent: list[str] = []
-        self._branches: WeakKeyDictionary[Left, Branch | None] = WeakKeyDictionary()
+        self._branches: WeakKeyDictionary[UndoEntry, Branch | None] = WeakKeyDictionary()
         self._described: dict[str, str] = {}
 
     def tick(self, now: float, acted: int) -> None:
-        """Send what has changed. acted: number of the last action that was carried out."""
+        """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
         if not model.is_kept or model.following.restores:
             return
         has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and self._begun  # the tab has what was there at first, or needs it not
+        self._has_changed |= has_changed and self._begun  # the tab already stores the first state, or needs none
         self._has_acted |= self._redraw.changed("acted", (acted,))
         self._begun = True
         if model.resends_all:
@@ -224,7 +224,7 @@ class Keeper:
             self._send_part(acted)
 
     def _state(self) -> tuple:
-        """What is kept, as far as a change of it is seen."""
+        """The values whose change the tab stores."""
         model = self._model
         session, view, opponent = model.session, model.view, model.duel.opponent
         return (

@@ -141,7 +141,7 @@ class Motions:
         return self._require_recorded() if self.name == RECORDED else self.name
 
     def record(self) -> None:
-        """Begin, or end and choose what was recorded."""
+        """Begin, or end and choose the recorded motion."""
         if self.recorder is None:
             self._forget_shown()
             self._scene = self._session.scene
@@ -225,7 +225,7 @@ class Motions:
         self.name, self.recorded = RECORDED, motion
 
     def _leave_scene(self) -> None:
-        """Recording and replaying end with the scene; what was recorded in it is kept."""
+        """Recording and replaying end with the scene; its recorded motion is kept."""
         self._scene, recorder, self.recorder = self._session.scene, self.recorder, None
         self._forget_shown()
         if recorder is not None and recorder.seconds > 0:
@@ -288,7 +288,7 @@ class Recorder:
             self._postures.append(theta)
 
     def finish(self) -> Motion:
-        """What was recorded, in steps of STEP_S whenever it was sampled. Raises ValueError if nothing moved."""
+        """The recorded motion, resampled in steps of STEP_S. Raises ValueError if nothing moved."""
         if len(self._times) < 2:
             raise ValueError(_("nothing was recorded: the demonstrator did not move"))
         frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MAX_FRAMES)

@@ -175,9 +175,9 @@ def _experiment(model: PageModel) -> Picture:
     if run is None or run.request is None or not run.claims:
         raise ValueError(_("the experiment is not done yet: run it in its tab"))
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    told = draw_claims(run.claims)
+    text = draw_claims(run.claims)
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(append_below(figure, told) if told else figure, cited)
+    return Picture.of(append_below(figure, text) if text else figure, cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {

@@ -1,7 +1,7 @@
 """Editing the body points: which there are, what they tell, which one more would tell most, a file with them.
 
-Both arms wear the same points. It uses what the simulation knows, as whoever marks an arm sees the arm; the learner is
-told of nothing but the images of the points.
+Both arms wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner
+gets only the images of the points.
 """
 
 from collections.abc import Callable
@@ -44,7 +44,7 @@ class EditedPoints:
 
 
 class PointEditing:
-    """Of one session. lay(points): makes it begin anew with these; run_in_background(make, take): make what takes
+    """Of one session. lay(points): restarts it with these; run_in_background(make, take): make what takes
     long, then take it in the page's own time; send(name, data): a file for the visitor."""
 
     def __init__(

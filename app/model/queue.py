@@ -23,7 +23,7 @@ class Queued:
     moves
         It moves, poses or observes, which takes long with camera images.
     order_independent
-        It may be carried out before or after any other entry, so that it need not wait.
+        It may be applied before or after any other entry, so that it need not wait.
     cancels
         It ends the computation that others wait for.
     coalesce_key
@@ -196,7 +196,7 @@ class CommandQueue:
         self.put(entry)
 
     def put_back(self, entries: list[Queued]) -> None:
-        """Put back what was taken and not carried out, before all that has come since."""
+        """Put back entries that were taken and not applied, before newer ones."""
         with self._lock:
             self._waiting = entries + self._waiting
 
@@ -230,7 +230,7 @@ class CommandQueue:
         return taken
 
     def take_order_independent(self, cancelling: bool = False) -> list[Queued]:
-        """While nothing may move: take what comes before all that moves, and what is order-independent.
+        """While nothing may move: take the entries before the first that moves, and the order-independent ones.
 
         cancelling: also what ends the computation that the rest waits for.
         """
@@ -246,7 +246,7 @@ class CommandQueue:
         return taken
 
     def waiting_senders(self) -> set[Hashable]:
-        """Return the controls whose newest values have not been carried out."""
+        """Return the controls whose newest values have not been applied."""
         with self._lock:
             return {entry.sender for entry in self._waiting if isinstance(entry, Call)}
 

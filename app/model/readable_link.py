@@ -54,7 +54,7 @@ def write_link(model: PageModel) -> str:
     if model.player.speed != preset.motions_per_second:
         fields["speed"] = f"{model.player.speed:g}"
     if view.chosen != largest_residual(session.snapshot):
-        fields["point"] = "none" if view.chosen is None else str(view.chosen + 1)
+        fields["point"] = "none" if view.chosen is None else str(view.chosen)
     for name in SWITCHES:
         if getattr(view, name) != getattr(View(), name):
             fields[name] = str(int(getattr(view, name)))
@@ -175,7 +175,7 @@ def _impossible(error: ValueError) -> ValueError:
 
 def _point(text: str | None) -> int | None:
     """The index of the point that is explained; -1 for the one with the largest residual."""
-    return None if text == "none" else -1 if text is None else _number("point", text, 1_000) - 1
+    return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
 
 
 def _switches(fields: Mapping[str, str]) -> dict[str, bool]:

@@ -1,7 +1,7 @@
 """What a page's script sends by the page's own connection: clicks in its drawings, and what its browser says of itself.
 
 It puts numbered actions into a text widget that nobody sees, and sends them again until the widget shows the last
-number. So each is taken once, and in order, whatever becomes of the connection.
+number. So each is taken once, and in order, even if the connection breaks.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; what is longer comes in pieces
+Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; longer texts come in pieces
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -36,7 +36,7 @@ class Message(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_message(text: str) -> Message:
-    """Decode a message. Raises ValueError for what is none."""
+    """Decode a message. Raises ValueError for an invalid one."""
     if len(text) > MAX_CHARS:
         refusal = _("{n} characters of actions; at most {most} are read")
         raise ValueError(refusal.format(n=len(text), most=MAX_CHARS))
@@ -60,7 +60,7 @@ class Actions:
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
-        """Take what is new of a message. Raises ValueError for what is none."""
+        """Take the new actions of a message. Raises ValueError for an invalid one."""
         message = read_message(text)
         if message.load != self._load:
             self._load, self.last = message.load, 0
@@ -83,7 +83,7 @@ class Actions:
 
 
 def actions(layout: Layout, model: PageModel) -> None:
-    """Hidden text widgets: for what is clicked in drawings, and for what the tab keeps."""
+    """Hidden text widgets: for clicks in drawings, and for the text that the tab stores."""
     taken = layout.named["actions"] = Actions(layout.queue)
     box = layout.gui.add_text(LABEL, "", visible=False)
 

@@ -58,7 +58,7 @@ def display(layout: Layout, model: PageModel) -> None:
     layout.named["camera"] = camera
 
     def offer(model: PageModel) -> None:
-        """The choices that depend on the scene and on what is seen of it."""
+        """The choices that depend on the scene and its images."""
         pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         count = len(model.session.world.body)
         why = why_no_pictures(model.session.scene)
@@ -151,8 +151,10 @@ def _tab(name: str, label: str, checked: bool) -> str:
 
 
 def enlarge(layout: Layout, model: PageModel) -> None:
-    """What is large, and the links that make it so, in every tab of the upper panel: a browser has only the open one's.
-    To be built after all tabs."""
+    """Declare the large panel, and the links that enlarge one, in every tab of the upper panel.
+
+    A browser has only the open tab's widgets. To be built after all tabs.
+    """
     for tab in layout.upper_tabs:
         with tab:
             layout.html(lambda model: _enlarge_links(model.view.large))
@@ -197,14 +199,14 @@ def points(layout: Layout, model: PageModel) -> None:
             hint=_("the chosen point; Delete"),
             enabled=lambda model: model.points.on and model.view.chosen is not None,
         )
-        told = layout.gui.add_html("")
+        status = layout.gui.add_html("")
 
     def draw(model: PageModel) -> None:
         points, joints = model.points.shown, model.session.scene.moving_joints
         content = ABOUT
         if points.information is not None:
             content = draw_body_points(joints, points.information, points.proposal, points.searching)
-        put_html(told, f'<div class="vi-edited">{content}</div>')
+        put_html(status, f'<div class="vi-edited">{content}</div>')
 
     layout.drawing(lambda model: (model.points.shown, model.generation), draw)
 

@@ -18,7 +18,7 @@ from ..model.motions import NAMES
 from ..model.page_model import PageModel
 from .panel import Layout, put, put_html, put_max
 
-SEE, STOP = (_("See it"), Icon.MOVIE), (_("Stop"), Icon.PLAYER_STOP)  # what is imitated, in 3-D and in the images
+SEE, STOP = (_("See it"), Icon.MOVIE), (_("Stop"), Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
 RUN, CANCEL = (_("Run"), Icon.PLAYER_PLAY), (_("Cancel"), Icon.PLAYER_STOP)
 POINTS_ONLY = f'<div class="vi-points-only">{_("Experiments look at projected points, not at camera images.")}</div>'
 PASS = (
@@ -55,7 +55,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
                 lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
             )
             layout.button((_("Download figure and data"), Icon.DOWNLOAD), "download", enabled=_can_be_taken)
-        layout.html(lambda model: POINTS_ONLY if model.experiments.sets_pictures_aside else "")
+        layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
 

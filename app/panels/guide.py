@@ -52,7 +52,7 @@ KEYS = (
     Key("⌫", "backspace", _("the same"), _("Remove the chosen point, by Backspace"), "remove"),
     Key("L", "L", _("link"), _("A link to what the page shows, and the code that repeats it"), "share"),
     Key("S", "S", _("picture"), _("Save a picture of the panel chosen under Save"), "save_picture"),
-    Key(_("Esc"), "escape", _("close"), _("Close the help or what is large, or let the ghost arm go"), "dismiss"),
+    Key(_("Esc"), "escape", _("close"), _("Close the help, a large panel or the ghost arm"), "dismiss"),
 )
 
 
@@ -181,7 +181,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
         put_html(listed, offers(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
-        """The way back is written anew now and then, as that takes time; the offer goes at once."""
+        """The way back is updated now and then, as that takes time; the offer is removed at once."""
         return REWRITTEN_EVERY if _offered(model) == offered else 0.0
 
     layout.drawing(key, draw, period)
@@ -193,14 +193,14 @@ def glossary(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     layout.drawing(
-        lambda model: (model.snapshot, model.word.key),
-        lambda model: put_html(values, current_values(numbers_now(model), model.word.key)),
+        lambda model: (model.snapshot, model.glossary_demo.key),
+        lambda model: put_html(values, current_values(numbers_now(model), model.glossary_demo.key)),
         period=SLOWEST,
     )
 
 
 def _offered(model: PageModel) -> bool:
-    """Whether the tour is: not to a visitor who has begun."""
+    """Whether the tour is offered: not after the first motion."""
     return model.tour_offered and model.player.last == 0
 
 
@@ -255,6 +255,6 @@ def numbers_now(model: PageModel) -> dict[str, float]:
         "largest_e": float(lengths.max()) / mean if known and mean > 0 else np.nan,
         "condition": float(moment.transfer.condition) if moment.transfer is not None else np.nan,
         "flatness": moment.flatness,
-        "points_seen": float(moment.usable.sum()),
+        "points_seen": int(moment.usable.sum()),
         "truth": model.displayed.errors_deg[-1],
     }

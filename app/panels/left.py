@@ -168,7 +168,7 @@ def start(layout: Layout, model: PageModel) -> None:
             )
             layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
         inside = layout.gui.add_folder(None)
-    sliders = JointSliders(layout, inside, _("Start {joint}"), "start_joint", _("The learner begins anew there."))
+    sliders = JointSliders(layout, inside, _("Start {joint}"), "start_joint", _("The learner starts again there."))
 
     def show_start(model: PageModel) -> None:
         sliders.show(model, given(model.settings.start_deg))

@@ -106,7 +106,7 @@ class Layout:
     Attributes
     ----------
     drawings
-        All that the panels have declared, in their order.
+        The drawings that the panels have declared, in their order.
     named
         Widgets that the page must find again, by their names.
     """
@@ -134,7 +134,7 @@ class Layout:
             docked.expand()
 
     def upper_tab(self, name: str) -> AbstractContextManager[None]:
-        """The tab of this name in the upper panel: all that is declared inside stands in it."""
+        """The tab of this name in the upper panel: widgets declared inside stand in it."""
         return self._in_tab(self._upper, self._upper_tabs, name)
 
     def tab(self, name: str) -> AbstractContextManager[None]:
@@ -147,7 +147,7 @@ class Layout:
         return list(self._upper_tabs.values())
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
-        """A closed folder. holds: what is chosen in it, in a few words, which stands beside its name."""
+        """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
         label = (lambda model: NAME.format(name=name, chosen=holds(model))) if holds else (lambda model: name)
         handle = self.gui.add_folder(label(self._model), expand_by_default=False)
         if holds:
@@ -254,7 +254,7 @@ class Layout:
         return handle
 
     def _first(self, shown: Any) -> Any:
-        """What is shown as the page is built."""
+        """The first value, while the page is built."""
         return shown(self._model) if callable(shown) else shown
 
     def _bind_if_read(self, shown: Any, write: Callable[[Any], None], period: float = 0.0) -> None:
@@ -263,7 +263,7 @@ class Layout:
 
 
 class JointSliders:
-    """One slider for each joint that moves, made anew with every world.
+    """One slider for each joint that moves, made again for each world.
 
     Parameters
     ----------

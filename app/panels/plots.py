@@ -25,7 +25,7 @@ def curves(layout: Layout, model: PageModel) -> None:
             return (axis_end(len(model.session.history) - 1),)
 
         def draw_links(model: PageModel) -> None:
-            """Made anew only when they change."""
+            """Made again only when they change."""
             put_html(over, f'<div class="vi-over">{motion_links(*links_key(model))}</div>')
 
         layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)

@@ -99,8 +99,8 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
 def _query(model: PageModel) -> tuple[str, list[str]]:
     """Return what follows "?" in a link, and the files that its server has to be started with.
 
-    It is readable where settings and a number of steps are all that there is to say, and the answer may be seen.
-    Raises ValueError for what is too long.
+    It is readable if settings and a number of steps say everything, and the answer may be seen.
+    Raises ValueError for a link that is too long.
     """
     if model.view.truth:
         with suppress(NotReadable):

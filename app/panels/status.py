@@ -1,8 +1,8 @@
-"""The strip over the scene: what the learner says, and beneath it what is true.
+"""The strip over the scene: the learner's words, and beneath them the truth.
 
-What it says gives way to a message while that stays, to what is recorded or replayed, to points that are edited, to a
-posture that is only looked at, and to that nothing is saved. Of an arm on its way both are of where it is seen, as the
-images are.
+Other words take their place: a message while it lasts, a recording or replay, points that are edited, a previewed
+posture, and the warning that nothing is saved. While an arm moves, both describe the posture in which it is displayed,
+as the images do.
 """
 
 from viewimit.drawing.curves import describe_errors
@@ -24,9 +24,9 @@ from .panel import SLOW, Layout, put_html
 LOOKS_BACK = 5  # motions
 STARTS_PICTURES = _("Starting the camera images … All that is grey is still of the moment before.")
 FOLLOWS = _("Computing what the link holds: Esc lets it go.")
-RESTORES = _("Computing this tab’s session again: Esc begins anew.")
+RESTORES = _("Computing this tab’s session again: Esc starts again.")
 UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
-CHOICES = {  # by what is said: where a link leads, and its words
+CHOICES = {  # by state: where a link leads, and its words
     "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),
     "editing": (
         ("best/0", _("Best next")),
@@ -44,14 +44,14 @@ def status(layout: Layout, model: PageModel) -> None:
     def key(model: PageModel) -> tuple:
         shown, message = model.displayed, model.message
         on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
-        moments = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
+        snapshots = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
         said = None if message is None else message.text
         return (
             said,
             model.unsaved,
             model.following.goes_on,
             model.following.restores,
-            *moments,
+            *snapshots,
             model.player.playing,
             _busy(model),
         )
@@ -70,7 +70,7 @@ def status(layout: Layout, model: PageModel) -> None:
 
 
 def show_fault(layout: Layout, text: str) -> None:
-    """Say it whatever the state, of which nothing may be readable."""
+    """Show a fault without reading the model, which may be unreadable."""
     put_html(layout.named["status"], draw_status(StatusMessage("message", text), layout.named.get("truth", "")))
 
 

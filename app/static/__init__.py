@@ -1,6 +1,6 @@
 """What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font, and its script,
 which names for keys, screen readers and the stylesheet what viser leaves without a name. Markup is
-beside what is drawn.
+beside the drawings.
 
 `_("…")` in the script marks a text, as in Python: the script is sent with that text in the language of the process.
 """

@@ -35,7 +35,7 @@ NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 HEADINGS = {"own": _("The learner’s own arm, left and right eye"), "demo": _("Demonstrator")}  # of L and R, of l and r
 PUT_BY = {True: _("where the lines put it"), False: _("where the transfer puts it")}  # by whether lines are crossed
 PRINTED_COLUMN = 108  # px, of the legend in print
-RECTIFIED = {**HEADINGS, "own": _("The learner’s own arm; all four images are then rectified")}
+RECTIFIED = {**HEADINGS, "own": _("The learner’s own arm; images then rectified")}
 
 
 def draw_images(

@@ -9,8 +9,7 @@ from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.glossary import ask
 from viewimit.language import _
 
-from ..drawing.glossary import asks
-from ..drawing.overlays import draw_see_through, posture_links
+from ..drawing.overlays import asks, draw_see_through, posture_links
 from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html, put_visible
 

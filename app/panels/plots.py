@@ -4,8 +4,7 @@ from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
 from viewimit.language import _
 
-from ..drawing.glossary import asks
-from ..drawing.overlays import hide_later_motions, motion_links
+from ..drawing.overlays import asks, hide_later_motions, motion_links
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html
 

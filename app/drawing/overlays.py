@@ -10,6 +10,7 @@ from viewimit.drawing import svg
 from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
 from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
+from viewimit.drawing.landscape import HINT, HINT_PLACE
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
@@ -113,7 +114,7 @@ def _link(view: str, i: int, kind: str, stop: bool = False) -> str:
     name = str(i)
     shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
     inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
-    return link(f"point/{i}", f"point {name}", inside, stop)
+    return link(f"point/{i}", _("point {name}").format(name=name), inside, stop)
 
 
 def point_places(
@@ -194,7 +195,7 @@ def posture_links(scene: Scene) -> str:
             (stops if stop else others).append(one)
     group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
     left, top, *__ = plane.box
-    hint = svg.text(left + 6, top + 14, _("click: the learner starts there"), "vi-2nd vi-halo vi-hint")
+    hint = svg.text(left + HINT_PLACE[0], top + HINT_PLACE[1], HINT, "vi-2nd vi-halo vi-hint")
     return plane.wrap(hint + group, "vi-over vi-links vi-cells")
 
 
@@ -256,7 +257,7 @@ def motion_links(last: int, width: int = 424) -> str:
         for k, motion in enumerate(motions.tolist())
     )
     group = f'<g class="vi-motions">{cells}</g>'
-    hint = svg.text(width, 12, "click: go back to that motion", "vi-2nd vi-end vi-hint")
+    hint = svg.text(width, 12, _("click: go back to that step"), "vi-2nd vi-end vi-hint")
     return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
 
 

@@ -152,8 +152,8 @@ def test_the_card_shows_link_and_code_of_the_moment_shown():
     page.tick(0.3)
     model = page.page.model
     shown = share_html(model, "http://here:8080")
+    assert "http://here:8080/?preset=paper&amp;steps=1" in shown and QR_CODE in shown
     text = encode_link(model.linked())
-    assert f"http://here:8080/?s={text}" in shown and QR_CODE in shown
     assert "session.step()" in shown and "--max-motions=1" in shown
     session = Session(Settings.paper())
 

@@ -83,6 +83,26 @@ def test_another_tab_has_a_session_of_its_own_and_a_duplicated_one_goes_on_from_
         twin.close()
 
 
+def test_an_address_that_a_person_wrote_opens_its_state_and_does_not_come_back_after_a_reload(browser, server):
+    with opened(browser, f"{server}/?preset=best&demo=50,-80&steps=2") as page:
+        session = Session(Settings(demonstrator_deg=(50, -80)))
+        session.step(), session.step()
+        wait(page, lambda: posture(page) == stands(session))
+        wait(page, lambda: "s=2." in page.url and "demo" not in page.url)
+        press(page, "ArrowRight")
+        session.step()
+        wait(page, lambda: posture(page) == stands(session))
+        page.reload()
+        wait_until_complete(page)
+        wait(page, lambda: posture(page) == stands(session))
+
+
+def test_an_address_with_a_field_that_nobody_knows_says_so(browser, server):
+    with opened(browser, f"{server}/?preset=paper&demonstrator=50,-80") as page:
+        wait(page, lambda: "the link has a field that is not known, 'demonstrator'" in page.text_content("body"))
+        assert posture(page) == stepped(0)
+
+
 def test_a_session_goes_on_after_its_server_was_killed_and_at_another_one(browser):
     first = Server()
     relay = Relay(first.url)

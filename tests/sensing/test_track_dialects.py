@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS
-from viewimit.sensing.tracks import read_tidy, read_view
+from viewimit.sensing.tracks import read_files, read_tidy, read_view
 
 HEAD = "frame,point,x,y,confidence"
 
@@ -89,6 +89,28 @@ def test_coordinates_that_may_be_no_pixels_are_named(tmp_path, widest, says):
     tracked = read_tidy(table(tmp_path, "frame,view,point,x,y", *rows))
     doubt = tracked.doubtful_units()
     assert doubt is None if says is None else says in doubt
+
+
+@pytest.mark.parametrize(
+    "spans, says",
+    [
+        ({"L": (1, 8), "R": (1, 8)}, "frames are 0 to 7 in demo_left, demo_right, but 1 to 8 in own_left, own_right"),
+        ({"r": (1, 8)}, "0 to 7 in demo_left, own_left, own_right, but 1 to 8 in demo_right"),
+        ({}, None),
+        ({"L": (1, 7), "R": (1, 7)}, None),  # whose first frame shows nothing
+        ({"L": (1, 9), "R": (1, 9)}, None),
+        ({"L": (5, 5), "R": (5, 5)}, None),  # a learner that stands still
+    ],
+)
+def test_frames_that_are_counted_from_0_in_one_table_and_from_1_in_another_are_named(tmp_path, spans, says):
+    paths = {}
+    for view in VIEWS:
+        first, last = spans.get(view, (0, 7))
+        rows = [f"{at},{k},{100 + 9 * k + at},{300 - 7 * k}" for at in range(first, last + 1) for k in range(6)]
+        paths[view] = tmp_path / f"{VIEW_NAMES[view]}.csv"
+        paths[view].write_text("\n".join(["frame,point,x,y", *rows]) + "\n")
+    doubt = read_files(paths).doubtful_frames()
+    assert doubt is None if says is None else says in doubt and "count them alike" in doubt
 
 
 def test_the_pages_of_a_tiff_are_frames(tmp_path):

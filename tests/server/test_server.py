@@ -81,8 +81,8 @@ def test_the_path_of_a_page_below_a_proxys_is_as_its_websocket_says_it(target, p
 def test_a_page_below_a_path_shares_links_to_itself(server):
     with Client(f"{server}/?at=%2Fx%2F", origin=server).ready() as client:
         client.press(next(command for command in client.commands if command.startswith("A link")))
-        wait_until(lambda: any(f"{server}/x/?s=" in html for html in client.html.values()))
-        assert not any(f"{server}/?s=" in html for html in client.html.values())
+        wait_until(lambda: any(f"{server}/x/?preset=paper" in html for html in client.html.values()))
+        assert not any(f"{server}/?preset=" in html for html in client.html.values())
 
 
 def test_others_are_told_an_address_of_the_kind_that_the_server_listens_on(monkeypatch):

@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     if lost := tracked.n_missing(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
-    if (doubtful := tracked.doubtful_units()) is not None:
+    for doubtful in filter(None, (tracked.doubtful_units(), tracked.doubtful_frames())):
         print(f"viewimit evaluate: {doubtful}", file=sys.stderr)
     removed = tracked.n_below_confidence(args.min_confidence)
     if removed:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.views import VIEWS, FourViews
+from ...estimation.views import VIEW_NAMES, VIEWS, FourViews
 from ..frames import is_missing_value
 
 MAX_PX = 1e6  # of a coordinate: no picture is larger
@@ -111,6 +111,22 @@ class TrackedPoints:
             grid = f"in 0 … {OWN_GRID}: if this is the grid of a tracker such as TAPIR"
             return f"all x and y are {grid}, scale them to the picture's size"
         return None
+
+    def doubtful_frames(self) -> str | None:
+        """Return which views may count their frames from 0 where the others count from 1; None if none seem to."""
+        shown = {view: np.flatnonzero(self._present(view).any(1)) for view in VIEWS}
+        spans = {view: (self.frames[at[0]], self.frames[at[-1]]) for view, at in shown.items() if len(at) > 1}
+        from_0 = [view for view, (first, _) in spans.items() if first == 0]
+        from_1 = [view for view, (first, _) in spans.items() if first == 1]
+        if not from_0 or not from_1 or spans[from_0[0]][1] + 1 != spans[from_1[0]][1]:
+            return None
+        zero, one = (", ".join(VIEW_NAMES[view] for view in views) for views in (from_0, from_1))
+        last = spans[from_0[0]][1]
+        return (
+            f"frames are 0 to {last} in {zero}, but 1 to {last + 1} in {one}: "
+            "if the first of each shows the same moment, "
+            "count them alike"
+        )
 
     def _present(self, view: str) -> NDArray[np.bool_]:
         return np.asarray(np.isfinite(self.image[view]).all(-1) & ~is_missing_value(self.image[view]))

@@ -1,0 +1,194 @@
+"""Links that people can read and write, such as `?preset=paper&demo=45,-90&steps=3`: what differs from a preset."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+import msgspec
+import numpy as np
+
+from viewimit.drawing.export.panels import largest_residual
+from viewimit.language import _
+from viewimit.loop.embodiment import to_degrees
+from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script, Steps
+from viewimit.loop.session import Session
+from viewimit.loop.settings import OWN, Settings
+from viewimit.loop.simulated_robot import complete
+from viewimit.loop.snapshot import Snapshot
+from viewimit.simulation.robot import robot_names
+from viewimit.simulation.scene import scene_names
+
+from ..sessions.link import Branch, Run, SavedPage, decode, require_allowed
+from .choices import FLAGS, PRESETS, SWITCHES, Preset, View, presets_from
+from .page_model import PageModel
+
+FIELDS = {  # of a link: the fields of `Settings`
+    "demo" if name == "demonstrator_deg" else name.removesuffix("_deg").removesuffix("_px"): name
+    for name in Settings.__struct_fields__
+    if name not in ("body_points", "workspace_deg")
+}
+LISTS = ("demonstrator_deg", "start_deg", "joints", "undistort")
+MAX_STEPS = 20_000
+MAX_READABLE = 2_000  # characters
+
+
+class NotReadable(ValueError):
+    """What a page shows does not follow from settings and a number of steps alone."""
+
+
+def read_link(text: str, begun: Settings) -> SavedPage:
+    """Read a link, readable or packed. begun: what the server was started with. Raises ValueError, in one line."""
+    return _read(text, begun) if "=" in text else decode(text, begun)
+
+
+def write_link(model: PageModel) -> str:
+    """Return the readable link to what a page shows. Raises NotReadable if there is none."""
+    session, view = model.session, model.view
+    if model.duel.opponent is not None:
+        raise NotReadable(_("a duel has two learners"))
+    begin, steps = _beginning(session)
+    preset = model.preset if model.preset.key else _nearest(begin)
+    fields = {"preset": preset.key} | dict(_differences(begin, complete(preset.settings)))
+    if steps:
+        fields["steps"] = str(steps)
+    if model.player.speed != preset.motions_per_second:
+        fields["speed"] = f"{model.player.speed:g}"
+    if view.chosen != largest_residual(session.snapshot):
+        fields["point"] = "none" if view.chosen is None else str(view.chosen)
+    for name in SWITCHES:
+        if getattr(view, name) != getattr(View(), name):
+            fields[name] = str(int(getattr(view, name)))
+    return urlencode(fields, safe=",")
+
+
+def _beginning(session: Session) -> tuple[Settings, int]:
+    """Return the settings that a session could have begun with, and its number of steps since."""
+    actions = list(session.script.actions)
+    begins = [k for k, action in enumerate(actions) if isinstance(action, Begin)]
+    since = actions[begins[-1] + 1 :] if begins else actions
+    first = next((k for k, action in enumerate(since) if isinstance(action, Steps)), len(since))
+    if not all(isinstance(action, MoveDemonstrator | ChangeSettings) for action in since[:first]):
+        raise NotReadable(_("it has looked or calibrated before its first step"))
+    if not all(isinstance(action, Steps) for action in since[first:]):
+        raise NotReadable(_("something was done on the way"))
+    start = session.history[0]
+    settings = msgspec.structs.replace(
+        session.settings, demonstrator_deg=to_degrees(start.theta_demo), start_deg=to_degrees(start.commanded)
+    )
+    if first and not _begins_alike(settings, start):
+        raise NotReadable(_("what was seen before its first step counts"))
+    return settings, session.snapshot.motion
+
+
+def _begins_alike(settings: Settings, start: Snapshot) -> bool:
+    """Return whether a session that begins with these settings begins with this moment. Camera images are not taken."""
+    if start.motion != 0 or settings.sensor == "rendered":
+        return False
+    return np.array_equal(Session(settings).snapshot.E, start.E, equal_nan=True)
+
+
+def _differences(settings: Settings, base: Settings) -> Iterator[tuple[str, str]]:
+    """Yield the fields of a link for settings that differ from a preset's."""
+    for name in ("body_points", "workspace_deg"):
+        if getattr(settings, name) != getattr(base, name):
+            raise NotReadable(_("{name} is too long").format(name=name))
+    named = settings.scene in scene_names() and settings.robot in (None, *robot_names())
+    if not named or OWN in (settings.transfer, settings.servo):
+        raise NotReadable(_("it is no shipped scene, robot or method"))
+    for name, field in FIELDS.items():
+        value = getattr(settings, field)
+        if value == getattr(base, field):
+            continue
+        if value is None:
+            raise NotReadable(_("{name} has no value").format(name=name))
+        yield name, ",".join(map(_plain, value)) if isinstance(value, tuple) else _plain(value)
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(int(value))
+    return repr(value).removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+def _nearest(settings: Settings) -> Preset:
+    """Return the preset from which settings differ least."""
+
+    def differing(preset: Preset) -> int:
+        base = complete(preset.settings)
+        return sum(getattr(settings, name) != getattr(base, name) for name in Settings.__struct_fields__)
+
+    return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)
+
+
+def _read(text: str, begun: Settings) -> SavedPage:
+    """Read a readable link. Without a preset it differs from what the server was started with."""
+    if len(text) > MAX_READABLE:
+        refusal = _("the link is too long: {n} characters of {most}")
+        raise ValueError(refusal.format(n=len(text), most=MAX_READABLE))
+    pairs = parse_qsl(text, keep_blank_values=True)
+    fields = dict(pairs)
+    allowed = ("preset", *FIELDS, "steps", "speed", "point", *SWITCHES)
+    for name in fields:
+        if name not in allowed:
+            refusal = _("the link has a field that is not known, {name!r}; there are {names}")
+            raise ValueError(refusal.format(name=name[:40], names=", ".join(allowed)))
+    if len(fields) < len(pairs):
+        raise ValueError(_("the link has a field twice"))
+    key = fields.pop("preset", None)
+    offered = {preset.key: preset for preset in PRESETS}
+    if key is not None and key not in offered:
+        refusal = _("the link has a preset that is not here, {name!r}; there are {names}")
+        raise ValueError(refusal.format(name=key[:40], names=", ".join(offered)))
+    preset = next(iter(presets_from(begun).values())) if key is None else offered[key]
+    settings = _settings(fields, complete(preset.settings), begun)
+    steps = _number("steps", fields.get("steps", "0"), MAX_STEPS)
+    try:
+        speed = abs(float(fields.get("speed", preset.motions_per_second)))
+    except ValueError:
+        refusal = _("the link's speed is no number: {value!r}")
+        raise ValueError(refusal.format(value=fields["speed"][:40])) from None
+    script = Script(settings, (Steps(steps),) if steps else ())
+    return SavedPage(
+        present=Branch(runs=(Run(script=script, cursor=steps),), preset=preset.name, speed=min(speed, 1_000.0)),
+        settings=settings, chosen=_point(fields.get("point")), show=_switches(fields),
+    )  # fmt: skip
+
+
+def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Settings:
+    given = {FIELDS[name]: value for name, value in fields.items() if name in FIELDS}
+    plain = {name: value.split(",") if name in LISTS else value for name, value in given.items()}
+    try:
+        found = msgspec.convert(plain, Settings, strict=False)
+        settings = msgspec.structs.replace(base, **{name: getattr(found, name) for name in plain})
+    except (msgspec.ValidationError, ValueError) as error:
+        raise _impossible(error) from None
+    require_allowed(SavedPage(present=Branch(), settings=settings), begun)  # before a file of this name is opened
+    try:
+        return complete(settings)
+    except ValueError as error:
+        raise _impossible(error) from None
+
+
+def _impossible(error: ValueError) -> ValueError:
+    return ValueError(_("the link cannot be: {why}").format(why=" ".join(str(error).split())[:200]))
+
+
+def _point(text: str | None) -> int | None:
+    """The index of the point that is explained; -1 for the one with the largest residual."""
+    return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
+
+
+def _switches(fields: Mapping[str, str]) -> dict[str, bool]:
+    defaults = {name: on for name in SWITCHES if isinstance(on := getattr(View(), name), bool)}
+    for name in SWITCHES:
+        if name in fields and fields[name] not in FLAGS:
+            refusal = _("the link's {name} is neither 0 nor 1: {value!r}")
+            raise ValueError(refusal.format(name=name, value=fields[name][:40]))
+    return defaults | {name: FLAGS[fields[name]] for name in SWITCHES if name in fields}
+
+
+def _number(name: str, text: str, most: int) -> int:
+    if not (text.isascii() and text.isdecimal() and int(text) <= most):
+        refusal = _("the link's {name} must be a whole number up to {most}, got {value!r}")
+        raise ValueError(refusal.format(name=name, most=most, value=text[:40]))
+    return int(text)

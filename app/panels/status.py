@@ -21,7 +21,7 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = "Starting the camera images … All that is grey is still of the moment before."
+STARTS_PICTURES = "Starting the camera images … Grey parts still show the moment before."
 FOLLOWS = "Computing what the link holds: Esc lets it go."
 RESTORES = "Computing this tab’s session again: Esc starts again."
 CHOICES = {  # by state: where a link leads, and its words

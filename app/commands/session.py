@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.drawing.glossary import glossary
-from viewimit.drawing.svg import count_motions, escape
+from viewimit.drawing.svg import count_motions, count_points, escape
+from viewimit.language import _
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
@@ -23,7 +24,7 @@ from ..sessions.link import decode
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
-Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "entry of the glossary")]
+Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, _("the glossary has no entry {value}"))]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 
@@ -63,9 +64,10 @@ def undo(model: PageModel, *, now: float) -> None:
         model.player.undo(now)
     else:
         model.undoable.bring_back(left)
-        points = f", {len(model.session.world.body)} points" if model.points.on else ""
-        what = f"{left.preset.name}, {count_motions(left.motions)}{points}"
-        model.say(f"Back is what was here before: {what}.", now + MESSAGE_S)
+        told = [left.preset.name, count_motions(left.motions)]
+        if model.points.on:
+            told.append(count_points(len(model.session.world.body)))
+        model.say(_("Back is what was here before: {what}.").format(what=", ".join(told)), now + MESSAGE_S)
 
 
 @command("reset", moves=True)
@@ -92,7 +94,9 @@ def scrub(model: PageModel, motion: int) -> None:
 
 
 @command("speed", latest=True)
-def choose_speed(model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, "speed")]) -> None:
+def choose_speed(
+    model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, _("there is no speed {value}"))]
+) -> None:
     """Choose the speed by its name; 0 is as fast as it computes."""
     model.player.speed = motions_per_second
 
@@ -102,11 +106,11 @@ def _preset_needs_camera(model: PageModel, name: str) -> bool:
 
 
 @command("preset", latest=True, moves=True, camera=_preset_needs_camera)
-def choose_preset(model: PageModel, name: Annotated[str, text("preset")]) -> None:
+def choose_preset(model: PageModel, name: Annotated[str, text]) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already
         offered = {**model.presets.offered, model.preset.name: model.preset}
-        model.undoable.begin_preset(choice(name, offered, "preset"))
+        model.undoable.begin_preset(choice(name, offered, _("there is no preset {value}")))
 
 
 @command("pose_joint", latest=True, moves=True)
@@ -148,7 +152,7 @@ def start_there(model: PageModel) -> None:
     """Start where the see-through arm is."""
     moment = model.display.preview.moment
     if moment is None:
-        raise ValueError("there is no see-through arm to start from")
+        raise ValueError(_("there is no ghost arm to start from"))
     model.undoable.start_at(tuple(np.degrees(moment.theta).tolist()))
 
 
@@ -157,8 +161,10 @@ def show_word(model: PageModel, key: Word) -> None:
     """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
     entry = glossary()[key]
     speed = 0.0 if entry.plays else model.player.speed
-    lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
-    model.glossary_demo.show(key, Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)), model.view)
+    lesson = _("{symbol}, {name}: where it is bad.") if entry.bad else _("{symbol}, {name}.")
+    lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
+    title = _("Show me: {symbol}").format(symbol=entry.symbol)
+    model.glossary_demo.show(key, Preset(title, entry.show, speed, lesson), model.view)
     model.show(help=False)
     if entry.plays:
         play(model)
@@ -177,7 +183,7 @@ def restore(model: PageModel) -> None:
 
 # Commands that make a page what a link holds, or what its own tab has kept.
 
-Text = Annotated[str, text("text")]
+Text = Annotated[str, text]
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +222,8 @@ def restore_session(model: PageModel, kept: Text) -> None:
         try:
             page = decode(kept, model.begun)
         except ValueError as error:
-            why = str(error).removeprefix("the link ")
-            raise ValueError(f"what this tab has kept {why}, so the session begins again") from None
+            why = _("what this tab has kept cannot be restored, so the session begins again: {why}")
+            raise ValueError(why.format(why=error)) from None
         model.following.begin(page, Arrived, is_own=True)
 
 
@@ -228,6 +234,8 @@ def resend_all(model: PageModel) -> None:
 
 
 @command("unsaved", latest=True, link=True)
-def tell_unsaved(model: PageModel, why: Text) -> None:
-    """Take why the browser cannot keep the session; empty where it can."""
-    model.unsaved = why[:200] or None
+def tell_unsaved(
+    model: PageModel, unsaved: Annotated[bool, one_of({"": False, "storage": True}, _("there is no problem {value}"))]
+) -> None:
+    """Take whether the browser's storage cannot keep the session, as it is full or forbidden."""
+    model.unsaved = unsaved

@@ -16,14 +16,14 @@ from viewimit.simulation.scene import Scene, load_robot, load_scene
 FLAGS = {"0": False, "1": True}  # as links have them
 
 SPEEDS = {
-    "1 in 2 s": 0.5,
-    "1 a second": 1.0,
-    "2 a second": 2.0,
-    "4 a second": 4.0,
-    "10 a second": 10.0,
-    "all it can": 0.0,
+    _("1 in 2 s"): 0.5,
+    _("1 a second"): 1.0,
+    _("2 a second"): 2.0,
+    _("4 a second"): 4.0,
+    _("10 a second"): 10.0,
+    _("all it can"): 0.0,
 }  # motions a second; 0 is as fast as it computes
-NO_POINT = "none"
+NO_POINT = _("none")
 
 
 def transfer_names() -> dict[str, str]:
@@ -37,7 +37,7 @@ def servo_names() -> dict[str, str]:
 
 def modified(preset: str) -> str:
     """A preset whose settings have been changed. This word comes first, as a narrow list cuts off the end."""
-    return f"(modified) {preset}"
+    return _("(modified) {preset}").format(preset=preset)
 
 
 # The sliders of the folder Disturbances: what each stands for in the settings, in the units of the page.
@@ -72,7 +72,8 @@ class Count(Amount):
     def asked(self, value: float) -> int:
         found = round(value)
         if not self.low <= found <= self.high:
-            raise ValueError(f"{self.label.lower()} must be between {self.low} and {self.high}, got {found}")
+            refusal = _("{name} must be between {low} and {high}, got {value}")
+            raise ValueError(refusal.format(name=self.label, low=self.low, high=self.high, value=found))
         return found
 
 
@@ -94,14 +95,16 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 # Which joints imitate: those of the scene, as the paper's two, or all of the robot's.
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
-WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+WORDS = (
+    _("none"), _("one"), _("two"), _("three"), _("four"), _("five"), _("six"), _("seven"), _("eight"), _("nine"),
+)  # fmt: skip
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
     """What `Settings.joints` may become, by name; the present ones included."""
     scene = load_scene(settings.scene, settings.robot)
     every = load_robot(scene.robot).movable_joints
-    choices = {_name(scene.moving_joints): None, f"all {_number(len(every))}": every}
+    choices = {_name(scene.moving_joints): None, _("all {count}").format(count=_number(len(every))): every}
     if settings.joints is not None and settings.joints not in (every, scene.moving_joints):
         choices[_name(settings.joints)] = settings.joints
     return choices
@@ -144,7 +147,8 @@ def _converted(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tup
 
 
 def _name(joints: tuple[int, ...]) -> str:
-    return f"{_number(len(joints))}: {', '.join(map(svg.joint_symbol, joints))}"
+    names = ", ".join(map(svg.joint_symbol, joints))
+    return _("{count}: {joints}").format(count=_number(len(joints)), joints=names)
 
 
 def _number(count: int) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import msgspec
 from numpy.typing import NDArray
 
+from viewimit.language import _
 from viewimit.loop.script import Log
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -163,7 +164,7 @@ class UndoEntry:
 
     @property
     def sensor(self) -> str:
-        snapshots, cursor, _ = self.runs[0]
+        snapshots, cursor, _log = self.runs[0]
         return snapshots[cursor].settings.sensor
 
 
@@ -217,7 +218,7 @@ class UndoStack:
         sessions = self._player.sessions
         # a restart replaces these objects
         histories = [(session.history, session.cursor, session.log) for session in sessions]
-        branches = any(cursor < len(history) - 1 for history, cursor, _ in histories)
+        branches = any(cursor < len(history) - 1 for history, cursor, _log in histories)
         runs = tuple(map(_run, sessions)) if branches else None
         before = self._entry((), 0)
         yield
@@ -288,9 +289,9 @@ class GlossaryDemo:
         """
         before, player = self.before, self._undoable.player
         if before is None:
-            raise ValueError("nothing is shown in place of what was here")
+            raise ValueError(_("nothing is shown in place of what was here"))
         if len(before.entry.runs) != len(player.runners):
-            raise ValueError("a duel has begun or ended since: end or begin it again first")
+            raise ValueError(_("a duel has begun or ended since: end or begin it again first"))
         player.pause()
         self._undoable.resume(before.entry)
         self._undoable.past.replace(before.past)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
+from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
@@ -40,8 +41,8 @@ class PageModel:
     generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
     were applied or rejected, after each of which widgets are written again;
     tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as the page knows it;
-    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: why the tab
-    cannot keep it.
+    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: whether
+    the tab cannot keep it.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class PageModel:
         self.generation, self.inputs = 0, 0
         self.message: Message | None = None
         self._refusal: Message | None = None
-        self.unsaved: str | None = None
+        self.unsaved = False
         self.is_kept = self.resends_all = False
         self.displayed = self.display.at(0.0, 0.0, self.view)
 
@@ -156,7 +157,7 @@ class PageModel:
 
     def _send_saved(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(f"it could not be saved: {made}")
+            raise ValueError(_("it could not be saved: {why}").format(why=made))
         self.send(made.name, made.data)
 
     def close(self) -> None:

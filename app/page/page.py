@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle
 
+from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.simulation.world import World
 
@@ -107,7 +108,7 @@ class Page:
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
-        text = f"This session met an error, {error!r}. Reset starts again."
+        text = _("This session met an error, {error!r}. Reset starts again.").format(error=error)
         self.model.say(text, np.inf)
         show_fault(self.layout, text)
 

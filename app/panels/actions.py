@@ -9,6 +9,8 @@ from typing import Annotated
 
 import msgspec
 
+from viewimit.language import _
+
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, Rejected
 from ..sessions.link import MAX_TEXT
@@ -36,7 +38,8 @@ class Message(msgspec.Struct, forbid_unknown_fields=True):
 def read_message(text: str) -> Message:
     """Decode a message. Raises ValueError for an invalid one."""
     if len(text) > MAX_CHARS:
-        raise ValueError(f"{len(text)} characters of actions; at most {MAX_CHARS} are read")
+        refusal = _("{n} characters of actions; at most {most} are read")
+        raise ValueError(refusal.format(n=len(text), most=MAX_CHARS))
     return msgspec.json.decode(text, type=Message)
 
 
@@ -73,9 +76,10 @@ class Actions:
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
         if command is None or not command.link:
-            self._queue.put(Rejected(f"this page has no {control!r}: reload it", ("action", control)))
+            refusal = _("this page has no control {name!r}: reload it")
+            self._queue.put(Rejected(refusal.format(name=control), ("action", control)))
         else:
-            self._queue.call(control, *(value for _ in command.parsers), sender=("action", control))
+            self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
 
 
 def actions(layout: Layout, model: PageModel) -> None:
@@ -84,7 +88,7 @@ def actions(layout: Layout, model: PageModel) -> None:
     box = layout.gui.add_text(LABEL, "", visible=False)
 
     @box.on_update
-    async def _(event) -> None:
+    async def take(event) -> None:
         if event.client_id is not None:  # None: the page itself wrote it
             taken.take(event.target.value)
             push_input(box, str(taken.last))

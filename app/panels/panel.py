@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from viser import ClientHandle, GuiButtonHandle, IconName
 
 from viewimit.drawing.export.engine_scene import joint_name
+from viewimit.language import _
 
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
@@ -27,6 +28,7 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
+NAME = _("{name}: {chosen}")  # of a folder, with what is chosen in it
 
 
 class ClientInfo(NamedTuple):
@@ -146,7 +148,7 @@ class Layout:
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
         """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
-        label = (lambda model: f"{name}: {holds(model)}") if holds else (lambda model: name)
+        label = (lambda model: NAME.format(name=name, chosen=holds(model))) if holds else (lambda model: name)
         handle = self.gui.add_folder(label(self._model), expand_by_default=False)
         if holds:
             self.bind(label, lambda shown: put_folder_label(handle, shown))
@@ -268,7 +270,7 @@ class JointSliders:
     inside
         Where they stand.
     name
-        Of each; {} stands for its joint.
+        Of each; {joint} stands for its joint.
     command
         Called with the number of the joint, counted among those that move, and its angle in degrees.
     """
@@ -295,7 +297,7 @@ class JointSliders:
         scene, self._generation, self._sliders = model.session.scene, model.generation, []
         with self._inside:
             for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
-                name = self._name.format(joint_name(scene, joint))
+                name = self._name.format(joint=joint_name(scene, joint))
                 slider = self._layout.gui.add_slider(name, low, high, 0.5, angles_deg[k], hint=self._hint)
                 self._layout.queue.on_value(slider, self._command, k)
                 self._sliders.append(slider)

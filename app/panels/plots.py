@@ -9,25 +9,27 @@ from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
 from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.glossary import ask
+from viewimit.language import _
 
-from ..drawing.glossary import asks
-from ..drawing.overlays import draw_see_through, hide_later_motions, motion_links, posture_links
+from ..drawing.overlays import asks, draw_see_through, hide_later_motions, motion_links, posture_links
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
 
-COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
+COMPARE, ALONE = (_("Compare all transfers"), Icon.LAYOUT_GRID), (_("This transfer alone"), Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
-FROM_STARTS = "From these starts", Icon.CHART_DOTS
-CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
-STARTS = "twenty learners, at most 300 motions each: where they end, within 2°, and whether they claim to have arrived"
-WAITING = '<div class="vi-basin">twenty learners set out …</div>'
-LOOK_ONLY = "a posture that is clicked is shown by a see-through arm, and nothing moves; else the learner starts there"
+FROM_STARTS = _("Try 20 starts"), Icon.CHART_DOTS
+CANCEL, HIDE = (_("Cancel"), Icon.PLAYER_STOP), (_("Hide the starts"), Icon.EYE_OFF)
+STARTS = _(
+    "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
+)
+WAITING = f'<div class="vi-basin">{_("Twenty learners set out …")}</div>'
+LOOK_ONLY = _("Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there.")
 
 
 def landscape(layout: Layout, model: PageModel) -> None:
     """A click chooses a posture."""
     gui = layout.gui
-    with layout.tab("Landscape"):
+    with layout.tab(_("Landscape")):
         ground, path = gui.add_html(""), gui.add_html("")
         preview, links = gui.add_html(""), gui.add_html("")
         cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
@@ -37,7 +39,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            layout.checkbox("Look only", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY)
+            layout.checkbox(_("Look only"), lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY)
         for over in (ground, path, preview, links, cost, basin):
             layout.bind(lambda model: not _compares(model), partial(put_visible, over))
         own = OwnPath(ground, path)
@@ -98,7 +100,7 @@ def _starts_look(model: PageModel) -> tuple:
 
 def curves(layout: Layout, model: PageModel) -> None:
     """E and the joint errors of each motion. A click goes to a motion."""
-    with layout.tab("Curves"):
+    with layout.tab(_("Curves")):
         shown, over = layout.gui.add_html(""), layout.gui.add_html("")
 
         def draw(model: PageModel) -> None:
@@ -120,7 +122,7 @@ def curves(layout: Layout, model: PageModel) -> None:
 
 def equations(layout: Layout, model: PageModel) -> None:
     """The paper's equations with their present numbers."""
-    with layout.tab("Equations"):
+    with layout.tab(_("Equations")):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))
         layout.drawing(

@@ -14,6 +14,7 @@ from viewimit.drawing.status import (
     describe_truth,
     draw_status,
 )
+from viewimit.language import _
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
@@ -21,13 +22,19 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = "Starting the camera images … Grey parts still show the moment before."
-FOLLOWS = "Computing what the link holds: Esc lets it go."
-RESTORES = "Computing this tab’s session again: Esc starts again."
+STARTS_PICTURES = _("Starting the camera images … Grey parts still show the moment before.")
+FOLLOWS = _("Computing what the link holds: Esc lets it go.")
+RESTORES = _("Computing this tab’s session again: Esc starts again.")
+UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
 CHOICES = {  # by state: where a link leads, and its words
-    "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
-    "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
-    "proposed": (("best/0", "Take it"), ("dismiss/0", "Not this one")),
+    "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),
+    "editing": (
+        ("best/0", _("Best next")),
+        ("remove/0", _("Remove")),
+        ("scene/0", _("Save scene")),
+        ("dismiss/0", _("Done")),
+    ),
+    "proposed": (("best/0", _("Take it")), ("dismiss/0", _("Not this one"))),
 }
 
 
@@ -88,8 +95,8 @@ def _said(model: PageModel) -> StatusMessage:
         )
     if model.displayed.preview is not None:
         return StatusMessage("see-through", describe_see_through(session.scene, model.displayed.preview))
-    if model.unsaved is not None:
-        return StatusMessage("message", f"{model.unsaved}: a reload would lose this session.")
+    if model.unsaved:
+        return StatusMessage("message", UNSAVED)
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (moving := model.displayed.moving_snapshot) is not None:
         return describe(moving, before, joints=session.scene.moving_joints)

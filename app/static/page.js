@@ -118,7 +118,7 @@ const labelOf = element => {
   return element ? element.querySelector("label").textContent : "";
 };
 const set = (element, name, value) => element.getAttribute(name) === value || element.setAttribute(name, value);
-const ICONS = {"list-search": "Commands", adjustments: "Settings", "arrow-back": "Back to the controls"};
+const ICONS = {"list-search": _("Commands"), adjustments: _("Settings"), "arrow-back": _("Back to the controls")};
 const NUMBER = "input[inputmode]";
 const FOLDER = ".mantine-Paper-root[data-with-border]>.mantine-Paper-root:first-child";
 
@@ -243,7 +243,8 @@ document.addEventListener("input", event => {
   if (!thumb) return;
   const [low, high] = ["min", "max"].map(end => Number(thumb.getAttribute(`aria-value${end}`)));
   const out = box.value !== "" && !(low <= Number(box.value) && Number(box.value) <= high);
-  box.setCustomValidity(out ? `From ${box.placeholder.replace("…", "to")}` : "");
+  const [from, to] = box.placeholder.split(" … ");
+  box.setCustomValidity(out ? _("From {low} to {high}").replace("{low}", from).replace("{high}", to) : "");
   if (out) box.reportValidity();
 }, true);
 document.addEventListener("focusout", event => {
@@ -258,7 +259,7 @@ document.addEventListener("focusout", event => {
 // What nobody sees need not be drawn: tabs that are not open, and all of a window that another hides
 const unseen = () => {
   const closed = Array.from(document.querySelectorAll("[role=tab][aria-selected=false]"), tab => tab.textContent);
-  return document.hidden ? "window" : closed.filter(name => /^\w+$/.test(name)).join() || "none";
+  return document.hidden ? "window" : closed.filter(name => /^[^,]+$/.test(name)).join() || "none";
 };
 let sentUnseen = "none";
 const tellUnseen = () => {
@@ -358,5 +359,5 @@ document.addEventListener("click", event => {
   getSelection().selectAllChildren(text);
   const copied = navigator.clipboard ? navigator.clipboard.writeText(text.textContent)
     : Promise.resolve(document.execCommand("copy"));  // without https there is no other
-  copied.then(() => { button.textContent = "Copied"; setTimeout(() => { button.textContent = "Copy"; }, 1500); });
+  copied.then(() => { button.textContent = _("Copied"); setTimeout(() => { button.textContent = _("Copy"); }, 1500); });
 });

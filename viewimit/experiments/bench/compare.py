@@ -196,10 +196,8 @@ def run_draw(settings: Settings, case: Case, servos: Sequence[str], seed: list[i
                 oracle.become(ORACLES[servo], seed)
                 lent.servo, lent.predicts = oracle, False
             elif servo not in OWN_RESTARTS:
-                lent.servo, lent.predicts = (
-                    Restarts(ChainMap(LITERATURE, SERVOS)[servo], tuple(seed), max_motions),
-                    True,
-                )
+                method = ChainMap(LITERATURE, SERVOS)[servo]
+                lent.servo, lent.predicts = Restarts(method, tuple(seed), max_motions), True
             session.begin(msgspec.structs.replace(begun, servo=servo if servo in OWN_RESTARTS else OWN))
             last = session.run(max_motions, PATIENCE).last
             errors = error_deg(last), expected_deg(last), float(last.E)

@@ -113,7 +113,7 @@ class Visits:
     @property
     def known(self) -> NDArray[np.bool_]:
         """(N,): points that both cameras saw at once at some visit."""
-        return self.seen.all(-1).any(0)
+        return np.asarray(self.seen.all(-1).any(0))
 
 
 def fit(visits: Visits, noise: float, previous: GenerativeModel | None) -> GenerativeModel:
@@ -134,14 +134,13 @@ def fit(visits: Visits, noise: float, previous: GenerativeModel | None) -> Gener
         The best of all fits, or the first one that explains the images as well as noise allows.
     """
     initial = initial_models(visits, noise, np.random.default_rng(len(visits.displacement)))
-    starts = islice(initial, N_STARTS) if previous is None else chain([previous], islice(initial, 1))
-    best, accepted = None, SLACK * max(noise, FLOOR_PX)
-    for start in starts:
-        model = _fit_from(start, visits, noise, accepted)
-        if best is None or visits.rms(model) < visits.rms(best):
-            best = model
-        if visits.rms(best) < accepted:
-            break
+    starts: Iterator[GenerativeModel] = (
+        islice(initial, N_STARTS) if previous is None else chain([previous], islice(initial, 1))
+    )
+    accepted = SLACK * max(noise, FLOOR_PX)
+    best = _fit_from(next(starts), visits, noise, accepted)
+    while visits.rms(best) >= accepted and (start := next(starts, None)) is not None:
+        best = min(best, _fit_from(start, visits, noise, accepted), key=visits.rms)
     return best
 
 
@@ -191,22 +190,23 @@ def initial_models(visits: Visits, noise: float, rng: np.random.Generator) -> It
     """Yield initial values: the affine ones that the probes suggest, then others with random axes.
 
     Cameras and points are the principal components of all images, as of affine cameras (Tomasi and Kanade 1992). The
-    axis of a joint is the one about which its probe turned the points, as far as that is linear. A point is on the link
+    axis of a joint is the one about which its probe turned the points, if that were linear. A point is on the link
     of the last joint whose probe moved it.
     """
-    m, both = visits.displacement.shape[1], visits.seen.all(-1)
+    m = visits.displacement.shape[1]
+    both = np.asarray(visits.seen.all(-1))
     stacked = visits.images[both]
     t = stacked.mean(0)
     _, scale, axes = np.linalg.svd(stacked - t, full_matrices=False)
     A = np.maximum(scale[:3], MIN_SCALE) / np.sqrt(len(stacked)) * axes[:3].T
     x = (visits.images - t) @ np.linalg.pinv(A).T
-    points = np.where(both.any(0)[:, None], x[both.argmax(0), np.arange(both.shape[1])], 0.0)
+    points = np.where(visits.known[:, None], x[both.argmax(0), np.arange(both.shape[1])], 0.0)
     seen_twice = both[:m] & both[1 : m + 1]
     shift = np.abs(np.diff(visits.images[: m + 1], axis=0)).max(-1)
     moved = seen_twice & (shift > max(MOVED_PX, MOVED_SIGMAS * noise))
     link = np.where(seen_twice.any(0), (moved * np.arange(1, m + 1)[:, None]).max(0), m)
     angles = np.diff(visits.displacement[: m + 1], axis=0).diagonal()
-    joints = np.array([_axis(*x[j : j + 2, moved[j]], angles[j]) for j in range(m)])
+    joints = np.array([_axis(x[j, moved[j]], x[j + 1, moved[j]], angles[j]) for j in range(m)])
     cameras = np.concatenate([A.ravel(), t, np.zeros(6)])
     while True:
         yield GenerativeModel(np.concatenate([cameras, joints.ravel()]), points, link, visits.displacement[0])
@@ -271,8 +271,9 @@ class Generative:
         best_E, n_since_best = (observation.E, 0) if has_progressed else (state.best_E, state.n_since_best + 1)
         state = replace(state, best_E=best_E, n_since_best=n_since_best, probe=False)
         stacked = Visits.of(visits)
-        state = replace(state, model=fit(stacked, scaled.noise_px, state.model))
-        target = infer(state.model, stacked.known, scaled, ScaledResiduals(residuals, state.unit_px))
+        model = fit(stacked, scaled.noise_px, state.model)
+        state = replace(state, model=model)
+        target = infer(model, stacked.known, scaled, ScaledResiduals(residuals, state.unit_px))
         if target is None or n_since_best >= PATIENCE:
             return replace(state, status=ServoStatus.NO_PROGRESS), np.zeros(m)
         if np.abs(target - here).max() < MIN_STEP_RAD:

@@ -28,7 +28,20 @@ class Restartable(Protocol):
     """A law that keeps what it has learned for another descent. Other laws begin as at first."""
 
     def restart(self, state: Any, observation: Observation) -> Any:
-        """Return the state before a descent from here."""
+        """Return the state before a descent from here.
+
+        Parameters
+        ----------
+        state : any
+            Returned by the last call of `step`.
+        observation : Observation
+            What the learner sees now.
+
+        Returns
+        -------
+        any
+            State that is passed to `step`.
+        """
         ...
 
 
@@ -75,14 +88,15 @@ class Restarts:
         is_last = observation.motion >= self.max_motions - 1
         if step.any() and status != ServoStatus.NO_PROGRESS and not (is_last and E > state.best_E):
             return replace(state, law=law, begins=False, probe=bool(getattr(law, "probe", False))), step
-        if state.best is None or E < state.best_E:
-            state = replace(state, best=here, best_E=E)
-        is_small = is_small_E(state.best_E, observation.noise_px)
-        state = replace(state, law=law, begins=True, probe=False)
+        best, best_E = state.best, state.best_E
+        if best is None or E < best_E:
+            best, best_E = here, E
+        state = replace(state, law=law, begins=True, best=best, best_E=best_E, probe=False)
+        is_small = is_small_E(best_E, observation.noise_px)
         if state.starts and not is_small and not is_last:
             start, *others = state.starts
             return replace(state, starts=tuple(others)), start - here
-        return replace(state, status=ServoStatus.SETTLED if is_small else ServoStatus.NO_PROGRESS), state.best - here
+        return replace(state, status=ServoStatus.SETTLED if is_small else ServoStatus.NO_PROGRESS), best - here
 
     def _begun(self, state: RestartState, observation: Observation) -> Any:
         """Return the law's state before a descent from here."""

@@ -20,10 +20,10 @@ from .jobs.experiments import ExperimentWorker
 from .jobs.threads import LandscapeWorker
 from .model.page_model import PageModel
 from .model.queue import CommandQueue
-from .model.services import LoadShedding, Services
+from .model.services import LoadShedding, Redraw, Services
 from .panels.images import images
 from .panels.landscape import landscape
-from .panels.panel import Layout
+from .panels.panel import Drawing, Layout
 from .panels.status import status
 from .quiet_client import quiet_client
 from .scene.scene3d import Scene3D
@@ -47,13 +47,14 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     low, high = np.transpose(session.scene.range_deg)
     for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
         session.begin(Settings.paper(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
-        model.undoable.begin_anew()
+        model.undoable.after_restart()
         choose_point(model, chosen)
         scene.build(session.world)
         model.landscape.begin(session.world, session.snapshot)
         model.landscape.take(make_landscape(session.world, session.snapshot))
         model.refresh(0.0)
-        for drawing in layout.drawings:
+        redraw = Redraw()
+        for drawing in _changed(layout, model, redraw):
             drawing.draw(model)
         while session.snapshot.motion < 30:
             began = time.process_time()
@@ -63,7 +64,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
             assert scene.arms is not None  # of the world that is built
             scene.arms.draw(*model.poses(0.0))
             scene.show(model)
-            for drawing in layout.drawings:
+            for drawing in _changed(layout, model, redraw):
                 drawing.draw(model)
             done = time.process_time()
             if not moved:
@@ -71,6 +72,10 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
             for name, cost in (("loop", stepped - began), ("drawings", done - stepped), ("whole", done - began)):
                 costs[name].append(1e3 * cost)
     return {name: float(np.median(values)) for name, values in costs.items()}
+
+
+def _changed(layout: Layout, model: PageModel, redraw: Redraw) -> list[Drawing]:
+    return [drawing for drawing in layout.drawings if redraw.changed(drawing.kind, drawing.key(model))]
 
 
 def main() -> None:

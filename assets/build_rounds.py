@@ -1,4 +1,4 @@
-"""Writes lessons/rounds.json: how the methods that "Design your own" offers do in its dealt scenes.
+"""Writes lessons/rounds.json: how the methods that "Design your own" offers do in its random scenes.
 
     python assets/build_rounds.py
 
@@ -9,9 +9,9 @@ import json
 import sys
 
 from viewimit.app.lab.lessons.design import ROUNDS, compute_rounds
-from viewimit.app.lab.lessons.facts import deals
+from viewimit.app.lab.lessons.facts import sample_states
 from viewimit.app.lab.lessons.source import shipped
-from viewimit.app.lab.lessons.step_data import DEAL_SEED, SCENE_DEALS, situation_of
+from viewimit.app.lab.lessons.step_data import SAMPLE_SEED, SCENE_SAMPLES, situation_of
 from viewimit.assets import ROOT
 
 
@@ -19,8 +19,8 @@ def main() -> int:
     lesson = shipped()["design"]
     (step,) = lesson.step
     found = {
-        dealt.digest: compute_rounds(dealt, ROUNDS)
-        for dealt in deals(situation_of(lesson, step), SCENE_DEALS, DEAL_SEED)
+        one.digest: compute_rounds(one, ROUNDS)
+        for one in sample_states(situation_of(lesson, step), SCENE_SAMPLES, SAMPLE_SEED)
     }
     ROOT.joinpath("lessons", "rounds.json").write_text(json.dumps(found, separators=(",", ":")) + "\n", "utf-8")
     return 0

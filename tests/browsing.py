@@ -1,6 +1,7 @@
 """The page in a browser: how a visitor opens it, what one does with it, and what one sees."""
 
 import io
+import itertools
 import re
 from pathlib import Path
 
@@ -26,7 +27,7 @@ EPIPOLAR_LINE = css(drawn.EPIPOLAR_LINE)
 HOW = f"{css(drawn.IMAGES)} {css(drawn.HOW)}"  # the chosen point is recovered
 IMAGE_L = f"{css(drawn.IMAGES)} {css(drawn.IMAGE_L)}"
 CHOSEN_POINT = f"circle{css(drawn.CHOSEN_POINT)}"
-LARGE_FIGURE = css(drawn.LARGE_FIGURE)
+CONFLICT = f"{css(drawn.CONFLICT)} b"
 LEVELS = css(drawn.LEVELS)
 ALL_TRANSFERS = css(drawn.ALL_TRANSFERS)
 DUEL = css(drawn.DUEL)
@@ -144,6 +145,12 @@ def chosen_point(page) -> str:
     """Its name, as the legend has it; "" while it has none."""
     found = re.search(r"point (\S+): ", page.text_content(FOUR_IMAGES))
     return found[1] if found else ""
+
+
+def points_drawn(page) -> list[int]:
+    """How many of the learner's own points there are in L and in R."""
+    dots = "where => [...document.querySelectorAll(where)].map(path => path.getAttribute('d').split('M').length - 1)"
+    return page.evaluate(dots, f"svg:is(.vi-at-L,.vi-at-R) {DETECTED}")
 
 
 def stands(session) -> list[float]:
@@ -267,8 +274,14 @@ def canvas_colours(page) -> int:
     """How many there are where the 3-D scene is, with all of it drawn."""
     page.evaluate("window.drawsTriangles = true")
     box = page.locator("canvas").first.bounding_box()
-    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
-    page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
+    places = itertools.cycle((0.3, 0.31))  # viser draws a frame when the pointer moves
+
+    def holds():
+        place = next(places)
+        page.mouse.move(box["x"] + place * box["width"], box["y"] + place * box["height"])
+        return page.evaluate("window.holds")
+
+    wait(page, holds)
     picture = Image.open(io.BytesIO(page.screenshot(clip=box, timeout=PATIENCE_MS))).convert("RGB")
     page.evaluate("window.goOn()")
     return len(picture.getcolors(picture.width * picture.height))

@@ -23,7 +23,6 @@ READ = {  # earlier words that files and links of users may have, and that are s
     "viewimit/servo/status.py": {"untold"},
     "viewimit/loop/script.py": {"deeds"},
     "docs/reference/json.md": {"told", "untold"},
-    "docs/teach/lesson-format.md": {"told"},
 }
 RENAMED = ROOT / "viewimit/sensing/renamed.py"
 

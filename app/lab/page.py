@@ -37,10 +37,11 @@ class Preset(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     seed: int = 7
 
 
-def presets() -> list[Preset]:
+@cache
+def presets() -> tuple[Preset, ...]:
     """Return the shipped presets, in their order."""
     fields = parse_toml(ROOT.joinpath("lab", "presets.toml").read_bytes())
-    return msgspec.convert(fields["preset"], list[Preset])
+    return msgspec.convert(fields["preset"], tuple[Preset, ...])
 
 
 def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:

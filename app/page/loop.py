@@ -1,4 +1,4 @@
-"""Commands and the motions that are due, carried out turn by turn: at once, or beside the scheduler.
+"""Commands and motions that are due, run turn by turn: at once, or in a thread beside the scheduler.
 
 What looks with camera images takes long, and would hold up everybody's pages.
 """
@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+from viewimit.language import _
+
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, JobResult, Queued
@@ -19,6 +21,7 @@ BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
 SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
 AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
+MAX_DEBT_S = 1.0  # s that later commands make up for, by waiting MAX_DEBT_S / SHARE at most
 
 
 def _beside() -> float:
@@ -56,7 +59,7 @@ class CommandLoop:
 
     @property
     def drawable(self) -> bool:
-        """Whether the session may be read: no turn changes what is drawn of it."""
+        """Whether the session may be read: no turn changes it."""
         return not self._background.alone
 
     def wait(self, seconds: float | None = None) -> bool:
@@ -120,7 +123,7 @@ class CommandLoop:
             self._apply_within_budget(self._queue.take_order_independent(), now)
 
     def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
-        """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
+        """Apply commands in their order. Return whether all were; else the others wait for the next tick."""
         for k, entry in enumerate(commands):
             waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
             if waits or not self._budget.left:
@@ -135,7 +138,7 @@ class CommandLoop:
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
             self._model.undoable.leave_pictures()
-            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+            self._model.refuse(_("{why}: back to projected points.").format(why=lost), now + MESSAGE_STAYS)
 
     def _apply(self, entry: Queued, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
@@ -154,8 +157,10 @@ class CommandLoop:
 
 
 class Background:
-    """busy: from a turn's beginning until `end` has told that it has ended; alone: meanwhile the session must not be
-    drawn either, without it, reading is safe."""
+    """Runs one turn at a time in a thread.
+
+    busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
+    """
 
     def __init__(self):
         self._thread: threading.Thread | None = None
@@ -195,8 +200,11 @@ class Background:
 
 
 class TimeBudget:
-    """How much of the time one page's visitor may have carried out, so that the others' pages keep their pace. What one
-    command takes beyond it is made up for by those after it, which wait."""
+    """Bounds the time that one page's commands take, so that the other pages keep their pace.
+
+    A command that takes longer than the time left delays the commands after it. At most MAX_DEBT_S is made up for: a
+    computation of a minute on a busy machine must not block its page for five more.
+    """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
@@ -204,15 +212,22 @@ class TimeBudget:
 
     @property
     def left(self) -> bool:
-        now = self._clock()
-        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
-        self._last = now
+        """Whether the next command may run now."""
+        self._earn()
         return self._left > 0
 
     def spend(self, work: Callable[[], None]) -> None:
-        """Do it, and count how long it takes."""
+        """Run work() and count how long it takes."""
         began = self._clock()
         try:
             work()
         finally:
             self._left -= self._clock() - began
+            self._earn()
+            self._left = max(self._left, -MAX_DEBT_S)
+
+    def _earn(self) -> None:
+        """Add this page's share of the time since this was called last."""
+        now = self._clock()
+        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
+        self._last = now

@@ -8,7 +8,7 @@ from drawn import SCALE_OF_MORE, parsed
 from page_fakes import call
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.drawing.glossary import asks, beside, current_values, listed
+from viewimit.app.drawing.overlays import asks, beside, current_values, listed
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.panels.guide import help_html, numbers_now
 
@@ -60,6 +60,7 @@ def test_a_number_that_is_shown_is_a_bad_one(key):
 def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
     assert current_values({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--words:"now 31.6"}</style>'
     assert "--now:100.0%" in current_values({"E": 1e9}) and "--now:0.0%" in current_values({"E": 0.0})
+    assert '"now 8"' in current_values({"points_seen": 8})
     assert current_values({"E": np.nan, "condition": np.inf}) == "<style></style>"
     scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == SCALE_OF_MORE)
     assert [mark.text for mark in scale.iter("span")] == ["1", "20", "10", "5"]  # of points seen, many are good

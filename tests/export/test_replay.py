@@ -61,8 +61,8 @@ def replay(session):
 
 def test_at_every_moment_it_has_what_the_learner_saw_and_made_of_it(session, replay):
     run = unpacked(replay)["run"]
-    assert [each["motion"] for each in run["moments"]] == list(range(len(session.history)))
-    for recorded, moment in zip(run["moments"], session.history):
+    assert [each["motion"] for each in run["snapshots"]] == list(range(len(session.history)))
+    for recorded, moment in zip(run["snapshots"], session.history):
         demo = run["demonstrators"][recorded["demo"]]
         np.testing.assert_allclose(np.array(recorded["theta"]) / RAD, moment.theta, atol=1e-6)
         np.testing.assert_allclose(np.array(demo["theta"]) / RAD, moment.theta_demo, atol=1e-6)
@@ -73,14 +73,14 @@ def test_at_every_moment_it_has_what_the_learner_saw_and_made_of_it(session, rep
         off = np.degrees(np.abs(moment.theta - moment.theta_demo).max())
         assert f"{off:.1f}° off" in recorded["truth"] or off < 0.05
         assert "press space" not in recorded["sentence"]
-    assert run["moments"][0]["map"] == 0 and run["moments"][-1]["map"] == 1  # of the demonstrator's other posture
+    assert run["snapshots"][0]["map"] == 0 and run["snapshots"][-1]["map"] == 1  # of the demonstrator's other posture
 
 
 def test_points_that_are_not_seen_stay_hidden():
     session = Session(Settings.paper(points=16, missing=0.1, seed=3))
     session.run(3)
     run = unpacked(viewimit.replay(session))["run"]
-    for recorded, moment in zip(run["moments"], session.history):
+    for recorded, moment in zip(run["snapshots"], session.history):
         seen = [*run["demonstrators"][recorded["demo"]]["seen"]], [*recorded["seen"]]
         flags = np.concatenate([np.array(each or ["1"] * 32, int).reshape(-1, 2) for each in seen], 1)
         assert (flags == moment.views.visible).all()
@@ -92,7 +92,7 @@ def test_of_every_point_it_has_how_it_is_transferred(transfer):
     session = Session(Settings(transfer=transfer, start_deg=(25, -45)))
     session.run(3)
     run = unpacked(viewimit.replay(session))["run"]
-    for recorded, moment in zip(run["moments"], session.history):
+    for recorded, moment in zip(run["snapshots"], session.history):
         for point in (0, 9):
             built, found = construct(moment, point), recorded["constructed"][str(point)]
             np.testing.assert_allclose(numbers(found["axes"]), built.half_axes.ravel(), atol=0.01)
@@ -116,8 +116,8 @@ def test_the_map_has_E_over_both_joints(session, replay):
 
 def test_where_all_constructions_would_be_too_many_the_chosen_one_is_there(session, monkeypatch):
     monkeypatch.setattr(recording, "MAX_CONSTRUCTIONS", 10)
-    moments = unpacked(viewimit.replay(session, chosen=6))["run"]["moments"]
-    assert all([*moment["constructed"]] == ["6"] for moment in moments)
+    snapshots = unpacked(viewimit.replay(session, chosen=6))["run"]["snapshots"]
+    assert all([*moment["constructed"]] == ["6"] for moment in snapshots)
 
 
 def test_it_says_what_repeats_it_and_tells_no_folder(tmp_path, ask_json):
@@ -153,14 +153,14 @@ def test_long_failed_and_many_jointed_runs_are_small(settings, motions, status):
     session.run(motions, patience=3)
     replay = viewimit.replay(session)
     assert session.snapshot.status == (status or session.snapshot.status)
-    assert len(replay.html) < 0.8 * MB and len(unpacked(replay)["run"]["moments"]) == len(session.history)
+    assert len(replay.html) < 0.8 * MB and len(unpacked(replay)["run"]["snapshots"]) == len(session.history)
 
 
 def test_a_run_of_a_hundred_motions_with_many_points_stays_small():
     session = Session(Settings.paper(points=16, servo="gradient-retuned", start_deg=(25, -45)))
     session.run(100, patience=3)
     replay = viewimit.replay(session)
-    assert len(session.history) == 101 and len(unpacked(replay)["run"]["moments"][0]["constructed"]) == 16
+    assert len(session.history) == 101 and len(unpacked(replay)["run"]["snapshots"][0]["constructed"]) == 16
     assert len(replay.html) < 0.8 * MB
 
 

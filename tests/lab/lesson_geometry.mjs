@@ -27,7 +27,7 @@ process.stdout.write(JSON.stringify({
   }),
   fifth: postures.map(own => measures.fifthLeftOut(matchesOf(alike, own))),
   pencils: pencils.map(([l, L]) => rays.pencil(pairs.map(([p]) => p), pairs.map(([, q]) => q), l, L).rms),
-  carried: carried.map(by => places.energyCarried(stageOf(alike, postures[1]), by)),
+  carried: carried.map(by => places.energyMoved(stageOf(alike, postures[1]), by)),
   far: [0.4, 1, 2, 10].map(distance => {
     const stage = stageOf(alike, alike, distance), [first, second] = rays.camerasOf(stage);
     const marks = rays.marksOf(stage), lines = marks.map(p => rays.rayLine(second, first, p));

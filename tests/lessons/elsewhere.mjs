@@ -12,7 +12,7 @@ for await (const part of process.stdin) text += part;
 const {pages, lab} = JSON.parse(text), found = [];
 const plain = ({page, stage, ...scene}) => JSON.stringify(Object.entries(scene).sort());
 for (const page of pages) for (const lesson of page.lessons) for (const step of lesson.steps) {
-  for (let seed = 1; seed <= (step.deals?.length ?? 1); seed++) {
+  for (let seed = 1; seed <= (step.samples?.length ?? 1); seed++) {
     const one = new Stage(page, step, {seed}), address = labAddress(one, "here"), wrong = [], {state} = one;
     const opened = address && fromAddress(address, lab.presets, lab.scenes, wrong);
     const scene = opened && lab.scenes[lab.presets.find(({name}) => name === opened.preset).scene];

@@ -5,7 +5,7 @@ let asked = "";
 for await (const part of process.stdin) asked += part;
 const load = path => import(pathToFileURL(`${process.argv[2]}/${path}`).href);
 const [{Stage}, {MEASURES}, {waysOf}, {bestOrder, mapOfFirst}, mended, maps, {scores}] = await Promise.all(["stage.js",
-  "measures.js", "figures/carried.js", "figures/matches.js", "figures/mended.js", "maps.js", "figures/sign.js"].map(load));
+  "measures.js", "figures/circle.js", "figures/matches.js", "figures/rectified.js", "maps.js", "figures/sign.js"].map(load));
 const {page, cases} = JSON.parse(asked);
 
 const found = {

@@ -3,7 +3,7 @@ import path from "node:path";
 import {pathToFileURL} from "node:url";
 
 const from = name => import(pathToFileURL(path.join(process.argv[2], name)).href);
-const {dealtOrder, Stage} = await from("stage.js");
+const {shuffledOrder, Stage} = await from("stage.js");
 const {isAnswered, isRight, reply, rightChoice} = await from("answers.js");
 const {fill, measure} = await from("measures.js");
 const {distance} = await from("measured.js");
@@ -26,7 +26,7 @@ found.shown = said(choice);
 
 const place = of("place"), truth = measure(place, "the place").value;
 found.truth = truth;
-found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "px apart")}));
+found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "distance in px")}));
 place.step.ask.elsewhere = [{truth: "the place", near: 5, because: "There."}];
 place.mark = [truth[0] + 4, truth[1]];
 found.elsewhere = said(place).reply;
@@ -36,7 +36,7 @@ const number = of("number"), E = measure(number, "E").value;
 found.numbers = [E * 1.4, E / 1.6, E * 1.6].map(value => (number.answer = {number: value}, said(number)));
 
 const servo = of("servo", {seed: 4});
-found.dealt = {index: servo.step.deals.findIndex(({state}) => state.start === servo.state.start), goal: servo.goal, count: servo.step.deals.length};
+found.sampled = {index: servo.step.samples.findIndex(({state}) => state.start === servo.state.start), goal: servo.goal, count: servo.step.samples.length};
 servo.slide("own 1", 33);
 found.slid = servo.moment.theta[0] / DEGREE;
 servo.move([40 * DEGREE, -100 * DEGREE]);
@@ -46,15 +46,15 @@ const solved = of("servo", {seed: 4}), before = [...solved.moment.theta], solvin
 found.left = before.every((v, k) => Math.abs(v - solved.moment.theta[k]) < 1e-9);
 for (const [name, value] of solving) solved.slide(name, value);
 found.solvedE = solved.moment.E;
-const bowl = of("bowl", {carried: servo});
+const bowl = of("bowl", {previous: servo});
 found.carried = {seed: bowl.seed, motions: bowl.motions.length, demonstrator: bowl.state.demonstrator.every((v, k) => v === servo.state.demonstrator[k]), goal: bowl.goal, at: bowl.moment.theta.map(v => v / DEGREE)};
 bowl.unit = "rad";
 bowl.mark = bowl.landscape().minimum.theta.map((v, k) => v + (k ? 0 : 10 * DEGREE));
-found.onMap = {...said(bowl), apart: measure(bowl, "degrees apart").text};
+found.onMap = {...said(bowl), apart: measure(bowl, "distance in degrees").text};
 
 const pose = of("pose");
 pose.answer = {pose: [60, -115]};
-found.pose = {...said(pose), apart: measure(pose, "degrees apart").value};
+found.pose = {...said(pose), apart: measure(pose, "distance in degrees").value};
 pose.slide("guess 1", 70);
 found.guessed = pose.guessed.map(v => v / DEGREE);
 
@@ -80,14 +80,14 @@ found.bets = [80, 20, 55].map(value => (bet.answer = {bet: value}, {...said(bet)
 found.runs = bet.runs;
 
 found.orders = Array.from({length: 200}, (_, person) => orderOf({answers: [1, 2, 3, 4]}, 3, person, "before"));
-found.orderAgain = [orderOf({answers: [1, 2, 3, 4]}, 3, 12, "before"), dealtOrder(4, 12 * 64 + 6)];
+found.orderAgain = [orderOf({answers: [1, 2, 3, 4]}, 3, 12, "before"), shuffledOrder(4, 12 * 64 + 6)];
 const questions = page.lessons[0].questions, all = count => Object.fromEntries(questions.map(({id}, k) => [id, {answer: 0, right: k < count, sure: true, seconds: 1}]));
 found.gains = [gain(4, 7, 8), gain(8, 8, 8), gain(4, 2, 8), rightOf(questions, all(5))];
 found.outcomes = [outcome(questions, all(4), all(7)), outcome(questions, all(8), all(8)), outcome(questions, all(4), {})];
 
 const {playedOnly} = await from("card.js");
 const race = "Steps to the goal: you {your motions to the goal}, Broyden {motions of Broyden}. Hollow marks are tests.";
-const unplayed = of("bowl", {carried: of("servo", {seed: 4})});
+const unplayed = of("bowl", {previous: of("servo", {seed: 4})});
 found.played = [unplayed, bowl].map(stage => playedOnly(race, stage));
 found.unplayedSentence = playedOnly("You needed {your motions to the goal} steps. E is {E}.", unplayed);
 process.stdout.write(JSON.stringify(found));

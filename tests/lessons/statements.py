@@ -34,12 +34,12 @@ def state(key: str) -> Situation:
 
 
 @cache
-def dealt(key: str) -> list[Situation]:
-    """The dealt states of "lesson/step", as the page has them."""
+def sampled(key: str) -> list[Situation]:
+    """The sampled states of "lesson/step", as the page has them."""
     lesson, step = shipped()[key.split("/")[0]], step_named(key)
     origin = step if step.carry is None else next(other for other in lesson.step if other.id == step.carry)
-    count = step_data.SCENE_DEALS if origin.dealt else step_data.DEALS
-    return facts.deals(state(key), count, step_data.DEAL_SEED)
+    count = step_data.SCENE_SAMPLES if origin.randomised else step_data.SAMPLES
+    return facts.sample_states(state(key), count, step_data.SAMPLE_SEED)
 
 
 def fact(key: str, name: str) -> float:
@@ -67,12 +67,12 @@ def texts() -> Iterator[tuple[str, str, str]]:
 
 
 def _texts_of(step: Step) -> Iterator[tuple[str, str]]:
-    """All but names of things: labels of sliders, fields, values and told numbers."""
+    """All but names of things: labels of sliders, fields, values and headline numbers."""
     for field in ("title", "text", "after", "say"):
         if getattr(step, field):
             yield field, getattr(step, field)
-    if step.told is not None and step.told.note:
-        yield "note", step.told.note
+    if step.headline is not None and step.headline.note:
+        yield "note", step.headline.note
     ask = step.ask
     yield "question", ask.question
     for field in ("close", "far", "less", "on_line"):

@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 import oracles
-from statements import DEFINITION, REPORT, Statements, dealt, fact, state, step_named
+from statements import DEFINITION, REPORT, Statements, fact, sampled, state, step_named
 from viewimit.app.lab.lessons import design, facts, records, sign
-from viewimit.app.lab.lessons.carried import DRAWS, Followed, carried
+from viewimit.app.lab.lessons.circle import DRAWS, Followed, follow_circle
 from viewimit.app.lab.lessons.situation import Situation
 
 from viewimit.analysis.construction import CHI2_95, construct
@@ -251,11 +251,11 @@ def toed_in_with_different_lenses() -> bool:
 
 
 def early(key: str) -> Followed:
-    return carried(state(key)).early
+    return follow_circle(state(key)).early
 
 
 def right(key: str) -> Followed:
-    return carried(state(key)).right
+    return follow_circle(state(key)).right
 
 
 def early_draws() -> int:
@@ -305,16 +305,16 @@ def situation_session(key: str):
 
 @cache
 def rounds(key: str = "design/design") -> list[dict[str, list]]:
-    return [records_of["runs"] for records_of in map(design.rounds_record, dealt(key))]
+    return [records_of["runs"] for records_of in map(design.rounds_record, sampled(key))]
 
 
 def median_off(name: str) -> np.ndarray:
-    """Degrees off at the end, the median over starts, in each dealt scene."""
+    """Degrees off at the end, the median over starts, in each sampled scene."""
     return np.array([np.median([off for off, _ in runs[name]]) for runs in rounds()])
 
 
 def best_known_choice() -> bool:
-    """None ends nearer in the median, in any dealt scene."""
+    """None ends nearer in the median, in any sampled scene."""
     page = "/".join(design.PAGE_CHOICE)
     return all((median_off(page) <= median_off(name) + 1e-9).all() for name in rounds()[0])
 
@@ -363,7 +363,7 @@ def steps_are_short_of_the_gradient_law() -> bool:
 
 
 def accuracy_comes_from_the_transfer() -> bool:
-    """With the same servo, the projective transfer ends nearer than the others in each dealt scene."""
+    """With the same servo, the projective transfer ends nearer than the others in each sampled scene."""
     others = [median_off(f"{name}/trust-region") for name in ("epipolar", "linear", "rank3")]
     return bool((median_off("projective/trust-region") < np.min(others, axis=0)).all())
 

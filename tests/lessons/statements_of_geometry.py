@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import oracles
-from statements import DEFINITION, REPORT, Statements, dealt, fact, state, step_named
+from statements import DEFINITION, REPORT, Statements, fact, sampled, state, step_named
 from viewimit.app.lab.lessons import design, records
 from viewimit.app.lab.lessons.facts import widest_deg
 from viewimit.app.lab.lessons.situation import Situation
@@ -258,14 +258,14 @@ def part_of_a_doubled_arrow() -> float:
 
 @cache
 def widths(key: str) -> list[float]:
-    """Degrees off of the farthest posture with E below the goal, in each dealt state."""
-    return [widest_deg(one, GOAL) for one in dealt(key)]
+    """Degrees off of the farthest posture with E below the goal, in each sampled state."""
+    return [widest_deg(one, GOAL) for one in sampled(key)]
 
 
 def E_is_a_valley() -> bool:
-    """The postures below the goal spread farther along one direction than across it, in most dealt states."""
+    """The postures below the goal spread farther along one direction than across it, in most sampled states."""
     ratios = []
-    for one in dealt("tour/claim"):
+    for one in sampled("tour/claim"):
         found = records.landscape(one, 1.0)
         below = np.argwhere(found.E < GOAL)
         spread = np.linalg.eigvalsh(np.cov(below.T)) if len(below) > 3 else np.array([1.0, 1.0])
@@ -274,17 +274,17 @@ def E_is_a_valley() -> bool:
 
 
 def one_bowl() -> bool:
-    return all(len(records.minima(one)) == 1 for one in dealt("tour/bowl"))
+    return all(len(records.minima(one)) == 1 for one in sampled("tour/bowl"))
 
 
 def biases() -> np.ndarray:
-    return np.array([records.bias_deg(one) for one in dealt("tour/bowl")])
+    return np.array([records.bias_deg(one) for one in sampled("tour/bowl")])
 
 
 @cache
 def steps(servo: str) -> np.ndarray:
-    """Motions to the goal in each dealt state."""
-    return np.array([records.motions_to(records.run(one, servo), GOAL) for one in dealt("tour/feel")])
+    """Motions to the goal in each sampled state."""
+    return np.array([records.motions_to(records.run(one, servo), GOAL) for one in sampled("tour/feel")])
 
 
 def who_needs_fewer() -> int:
@@ -499,13 +499,13 @@ STATEMENTS: Statements = {
     "tour/servo": {
         "title": DEFINITION,
         "text": {
-            "You see these two pictures and one number": lambda: all(map(middle_does_not_win, dealt("tour/servo")))
+            "You see these two pictures and one number": lambda: all(map(middle_does_not_win, sampled("tour/servo")))
         },
         "after": REPORT,
         "say": {"It does not tell you that you have arrived": lambda: min(widths("tour/servo")) > 1},
         "question": {
             "Bring E below the goal": lambda: all(
-                records.minima(one).E[0] < design.LEAST_E for one in dealt("tour/servo")
+                records.minima(one).E[0] < design.LEAST_E for one in sampled("tour/servo")
             )
         },
     },
@@ -576,6 +576,6 @@ def five_points_leave_more_open() -> bool:
 
 
 def gradient_is_slower() -> bool:
-    """In the median over the dealt states; it mostly never gets there."""
+    """In the median over the sampled states; it mostly never gets there."""
     printed, retuned = (np.nan_to_num(steps(servo), nan=np.inf) for servo in ("gradient", "gradient-retuned"))
     return bool((printed >= retuned).all())

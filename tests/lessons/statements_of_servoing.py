@@ -6,7 +6,7 @@ import numpy as np
 import oracles
 import statements_of_failures as failures
 import statements_of_geometry as geometry
-from statements import DEFINITION, REPORT, Statements, dealt, fact, state, step_named
+from statements import DEFINITION, REPORT, Statements, fact, sampled, state, step_named
 from viewimit.app.lab.lessons import design, facts, records
 from viewimit.app.lab.lessons.situation import Situation
 
@@ -75,8 +75,8 @@ def second_step_corrects() -> bool:
 
 
 def jacobian_changes_with_the_pose() -> bool:
-    """Columns of the ringed point's Jacobian in L change by a third of their length over 40°, in each dealt state."""
-    for one in dealt("jacobian/knobs"):
+    """Columns of the ringed point's Jacobian in L change by a third of their length over 40°, in each sampled state."""
+    for one in sampled("jacobian/knobs"):
         theta = one.start.theta_demo
 
         def jacobian(at: np.ndarray, world=one.world) -> np.ndarray:
@@ -92,9 +92,9 @@ def jacobian_changes_with_the_pose() -> bool:
 
 def jacobian_learned_from_turns_predicts() -> bool:
     """Broyden's model of random turns of ±10°, from nothing: its third prediction and later ones are off by less than
-    half of what the dot moved, in the median of the dealt states."""
+    half of what the dot moved, in the median of the sampled states."""
     shares = []
-    for one in dealt("jacobian/knobs"):
+    for one in sampled("jacobian/knobs"):
         rng, theta = np.random.default_rng(1), one.start.theta.copy()
         J, y = np.zeros((2, 2)), one.world.own_images(theta)[0][8, :2]
         for turn in range(6):
@@ -130,8 +130,8 @@ def retuned_arrives() -> bool:
     )
 
 
-def dealt_truths_are_on_the_scale() -> bool:
-    made = [records.motions_to(records.run(one, "gradient-retuned"), 3.0) for one in dealt("jacobian/forty")]
+def sampled_truths_are_on_the_scale() -> bool:
+    made = [records.motions_to(records.run(one, "gradient-retuned"), 3.0) for one in sampled("jacobian/forty")]
     return bool(np.nanmin(made) > 5 and np.nanmax(made) < 500)
 
 
@@ -317,7 +317,7 @@ STATEMENTS: Statements = {
         "after": {"the medians were": lambda: medians()[0] > 10 * medians()[1]},
         "say": {"The pictures say what": lambda: medians()[0] > 10 * medians()[1]},
         "question": {
-            "From most starts": dealt_truths_are_on_the_scale,
+            "From most starts": sampled_truths_are_on_the_scale,
         },
         "close": DEFINITION,
         "less": {"It needs more": lambda: medians()[0] > medians()[1]},

@@ -8,8 +8,8 @@ import numpy as np
 import oracles
 import pytest
 from viewimit.app.lab.lessons import design, facts, records, sign, step_data
-from viewimit.app.lab.lessons.carried import carried
 from viewimit.app.lab.lessons.checks import HERE
+from viewimit.app.lab.lessons.circle import follow_circle
 from viewimit.app.lab.lessons.situation import Situation, move_eyes
 from viewimit.app.lab.lessons.source import shipped
 
@@ -28,7 +28,7 @@ def situation(demonstrator=(62, -118), start=(25, -45), **fields):
     return Situation(Settings.paper(**settings))
 
 
-def dealing(lesson, step_id):
+def sampling(lesson, step_id):
     step = next(step for step in shipped()[lesson].step if step.id == step_id)
     return step_data.situation_of(shipped()[lesson], step)
 
@@ -162,7 +162,7 @@ def test_the_learner_finds_the_swapped_points():
 
 
 def test_a_hand_that_copies_the_circle_draws_it():
-    made = carried(situation((45, -90), (30, -70)))
+    made = follow_circle(situation((45, -90), (30, -70)))
     assert made.right.radius_m == pytest.approx(0.08, rel=1e-3)  # the circle of `hand_circle`
     assert made.right.draws == "the circle" and made.right.loop_m == pytest.approx([0.16, 0.16], rel=0.02)
     hand = made.early.side[:, -1] - made.early.demo_side[:, -1]
@@ -188,26 +188,26 @@ def test_shares_are_written_as_fractions(value, text):
 
 @pytest.mark.parametrize(("lesson", "step"), [("tour", "servo"), ("jacobian", "knobs"), ("jacobian", "forty")])
 def test_dealt_postures_are_off_the_middle_and_can_be_reached(lesson, step):
-    one = dealing(lesson, step)
-    dealt = facts.deals(one, step_data.DEALS, step_data.DEAL_SEED)
-    assert len({other.digest for other in dealt}) == step_data.DEALS
-    for other in dealt:
+    one = sampling(lesson, step)
+    sampled = facts.sample_states(one, step_data.SAMPLES, step_data.SAMPLE_SEED)
+    assert len({other.digest for other in sampled}) == step_data.SAMPLES
+    for other in sampled:
         demo, start = np.array(other.settings.demonstrator_deg), np.array(other.settings.start_deg)
         assert any(all(low <= angle <= high for angle, (low, high) in zip(demo, region)) for region in design.REGIONS)
         assert np.abs(demo - start).min() >= 20 and np.abs(demo - [45, -90]).max() >= 20
         found = records.landscape(other, 1.0)
         assert np.nanmin(found.E) < 2.0 and len(records.minima(other)) == 1
         assert other.start.E > 8 and found.E[45, 90] > (one.goal or 2)
-    again = facts.deals(one, 3, step_data.DEAL_SEED)
-    assert [other.settings for other in again] == [other.settings for other in dealt[:3]]
+    again = facts.sample_states(one, 3, step_data.SAMPLE_SEED)
+    assert [other.settings for other in again] == [other.settings for other in sampled[:3]]
 
 
 def test_dealt_scenes_show_enough_points_and_are_shipped():
-    one = dealing("design", "design")
-    dealt = facts.deals(one, step_data.SCENE_DEALS, step_data.DEAL_SEED)
-    for other in dealt:
+    one = sampling("design", "design")
+    sampled = facts.sample_states(one, step_data.SCENE_SAMPLES, step_data.SAMPLE_SEED)
+    for other in sampled:
         assert other.digest in design.shipped_rounds(), "run python assets/build_rounds.py"
-        ranges = {one.name: one for one in one.dealt}
+        ranges = {one.name: one for one in one.randomised}
         for name, value in (
             ("head distance", design.head_distance(other.scene.head)),
             ("head baseline", other.scene.head.baseline),
@@ -216,13 +216,13 @@ def test_dealt_scenes_show_enough_points_and_are_shipped():
             ("missing", other.settings.missing),
         ):
             assert ranges[name].low - 1e-6 <= value <= ranges[name].high + 1e-6
-    assert set(design.shipped_rounds()) == {other.digest for other in dealt}
+    assert set(design.shipped_rounds()) == {other.digest for other in sampled}
 
 
 def test_shipped_rounds_are_what_the_library_computes():
-    one = dealing("design", "design")
-    dealt = facts.deals(one, step_data.SCENE_DEALS, step_data.DEAL_SEED)
-    for k, other in enumerate(dealt):
+    one = sampling("design", "design")
+    sampled = facts.sample_states(one, step_data.SCENE_SAMPLES, step_data.SAMPLE_SEED)
+    for k, other in enumerate(sampled):
         made = design.shipped_rounds()[other.digest]
         assert set(made["runs"]) == {f"{t}/{s}" for t in one.choices["transfer"] for s in one.choices["servo"]}
         assert made["page"] in made["runs"] and {len(runs) for runs in made["runs"].values()} == {design.ROUNDS}
@@ -264,7 +264,7 @@ def test_all_data_of_the_lessons_are_computed_within_the_budget(monkeypatch):
     monkeypatch.setenv(step_data.CACHE_FOLDER, "")
     for made in (records.run, records.landscape, records.minima, records.clouds, records.costs, records.signposts):
         made.cache_clear()
-    carried.cache_clear()
+    follow_circle.cache_clear()
     sign.runs_record.cache_clear()
     began, sizes = time.process_time(), {}
     for name, lesson in shipped().items():
@@ -280,4 +280,4 @@ def test_dealing_ends_where_hardly_any_start_is_far_above_the_goal():
     step = next(step for step in lesson.step if step.id == "servo")
     hopeless = dataclasses.replace(step_data.situation_of(lesson, step), goal=500.0)
     with pytest.raises(ValueError, match="choose another goal"):
-        design.deal_postures(hopeless, 1, 3)
+        design.sample_postures(hopeless, 1, 3)

@@ -61,7 +61,7 @@ FAULTS = {  # a file, the line, the field, a part of what is said
     "carry": (LESSON.replace("chosen = 2", 'carry = "none"'), 11, "step[0].carry", "no step 'none' before this one"),
     "race": (LESSON.replace("chosen = 2", 'race = ["fast"]'), 11, "step[0].race", "no servo 'fast'; there are "),
     "scene": (LESSON.replace("chosen = 2", "scene = { title = 'x' }"), 11, "step[0].scene", "there are head, demo"),
-    "dealt": (LESSON.replace("chosen = 2", "dealt = []\ndeal = false"), 0, "", ""),
+    "randomised": (LESSON.replace("chosen = 2", "randomised = []\nrandomise = false"), 0, "", ""),
     "two right": (LESSON.replace('not that one."', 'not that one."\nright = true'), 16, "step[0].ask.answers", "not 2"),
     "no kind": (LESSON.replace('"choice"', '"chose"'), 14, "step[0].ask.kind", "there are choice, place, number"),
     "not in a main figure": (

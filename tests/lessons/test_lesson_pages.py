@@ -66,7 +66,7 @@ def test_a_page_is_one_small_file_that_asks_nobody(name):
 
 def test_a_step_has_its_state_in_a_scene_of_the_page(data):
     for name, step in steps_of(data):
-        for state in (step["state"], *(deal["state"] for deal in step.get("deals", []))):
+        for state in (step["state"], *(sample["state"] for sample in step.get("samples", []))):
             scene = data[name]["scenes"][state["scene"]]
             assert str(state["points"]) in scene["layouts"]
             for posture in (state["demonstrator"], state["start"]):
@@ -79,7 +79,7 @@ def test_what_only_the_library_computes_is_in_the_page(data):
         lesson = LESSONS[name]
         own = next(one for one in lesson.step if one.id == step["id"])
         wanted = {measure for measure in measures_of(own) if measure in LIBRARY_MEASURES}
-        for facts in (step["facts"], *(deal["facts"] for deal in step.get("deals", []))):
+        for facts in (step["facts"], *(sample["facts"] for sample in step.get("samples", []))):
             assert wanted <= facts.keys(), step["id"]
             assert all(fact["text"] for fact in facts.values())
 
@@ -121,22 +121,26 @@ def test_eyes_move_with_their_sliders(data):
 def test_dealt_poses_are_off_the_centre_and_apart(data):
     """The regions in which the goal can be reached and the map has one minimum."""
     regions = [((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60))]
-    dealt = [(step, deal) for _, step in steps_of(data) for deal in step.get("deals", []) if not step["dealt"]]
-    assert len(dealt) >= 4 * step_data.DEALS
-    for step, deal in dealt:
-        shoulder, elbow = np.degrees(deal["state"]["demonstrator"])
+    sampled = [
+        (step, sample) for _, step in steps_of(data) for sample in step.get("samples", []) if not step["randomised"]
+    ]
+    assert len(sampled) >= 4 * step_data.SAMPLES
+    for step, sample in sampled:
+        shoulder, elbow = np.degrees(sample["state"]["demonstrator"])
         assert any(a - 1e-6 <= shoulder <= b + 1e-6 and c - 1e-6 <= elbow <= d + 1e-6 for (a, b), (c, d) in regions), (
             step["id"]
         )
-        apart = np.degrees(np.abs(np.subtract(deal["state"]["start"], deal["state"]["demonstrator"])))
+        apart = np.degrees(np.abs(np.subtract(sample["state"]["start"], sample["state"]["demonstrator"])))
         assert apart.min() >= 20 - 1e-6
 
 
 def test_a_step_that_carries_on_has_the_deals_of_the_one_before(data):
     steps = {step["id"]: step for step in data["tour"]["lessons"][0]["steps"]}
     for name in ("claim", "bowl", "feel"):
-        states = [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps[name]["deals"]]
-        assert states == [[deal["state"][key] for key in ("demonstrator", "start")] for deal in steps["servo"]["deals"]]
+        states = [[sample["state"][key] for key in ("demonstrator", "start")] for sample in steps[name]["samples"]]
+        assert states == [
+            [sample["state"][key] for key in ("demonstrator", "start")] for sample in steps["servo"]["samples"]
+        ]
 
 
 def test_a_step_links_to_the_lab_and_to_viewimit_only_where_they_have_its_scene(data):
@@ -157,10 +161,10 @@ def test_a_step_links_to_the_lab_and_to_viewimit_only_where_they_have_its_scene(
     assert {links[step] for step in links if "panda-toed" in scene_of(found, step)} == {("toed", True)}
     assert {links[step] for step in links if "panda-forearm" in scene_of(found, step)} == {(None, True)}
     assert links["limits/minimum"] == (None, False)
-    dealt = [
+    sampled = [
         one for one in found if one["step"].startswith("design/") and one["scene"] != scene_of(found, "tour/servo")
     ]
-    assert dealt and all((one["preset"], one["viewimit"]) == (None, False) for one in dealt)  # their heads
+    assert sampled and all((one["preset"], one["viewimit"]) == (None, False) for one in sampled)  # their heads
 
 
 def scene_of(found: list[dict], step: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import oracles
 import pytest
 import typescript
-from viewimit.app.lab.lessons import carried, records, sign
+from viewimit.app.lab.lessons import circle, records, sign
 from viewimit.app.lab.lessons.source import shipped
 from viewimit.app.lab.lessons.step_data import situation_of, step_data
 
@@ -137,7 +137,7 @@ def test_rectified_images_have_the_librarys_smallest_E(found, case, name):
 
 
 def test_hands_are_as_far_apart_as_the_library_says(found):
-    made = carried.carried(_situation("carried"))
+    made = circle.follow_circle(_situation("carried"))
     for name in ("right", "early"):
         one, shown = getattr(made, name), found["carried"]["carried"][name]
         assert np.median(shown["handMm"]) == pytest.approx(one.hand_mm, rel=1e-3)

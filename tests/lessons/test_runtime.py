@@ -1,4 +1,4 @@
-"""What the runtime of lessons computes from a page's data, in Node: answers, deals, sliders, questions."""
+"""What the runtime of lessons computes from a page's data, in Node: answers, samples, sliders, questions."""
 
 import json
 import subprocess
@@ -62,7 +62,7 @@ def test_a_number_is_close_within_a_factor_and_too_little_has_its_own_reply(foun
 
 
 def test_the_seed_picks_a_deal(found):
-    assert found["dealt"] == {"index": 3, "goal": 30, "count": 5}
+    assert found["sampled"] == {"index": 3, "goal": 30, "count": 5}
 
 
 def test_a_slider_turns_a_joint_and_a_motion_by_hand_counts(found):

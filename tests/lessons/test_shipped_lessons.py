@@ -90,7 +90,7 @@ def test_each_wrong_answer_of_the_eight_questions_is_a_belief_of_its_own():
 
 
 def test_goals_are_where_a_deal_can_reach_them():
-    """A goal for E is above twice the least E of the dealt demonstrators, which is below 1.5 px²."""
+    """A goal for E is above twice the least E of the sampled demonstrators, which is below 1.5 px²."""
     for _, step in STEPS:
-        if isinstance(step.ask, Do) and step.deal:
+        if isinstance(step.ask, Do) and step.randomise:
             assert step.ask.below is not None and step.ask.below >= 3

@@ -11,7 +11,7 @@ import statements_of_failures
 import statements_of_geometry
 import statements_of_servoing
 import statements_of_words
-from statements import DEFINITION, REPORT, dealt, fact, state, step_named, texts
+from statements import DEFINITION, REPORT, fact, sampled, state, step_named, texts
 from viewimit.app.lab.lessons.facts import FACTS
 from viewimit.app.lab.lessons.format import Choice, Number
 from viewimit.app.lab.lessons.source import questions, shipped
@@ -90,5 +90,5 @@ def test_the_right_answer_is_computed(key):
 @pytest.mark.parametrize("key", NUMBERS)
 def test_a_number_that_is_asked_for_is_on_its_scale(key):
     ask = step_named(key).ask
-    for situation in dealt(key) if step_named(key).deal else [state(key)]:
+    for situation in sampled(key) if step_named(key).randomise else [state(key)]:
         assert ask.low < float(FACTS[ask.truth].of(situation)) < ask.high

@@ -19,7 +19,7 @@ BROWSER = measure_table()["browser"]
 
 
 def is_dealt(name: str, step: Step) -> bool:
-    return step.deal or any(other.id == step.carry and other.deal for other in LESSONS[name].step)
+    return step.randomise or any(other.id == step.carry and other.randomise for other in LESSONS[name].step)
 
 
 ASKED = [

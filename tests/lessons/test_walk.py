@@ -402,7 +402,7 @@ def test_what_was_put_aside_comes_back_with_its_seed_its_answer_and_its_motions(
     settled(page)
     own = at(page)
     assert own["seed"] == 3 and len(own["motions"]) == 2
-    page.evaluate("lesson.aside(); lesson.goTo('walk', 'servo', 4); lesson.askAnew(); lesson.reveal()")
+    page.evaluate("lesson.suspend(); lesson.goTo('walk', 'servo', 4); lesson.askAgain(); lesson.reveal()")
     settled(page)
     assert at(page)["seed"] == 4 and at(page)["revealed"]
     page.evaluate("lesson.back()")
@@ -417,7 +417,7 @@ def test_a_page_follows_another_and_goes_back_to_its_own(opened):
     leader, page = opened("place"), opened("choice")
     press(page, "1", "Enter")
     mark(leader, 0.4, 0.6)
-    page.evaluate("lesson.aside()")
+    page.evaluate("lesson.suspend()")
     page.evaluate("state => lesson.lead(state)", at(leader))
     settled(page)
     assert (at(page)["step"], at(page)["mark"]) == ("place", at(leader)["mark"])

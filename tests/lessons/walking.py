@@ -8,7 +8,7 @@ import numpy as np
 from viewimit.app.lab.lessons import page
 from viewimit.app.lab.lessons.source import load
 
-DEALS = [
+SAMPLES = [
     {"demonstrator": np.radians([70, -65 - k]).tolist(), "start": np.radians([30, -100 - 5 * k]).tolist()}
     for k in range(5)
 ]
@@ -19,15 +19,15 @@ WALK = Path(__file__).parent / "walk.toml"
 
 @cache
 def data() -> dict:
-    """The page's data, with starts dealt here and a claim that holds."""
+    """The page's data, with starts sampled here and a claim that holds."""
     made = PAGE_DATA({"walk": load(WALK)})
     steps = {step["id"]: step for step in made["lessons"][0]["steps"]}
     servo, bet, place = steps["servo"], steps["bet"], steps["place"]
     place["ask"]["truth"] = "the place"
     place["facts"]["the place"] = {"value": PLACE, "unit": "", "text": "–"}
-    servo["deal"] = True
+    servo["randomise"] = True
     for step in (servo, steps["bowl"]):
-        step["deals"] = [{"state": {**step["state"], **dealt}} for dealt in DEALS]
+        step["samples"] = [{"state": {**step["state"], **sampled}} for sampled in SAMPLES]
     bet["ask"]["truth"] = "the claim holds"
     bet["facts"]["the claim holds"] = {"value": 1, "unit": "", "text": "true"}
     bet["records"]["runs"] = [{"holds": True}, {"holds": False}]

@@ -66,7 +66,7 @@ def test_postures_that_were_dragged_are_where_the_link_begins():
     page.page.model.player.speed = 4.0
     page.page.model.show(rays=True, chosen=2)
     text = write_link(page.page.model)
-    assert text == "preset=paper&demo=45,-80.1&speed=4&point=3&rays=1"
+    assert text == "preset=paper&demo=45,-80.1&speed=4&point=2&rays=1"
     model = opened(text).page.model
     assert same(model.session, page.page.model.session)
     assert model.view.rays and model.view.chosen == 2 and model.player.speed == 4.0

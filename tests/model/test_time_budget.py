@@ -8,7 +8,7 @@ from page_fakes import call, quiet_model
 from viewimit.app.commands import COMMANDS
 from viewimit.app.model.queue import JITTER_ALLOWANCE, MIN_REPEAT_INTERVAL, CommandQueue, Queued
 from viewimit.app.model.services import LoadShedding
-from viewimit.app.page.loop import AT_ONCE, SHARE, CommandLoop, TimeBudget
+from viewimit.app.page.loop import AT_ONCE, MAX_DEBT_S, SHARE, CommandLoop, TimeBudget
 
 from viewimit.loop.settings import Settings
 
@@ -82,3 +82,19 @@ def test_a_page_has_a_share_of_the_time_and_what_is_beyond_waits_in_its_order(co
     assert spent[0] <= AT_ONCE / (1 - SHARE) + 2 * cost
     assert sum(spent) <= AT_ONCE + SHARE * (clock.now - began) + cost
     assert max(spent[1:]) <= max(2 * SHARE * TICK + cost, 1.3 * cost)
+
+
+@pytest.mark.parametrize("seconds", [0.5, 2.0, 60.0])
+def test_a_page_makes_up_for_a_long_command_but_for_no_more_than_a_second_of_it(seconds):
+    clock = Clock()
+    budget = TimeBudget(clock)
+
+    def work():
+        clock.now += seconds
+
+    budget.spend(work)
+    ended, waits = clock.now, min((1 - SHARE) * seconds - AT_ONCE, MAX_DEBT_S) / SHARE
+    clock.now = ended + 0.99 * waits
+    assert not budget.left
+    clock.now = ended + 1.01 * waits
+    assert budget.left

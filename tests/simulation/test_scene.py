@@ -102,7 +102,7 @@ def test_unknown_scene_robot_and_layout_are_refused_with_a_list(tmp_path):
         load_robot("r2d2")
     with pytest.raises(ValueError, match="no layout of 11 points in this scene; it has .*10, 16, 20"):
         load_scene("panda").body_points(11)
-    assert robot_names() == ["iiwa", "panda"]
+    assert robot_names() == ("iiwa", "panda")
 
 
 @pytest.mark.parametrize("theta", [[0.1], [0.1, -0.2, 0.3], [np.nan, -1.0], [2.0, -1.0]])

@@ -11,7 +11,7 @@ from ..loop.snapshot import Snapshot
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
-HEIGHT = 140  # px of one plot
+HEIGHT = 116  # px of one plot
 LEFT, RIGHT, TOP, BOTTOM = 40, 112, 24, 20  # px around a plot
 GAP = 6  # px between the plots
 MAX_VERTICES, MAX_DOTS = 90, 48  # of a curve; longer curves have no dots
@@ -114,7 +114,7 @@ def _draw_E(
     labels = []
     if E_true is not None:
         parts.append(axes.level(E_true, "vi-line-demo"))
-        labels.append((float(axes.y_px(E_true)), _("at the true pose {E}").format(E=svg.short_E(E_true)), "vi-of-demo"))
+        labels.append((float(axes.y_px(E_true)), _("true pose {E}").format(E=svg.short_E(E_true)), "vi-of-demo"))
     points = np.stack([axes.x_px(motions), axes.y_px(E)], -1)
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])

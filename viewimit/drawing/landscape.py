@@ -126,6 +126,8 @@ MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
 CONTOURS = {"projected": _("E in px²"), "rendered": _("E, projected")}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
+HINT = _("click: the learner starts there")  # on a page, in the corner that the picture leaves free for it
+HINT_PLACE = 6, 14  # px from the plot's left top to the left end of its baseline
 SMALL_WIDTH = 207  # px of a small landscape
 SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
 
@@ -222,10 +224,15 @@ class LandscapePicture:
         marks = plane.place(np.stack([demo, lowest]))
         start = plane.place(np.array(snapshot.settings.start_deg))
         labels.take_points(marks, 8)
+        left, top, *__ = plane.box
+        hint = left, top, left + HINT_PLACE[0] + len(HINT) * labels.letter, top + HINT_PLACE[1] + 6
+        labels.take(hint)
         fine = max(np.degrees(np.diff(axis)).max() for axis in landscape.axes) <= CLOSE_DEG / 2
         room = min(plane.box[2:]) > 2 * INSET
         if fine and room and np.max(np.abs(demo - lowest)) < CLOSE_DEG:
-            self._inset_ground = self._inset(landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start])
+            self._inset_ground = self._inset(
+                landscape, demo, lowest, [*marks, (start + marks[1]) / 2, start, np.array(hint[:2])]
+            )
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))

@@ -31,7 +31,7 @@ from .plots import Axes, angle_ticks
 
 WIDTH = 424
 LEFT, RIGHT, TOP, BOTTOM = MARGINS = 36, 8, 7, 34  # px around the plot
-MAX_HEIGHT = 212  # px of the plot
+MAX_HEIGHT = 190  # px of the plot: that of 180° by 90° in this width
 NOTE_MARGIN = 18  # px behind the note, for a "?"
 TICK_SPACING = 38, 26  # px between numbers at least, horizontally and vertically
 GAP = 8  # px between words in a line

@@ -134,8 +134,10 @@ def _action_renamed(action: Action, rename: Callable[[str], str]) -> Action:
 
 
 def _settings_renamed(settings: Settings, rename: Callable[[str], str]) -> Settings:
-    robot = None if settings.robot is None else rename(settings.robot)
-    return msgspec.structs.replace(settings, scene=rename(settings.scene), robot=robot)
+    scene, robot = rename(settings.scene), None if settings.robot is None else rename(settings.robot)
+    if (scene, robot) == (settings.scene, settings.robot):
+        return settings  # new settings would be validated again
+    return msgspec.structs.replace(settings, scene=scene, robot=robot)
 
 
 class Log(msgspec.Struct, forbid_unknown_fields=True):

@@ -276,9 +276,10 @@ def _gather(groups: dict[tuple[int, ...], tuple[Ints, Floats]], index: Ints, xyz
     groups[shape] = index, xyz
 
 
-def robot_names() -> list[str]:
+@cache
+def robot_names() -> tuple[str, ...]:
     """Return the names of the shipped robots."""
-    return sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir())
+    return tuple(sorted(path.name for path in (ROOT / "robots").iterdir() if path.is_dir()))
 
 
 def load_robot(name: str | Path) -> Robot:

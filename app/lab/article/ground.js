@@ -36,7 +36,7 @@ export class Ground {
     this.key = "";
   }
 
-  /** E over all postures, for what is seen of the demonstrator there. @param {number[]} demonstrator */
+  /** E over all postures, for the images of the demonstrator there. @param {number[]} demonstrator */
   of(demonstrator) {
     if (this.key === demonstrator.join()) return this.landscape;
     this.key = demonstrator.join();

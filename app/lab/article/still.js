@@ -25,7 +25,7 @@ function groundOf(map, id) {
   const {rows, columns, levels} = map.drawn, {lower, upper} = map.range;
   const [left, top] = map.place([upper[0], lower[1]]), [right, bottom] = map.place([lower[0], upper[1]]);
   const [stepX, stepY] = [(right - left) / (columns - 1), (bottom - top) / (rows - 1)];
-  const area = (/** @type {number} */ x, /** @type {number} */ y) => // and by so much more on each side
+  const area = (/** @type {number} */ x, /** @type {number} */ y) => // with the same border on each side
     `x="${px(left - x)}" y="${px(top - y)}" width="${px(right - left + 2 * x)}" height="${px(bottom - top + 2 * y)}"`;
   const d = levels.map(level => {
     /** @type {string[]} */

@@ -10,7 +10,7 @@ import {DEGREE} from "./frame.js";
  */
 
 /**
- * A session of the paper's transfer, for its moments.
+ * A session of the paper's transfer, for its snapshots.
  *
  * @param {World} world
  * @param {number[]} demonstrator

@@ -6,7 +6,7 @@
  *   optical axis, in focal lengths; beyond maxRadius it is constant
  * @typedef {{rotation: number[], centre: number[], focal: number[], principal: number[], width: number, height: number,
  *   distortion?: [Radial, Radial]}} Camera rotation: R_world_camera, 9 numbers row by row; centre: of projection, m; focal,
- *   principal: (x, y) px; distortion: of the lens, and what was removed of it from the images. Only replays have it
+ *   principal: (x, y) px; distortion: of the lens, and the part of it that was removed from the images. Only replays have it
  * @typedef {[Camera, Camera]} Pair left and right camera
  */
 

@@ -15,7 +15,7 @@ import {mapped, meanSquare} from "./epipolar.js";
  *
  * @param {Float64Array} demo (4 N) px
  * @returns {{mean: Float64Array, U: Float64Array, sigma: number[], V: Float64Array}} of the centred images; a singular
- *   value that is no more than a rounding error is 0
+ *   value within a rounding error is 0
  */
 export function affineShape(demo) {
   const mean = centroid(demo), {U, sigma, V} = svd(centred(demo, mean), demo.length / 4, 4);

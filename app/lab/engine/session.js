@@ -44,7 +44,7 @@ import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
 import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
-const MAX_HISTORY = 200, MAX_TRACE = 3000; // moments that can be undone; postures and E that are remembered
+const MAX_HISTORY = 200, MAX_TRACE = 3000; // snapshots that can be undone; postures and E that are remembered
 const DEGREE = Math.PI / 180;
 
 export class Session {
@@ -56,7 +56,7 @@ export class Session {
     this.settings = this.#complete(settings);
     this.observer = this.#observer();
     this.history = [this.#first()];
-    /** Postures and E of all moments, longer than the history. @type {{motion: number, theta: number[], E: number, probe: boolean}[]} */
+    /** Postures and E of all snapshots, longer than the history. @type {{motion: number, theta: number[], E: number, probe: boolean}[]} */
     this.trace = [traced(this.now)];
   }
 
@@ -95,7 +95,7 @@ export class Session {
     return true;
   }
 
-  /** One motion back. False at the start of what is kept. */
+  /** One motion back. False at the start of the history. */
   undo() {
     if (this.history.length < 2) return false;
     this.history.pop();

@@ -1,5 +1,5 @@
 /**
- * Whether an answer is there, whether it is right, and what is replied to it.
+ * Whether an answer is there, whether it is right, and the reply to it.
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Ask} Ask
@@ -8,7 +8,7 @@ import {distanceOf, judged} from "./measures.js";
 
 const CLEAR_BET = 10; // % from the middle, from which a bet says something
 
-/** Whether the truth may be shown to whoever has answered. @param {Stage} stage */
+/** Whether the truth may be shown after the answer. @param {Stage} stage */
 export function isAnswered({step: {ask}, answer, rounds, mark}) {
   if (ask.kind === "choice") return answer.choice !== undefined;
   if (ask.kind === "place") return Boolean(mark);
@@ -51,7 +51,7 @@ export function isNear({factor, within}, number, truth) {
 }
 
 /**
- * Whether the answer is right, or near enough to be called so; null without one, or where none is.
+ * Whether the answer is right, or near enough to be called so; null without one, or where there is no right one.
  * @param {Stage} stage
  */
 export function isRight(stage) {
@@ -59,7 +59,7 @@ export function isRight(stage) {
   if (!isAnswered(stage) || answer.shown) return null;
   if (ask.kind === "choice") return answer.choice === rightChoice(stage);
   if (ask.kind === "place" || ask.kind === "pose") {
-    const off = Number(judged(stage, "px apart").value);
+    const off = Number(judged(stage, "distance in px").value);
     return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
   }
   if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number),
@@ -73,7 +73,7 @@ export function isRight(stage) {
   return null;
 }
 
-/** What is said to this very answer, with its {measures}; "" for nothing. @param {Stage} stage */
+/** The reply to this very answer, with its {measures}; "" for nothing. @param {Stage} stage */
 export function reply(stage) {
   const {step: {ask}, answer} = stage;
   if (!isAnswered(stage) || answer.shown) return "";

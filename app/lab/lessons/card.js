@@ -23,7 +23,7 @@ export function playedOnly(words, stage) {
   if (!isOpen(words)) return words;
   const left = words.split(/(?<=[.!?])\s+/).map(sentence => isOpen(sentence)
     ? sentence.replace(/you \{your [^}]*\}, /, "") : sentence).filter(sentence => !isOpen(sentence));
-  const played = stage.carried ? `“${stage.carried.step.title}”` : "it";
+  const played = stage.previous ? `“${stage.previous.step.title}”` : "it";
   return [...left, `You have not played ${played}.`].join(" ");
 }
 
@@ -36,12 +36,12 @@ export class Card {
     const {step, page} = stage;
     this.words = make("p", {class: "text"});
     this.ask = askOf(stage, host);
-    this.told = make("div", {class: "told"});
+    this.headline = make("div", {class: "headline"});
     this.reply = make("p", {class: "reply"});
     this.after = make("p", {class: "after"});
     this.say = make("div", {class: "say"});
     this.glossary = page.glossary ?? {};
-    box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.told,
+    box.replaceChildren(make("h2", {tabindex: -1, html: inline(step.title)}), this.words, this.ask.element, this.headline,
       this.reply, this.after, this.say);
     /** @type {Map<HTMLElement, string>} */
     this.last = new Map();
@@ -53,10 +53,10 @@ export class Card {
     this.ask.update();
     this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind)
       || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
-    this.#write(this.told, isShown ? this.#told() : "");
+    this.#write(this.headline, isShown ? this.#headline() : "");
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
-    const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of what was not done
+    const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of an answer that was not given
     this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(playedOnly(step.after, stage), stage),
       this.glossary) : "");
     this.#write(this.say, isShown ? `<small>Now you can say</small>${inline(fill(step.say, stage), this.glossary)}`
@@ -65,25 +65,25 @@ export class Card {
   }
 
   /** A number in large, where there is an answer that it is about. */
-  #told() {
-    const {step: {told, ask}} = this.stage;
-    if (!told || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
-    const {text} = judged(this.stage, told.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
+  #headline() {
+    const {step: {headline, ask}} = this.stage;
+    if (!headline || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
+    const {text} = judged(this.stage, headline.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
       ?? ["", text, ""];
-    const note = told.note ? `<small>${inline(fill(told.note, this.stage), this.glossary)}</small>` : "";
-    const isDegrees = unit.startsWith("°"), apart = told.measure.endsWith(" apart")
+    const note = headline.note ? `<small>${inline(fill(headline.note, this.stage), this.glossary)}</small>` : "";
+    const isDegrees = unit.startsWith("°"), suffix = headline.measure.endsWith(" apart")
       ? `${isDegrees ? "" : `${unit} `}apart` : isDegrees ? "" : unit;
-    return `<span>${inline(fill(told.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${apart}</i></strong>${note}`;
+    return `<span>${inline(fill(headline.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${suffix}</i></strong>${note}`;
   }
 
-  /** What is read aloud as it becomes known, and not the whole card. */
+  /** The news that is read aloud, and not the whole card. */
   spoken() {
     const {stage} = this, {step} = stage;
     if (!stage.isRevealed) return step.ask.kind === "do"
       ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
     const verdict = {true: "Right.", false: "Not quite.", null: ""}[String(isRight(stage))] ?? "";
-    const label = plain(fill(step.told?.label ?? "", stage)).replace(/:$/, "");
-    const number = step.told ? `${label}: ${judged(stage, step.told.measure).text}.` : "";
+    const label = plain(fill(step.headline?.label ?? "", stage)).replace(/:$/, "");
+    const number = step.headline ? `${label}: ${judged(stage, step.headline.measure).text}.` : "";
     const replied = plain(fill(reply(stage), stage));
     return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:",
       plain(fill(step.say, stage))].filter(Boolean).join(" ");

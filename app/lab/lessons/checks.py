@@ -1,6 +1,6 @@
 """What types do not check in a lesson: unknown names, numbers that contradict each other, questions without an answer.
 
-Each check yields faults as (field, what is wrong), with the field as .step[2].ask.
+Each check yields faults as (field, message), with the field as .step[2].ask.
 """
 
 import re
@@ -78,7 +78,7 @@ def measure_units() -> Mapping[str, str]:
 
 
 def faults(lesson: Lesson) -> Faults:
-    """Yield what is wrong in a lesson, without its scenes."""
+    """Yield the faults of a lesson, without its scenes."""
     if not 1 <= len(lesson.step) <= MAX_STEPS:
         yield "", f"a lesson needs a [[step]], and at most {MAX_STEPS}; it has {len(lesson.step)}"
     ids: set[str] = set()
@@ -102,7 +102,7 @@ def faults_in_scenes(lesson: Lesson) -> Faults:
 
 
 def faults_of_questions(questions: Questions, lessons: Mapping[str, Lesson]) -> Faults:
-    """Yield what is wrong in the eight questions."""
+    """Yield the faults of the eight questions."""
     if len(questions.item) != QUESTION_COUNT:
         yield "", f"{len(questions.item)} questions; there are {QUESTION_COUNT}"
     for k, item in enumerate(questions.item):
@@ -137,8 +137,8 @@ def _read(step: Step) -> Iterator[str]:
     """The texts that a reader reads; of the replies to a question, the longest."""
     ask = step.ask
     yield from (step.title, step.text, step.after, step.say, ask.question, *(slider.label for slider in step.sliders))
-    if step.told is not None:
-        yield from (step.told.label, step.told.note)
+    if step.headline is not None:
+        yield from (step.headline.label, step.headline.note)
     replies: list[str] = []
     if isinstance(ask, Choice):
         yield from (answer.text for answer in ask.answers)
@@ -182,7 +182,7 @@ def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
     if step.play is not None and step.play <= 0:
         yield ".play", "must be above 0 s"
     yield from _of_sliders(step.sliders)
-    yield from _of_dealt(lesson, step)
+    yield from _of_randomised(lesson, step)
     yield from _of_ask(lesson, step)
     for where, said in texts_with_measures(step):
         if re.search(r"[{}]", re.sub(r"\{[^{}]*\}", "", said)):
@@ -218,16 +218,16 @@ def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
             yield f"{at}.name", f"another slider is called {slider.name!r}"
 
 
-def _of_dealt(lesson: Lesson, step: Step) -> Faults:
-    if step.dealt and not step.deal:
-        yield ".dealt", "needs deal = true"
-    for k, one in enumerate(step.dealt):
+def _of_randomised(lesson: Lesson, step: Step) -> Faults:
+    if step.randomised and not step.randomise:
+        yield ".randomised", "needs randomise = true"
+    for k, one in enumerate(step.randomised):
         if not (one.low <= one.high and one.step > 0):
-            yield f".dealt[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
+            yield f".randomised[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
         elif one.name not in HEAD_RANGES:
             why = _unsettled(lesson, step, one.name, one.low) or _unsettled(lesson, step, one.name, one.high)
             if why:
-                yield f".dealt[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
+                yield f".randomised[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
 
 
 def _of_ask(lesson: Lesson, step: Step) -> Faults:
@@ -319,7 +319,7 @@ def _of_select(lesson: Lesson, step: Step, ask: Select) -> Faults:
 
 
 def _unsettled(lesson: Lesson, step: Step, name: str, value: Any) -> str:
-    """Return what is wrong with a setting; nothing for one that can be."""
+    """Return the fault of a setting; nothing for a valid one."""
     try:
         settings_of(lesson, step, **{name: value})
     except ValueError as error:

@@ -286,7 +286,7 @@ export class Lecturer {
     });
     return make("div", {class: "class-inside"}, make("p", {class: "class-gain"}, make("strong", {}, gain.gain === null ? "All were right before" : `Gain ${two(gain.gain)}`),
       gain.gain === null ? "" : gain.low === null ? "" : ` 95 % interval ${two(gain.low)} to ${two(gain.high)}`, ` · n = ${gain.persons} persons who answered both times · right: ${percent(gain.before)} before, ${percent(gain.after)} after`),
-      make("ol", {class: "class-gains"}, ...rows), make("p", {class: "hint"}, "Gain: of what was wrong before, the share that is right after. The interval is from 4000 resamples of the persons."), refresh);
+      make("ol", {class: "class-gains"}, ...rows), make("p", {class: "hint"}, "Gain: the share of the answers wrong before that are right after. The interval is from 4000 resamples of the persons."), refresh);
   }
 
   #join() {

@@ -105,7 +105,7 @@ export class Link {
     this.heard(message);
   }
 
-  /** What may be lost: the next one says it anew. @param {Message} message */
+  /** What may be lost: the next one says it again. @param {Message} message */
   send(message) {
     if (this.isOpen && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }

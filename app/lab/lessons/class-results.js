@@ -1,5 +1,5 @@
 /**
- * What a class has answered, drawn: bars of choices, a histogram of numbers, a cloud of postures; and who has moved.
+ * What a class has answered, drawn: bars of choices, a histogram of numbers, a cloud of postures; and who moved.
  *
  * @typedef {import("./class.js").Results} Results
  * @typedef {import("./class.js").Tally} Tally

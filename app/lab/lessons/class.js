@@ -60,7 +60,7 @@ class Classroom {
     /** @type {Orders} */
     this.orders = NOTHING;
     this.isLecturer = false;
-    this.isAside = false; // whether what this page had before is put aside
+    this.isSuspended = false; // whether this page's own lesson is suspended
     this.began = performance.now(); // when the question on display was shown
     this.hasCopy = false; // whether it shows another page's screen
     this.problem = "";
@@ -69,7 +69,7 @@ class Classroom {
     this.box = lesson.box.appendChild(make("section", {class: "class-box", "aria-label": "The class"}));
     this.dock = document.body.appendChild(make("section", {class: "class-dock", "aria-label": "Answers of the class", hidden: true}));
     new ResizeObserver(() => document.body.style.setProperty("--dock", `${this.dock.offsetHeight}px`)).observe(this.dock);
-    this.inside = make("section", {"aria-label": "Answers of the class"}); // of a card on a phone, in place of the dock
+    this.inside = make("section", {"aria-label": "Answers of the class"}); // of a card on a phone, instead of the dock
     this.isNarrow = matchMedia("(max-width:900px),(max-width:1000px) and (orientation:portrait)");
     this.isNarrow.addEventListener("change", () => this.draw());
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
@@ -201,9 +201,9 @@ class Classroom {
     try { this.lesson.lead(state); } catch (error) { console.error(error); } // of another version of the lessons
   }
 
-  /** Another page's screen, to go on from. What this page had is put aside until "Back". @param {any} state */
+  /** Another page's screen, to go on from. This page's own lesson is suspended until "Back". @param {any} state */
   showCopy(state) {
-    this.#putAside();
+    this.#suspend();
     this.hasCopy = true;
     this.#show(state);
     this.lesson.lead(null);
@@ -240,7 +240,7 @@ class Classroom {
     lesson.hideTruth(orders.hidden);
     if (!isLecturer) lesson.freeze(orders.frozen && !orders.asked); // a question is for all to answer
     this.#takeQuestion(before.asked, orders.asked);
-    if (!isLecturer && orders.lead && !orders.asked) this.#putAside();
+    if (!isLecturer && orders.lead && !orders.asked) this.#suspend();
     else if (before.lead && !orders.lead && !isLecturer) {
       lesson.lead(null);
       if (!orders.asked) this.#takeBack();
@@ -252,7 +252,7 @@ class Classroom {
       this.goTo(gather.lesson, gather.step, "before", gather.seed);
     }
     const done = tab.get("reset");
-    if (done !== null && Number(done) !== reset) lesson.askAnew();
+    if (done !== null && Number(done) !== reset) lesson.askAgain();
     tab.set("reset", String(reset));
   }
 
@@ -273,11 +273,11 @@ class Classroom {
       lesson.showOthers(null);
       if (!isLecturer) {
         lesson.lead(null);
-        this.#putAside();
+        this.#suspend();
       }
       lesson.hold(true);
       this.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
-      lesson.askAnew();
+      lesson.askAgain();
       this.began = performance.now();
     }
     if (asked.revealed && (asked.round !== before?.round || !before.revealed)) {
@@ -312,7 +312,7 @@ class Classroom {
   /** Whether a step has a random start. @param {string} name @param {string} id @returns {boolean} */
   #hasRandomStart(name, id) {
     const step = this.#lessonOf(name)?.steps.find((/** @type {any} */ one) => one.id === id);
-    return Boolean(step && (step.deal || step.ask.kind === "predict" || step.carry && this.#hasRandomStart(name, step.carry)));
+    return Boolean(step && (step.randomise || step.ask.kind === "predict" || step.carry && this.#hasRandomStart(name, step.carry)));
   }
 
   /** How a screen of the eight questions is named. @param {string} lesson @param {string} item @param {string} phase */
@@ -329,16 +329,16 @@ class Classroom {
     return found && this.lesson.goTo(found.name, this.#screenOf(found.name, step, phase));
   }
 
-  #putAside() {
-    if (this.isAside) return;
-    this.isAside = true;
-    this.lesson.aside();
+  #suspend() {
+    if (this.isSuspended) return;
+    this.isSuspended = true;
+    this.lesson.suspend();
   }
 
   #takeBack() {
     this.hasCopy = false;
-    if (!this.isAside) return;
-    this.isAside = false;
+    if (!this.isSuspended) return;
+    this.isSuspended = false;
     this.lesson.back();
   }
 
@@ -382,7 +382,7 @@ class Classroom {
     return orders.frozen ? [make("p", {class: "class-note"}, make("b", {}, "The lecturer has frozen this page."))] : [];
   }
 
-  /** What was answered, once it may be seen here. @param {Asked} asked */
+  /** The answers, once they may be seen here. @param {Asked} asked */
   #questionLines(asked) {
     const results = asked.revealed ? asked.results : this.isLecturer && this.lecturer.showsAnswers ? this.lecturer.results : null;
     if (!results || !this.#isAt(asked)) return [];

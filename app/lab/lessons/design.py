@@ -1,6 +1,6 @@
-"""Scenes, starts and methods that are dealt or compared: postures for lessons, and rounds of "Design your own".
+"""Scenes, starts and methods that are sampled or compared: postures for lessons, and rounds of "Design your own".
 
-Everything is drawn with seeds that are passed in, so a page that is written again has the same deals.
+Everything is drawn with seeds that are passed in, so a page that is written again has the same samples.
 """
 
 import json
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 # Demonstrator postures off the middle of the sliders, with one minimum of E, which is below LEAST_E: ranges of both
 # joints, degrees.
 REGIONS = (((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60)))
-MAX_TRIED = 200  # postures for each that is dealt
-LEAST_E, APART_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
-RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # dealt starts over which servos are compared; px²
+MAX_TRIED = 200  # postures that are tried for each sample
+LEAST_E, MIN_DIFFERENCE_DEG = 2.0, 20.0  # px²; of start and demonstrator, in each joint
+RACE_STARTS, RACE_SEED, RACE_GOAL = 16, 5, 3.0  # random starts over which servos are compared; px²
 FAR_DEG = 30.0  # of a start in rounds from the demonstrator, the joint that is farthest
 ROUNDS, OWN_ROUNDS = 20, 5  # starts in the shipped lesson, and in lessons of others, whose pages are to be written soon
 ROUND_MOTIONS, WITHIN_DEG = 30, 1.0  # from each start; an arm within it is there
@@ -37,8 +37,8 @@ MIN_SEEN = 5
 PAGE_CHOICE = Settings().transfer, Settings().servo
 
 
-def deal_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Deal postures of both arms from which E can be brought below the goal, and whose start is far from it.
+def sample_postures(situation: Situation, count: int, seed: int) -> list[Situation]:
+    """Sample postures of both arms from which E can be brought below the goal, and whose start is far from it.
 
     Parameters
     ----------
@@ -63,36 +63,38 @@ def deal_postures(situation: Situation, count: int, seed: int) -> list[Situation
         tried += 1
         if tried > MAX_TRIED * count:
             raise ValueError(
-                f"of {tried - 1} dealt postures only {len(found)} begin far above the goal and have one minimum: "
-                "choose another goal, or no `deal`"
+                f"of {tried - 1} random postures only {len(found)} begin far above the goal and have one minimum: "
+                "choose another goal, or no `randomise`"
             )
         region = np.array(REGIONS[len(found) % len(REGIONS)], float)
         demo = rng.uniform(*region.T).round()
         start = rng.uniform(low, high).round()
-        if np.abs(start - demo).min() < APART_DEG:
+        if np.abs(start - demo).min() < MIN_DIFFERENCE_DEG:
             continue
-        dealt = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
-        if is_fair(dealt):
-            found.append(dealt)
+        sample = situation.with_settings(demonstrator_deg=tuple(demo), start_deg=tuple(start))
+        if is_fair(sample):
+            found.append(sample)
     return found
 
 
 def race_starts(situation: Situation) -> list[Situation]:
-    """Deal the starts over which servos are compared."""
-    return deal_postures(changed(situation, goal=RACE_GOAL, race=()), RACE_STARTS, RACE_SEED)
+    """Sample the starts over which servos are compared."""
+    return sample_postures(changed(situation, goal=RACE_GOAL, race=()), RACE_STARTS, RACE_SEED)
 
 
-def is_fair(dealt: Situation) -> bool:
+def is_fair(situation: Situation) -> bool:
     """Whether E has one minimum, below LEAST_E, and is above the goal at the start and in the middle of the ranges."""
-    found = landscape(dealt)
-    goal = LEAST_E if dealt.goal is None else dealt.goal
+    found = landscape(situation)
+    goal = LEAST_E if situation.goal is None else situation.goal
     middle = found.E[len(found.axes[0]) // 2, len(found.axes[1]) // 2]
-    above = dealt.start.E > 4 * goal and middle > goal
-    return bool(above and dealt.start.usable.all() and len(found.local_minima()) == 1 and np.nanmin(found.E) < LEAST_E)
+    above = situation.start.E > 4 * goal and middle > goal
+    return bool(
+        above and situation.start.usable.all() and len(found.local_minima()) == 1 and np.nanmin(found.E) < LEAST_E
+    )
 
 
-def deal_scenes(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Deal scenes in which enough points are seen wherever the arms are.
+def sample_scenes(situation: Situation, count: int, seed: int) -> list[Situation]:
+    """Sample scenes in which enough points are seen wherever the arms are.
 
     Parameters
     ----------
@@ -112,19 +114,19 @@ def deal_scenes(situation: Situation, count: int, seed: int) -> list[Situation]:
     found: list[Situation] = []
     for attempt in range(MAX_TRIES):
         rng = np.random.default_rng([seed, attempt])
-        dealt = {one.name: _stepped(one, float(rng.uniform(one.low, one.high))) for one in situation.dealt}
+        values = {one.name: _stepped(one, float(rng.uniform(one.low, one.high))) for one in situation.randomised}
         head = situation.scene.head
-        for name in dealt.keys() & HEADS.keys():
-            head = HEADS[name](head, dealt[name])
-        fields = {name: value for name, value in dealt.items() if name not in HEADS}
+        for name in values.keys() & HEADS.keys():
+            head = HEADS[name](head, values[name])
+        fields = {name: value for name, value in values.items() if name not in HEADS}
         moved = {"position": list(head.position), "baseline": head.baseline, "toe_in_deg": head.toe_in_deg}
         one = situation.with_scene({**situation.scene_fields, "head": moved}).with_settings(**fields)
-        one = changed(one, dealt=())
+        one = changed(one, randomised=())
         if _least_seen(one.world, rng) >= MIN_SEEN:
-            found.append(one.with_settings(start_deg=deal_start(one, seed)))
+            found.append(one.with_settings(start_deg=sample_start(one, seed)))
         if len(found) == count:
             return found
-    raise ValueError(f"in none of {MAX_TRIES} dealt scenes are {MIN_SEEN} points in all images, wherever the arms are")
+    raise ValueError(f"in none of {MAX_TRIES} random scenes are {MIN_SEEN} points in all images, wherever the arms are")
 
 
 def head_distance(head: Head) -> float:
@@ -142,15 +144,15 @@ def _at(head: Head, metres: float) -> Head:
     return replace(head, position=tuple(position.round(6).tolist()))
 
 
-HEADS: Mapping[str, Any] = {  # values of a head that can be dealt
+HEADS: Mapping[str, Any] = {  # values of a head that can be randomised
     "head distance": _at,
     "head baseline": lambda head, metres: replace(head, baseline=metres),
     "head toe-in": lambda head, degrees: replace(head, toe_in_deg=degrees),
 }
 
 
-def deal_start(situation: Situation, seed: int | Sequence[int]) -> tuple[float, ...]:
-    """Deal a learner's start in whole degrees, one of whose joints is far from the demonstrator's.
+def sample_start(situation: Situation, seed: int | Sequence[int]) -> tuple[float, ...]:
+    """Sample a learner's start in whole degrees, one of whose joints is far from the demonstrator's.
 
     Raises
     ------
@@ -178,10 +180,10 @@ def _least_seen(world: World, rng: np.random.Generator) -> int:
 
 
 def rounds(situation: Situation, transfer: str, servo: str, starts: Sequence[int]) -> list[tuple[float, int]]:
-    """Run a method from dealt starts: degrees off at the end, of the joint that is farthest, and motions made."""
+    """Run a method from random starts: degrees off at the end, of the joint that is farthest, and motions made."""
     made = []
     for k in starts:
-        start = deal_start(situation, [situation.settings.seed, k])
+        start = sample_start(situation, [situation.settings.seed, k])
         last = situation.session(transfer=transfer, servo=servo, start_deg=start).run(ROUND_MOTIONS, FAILED_LOOKS).last
         made.append((degrees_off(last.theta, last.theta_demo), last.motion))
     return made

@@ -1,6 +1,6 @@
 """Facts and records of a step: computed by the library when the page is written.
 
-    situation = Situation(settings, step.scene, step.chosen, step.race, goal, dealt=…, choices=…)
+    situation = Situation(settings, step.scene, step.chosen, step.race, goal, randomised=…, choices=…)
     facts, records = compute(situation, measures, figures)
 
 A fact is a number of the step's fixed state, and its text. Records are runs, clouds and postures that figures draw.
@@ -19,9 +19,8 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from . import carried as motion
-from . import design, records, sign
-from .carried import Followed
+from . import circle, design, records, sign
+from .circle import Followed
 from .situation import Situation
 
 FAR_TIMES = 10.0  # the distance of the eyes that is asked for
@@ -60,7 +59,7 @@ def compute(
     Parameters
     ----------
     situation : Situation
-        The step's fixed state, or one that was dealt.
+        The step's fixed state, or one that was sampled.
     measures : iterable of str
         Names in braces and of the question; those that the browser computes are left out.
     figures : iterable of str
@@ -77,12 +76,12 @@ def compute(
     names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
     names |= {"races"} if situation.race else set()
     names |= {"swapped"} if situation.settings.swapped else set()
-    names -= {"rounds"} if situation.dealt else set()  # these are of each dealt scene
+    names -= {"rounds"} if situation.randomised else set()  # these are of each random scene
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
 
 
-def deals(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Deal states of a step by a seed: postures of both arms, or scenes where the step deals them.
+def sample_states(situation: Situation, count: int, seed: int) -> list[Situation]:
+    """Sample states of a step by a seed: postures of both arms, or scenes where the step randomises them.
 
     Parameters
     ----------
@@ -92,10 +91,10 @@ def deals(situation: Situation, count: int, seed: int) -> list[Situation]:
     Returns
     -------
     list of Situation
-        Equal but for the deal.
+        Equal except for their random values.
     """
-    deal = design.deal_scenes if situation.dealt else design.deal_postures
-    return deal(situation, count, seed)
+    sample = design.sample_scenes if situation.randomised else design.sample_postures
+    return sample(situation, count, seed)
 
 
 # Facts of one step each
@@ -202,7 +201,7 @@ def _at_rest(of: Callable[[Snapshot], float]) -> Callable[[Situation], float]:
 
 def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situation], float]:
     def fact(situation: Situation) -> float:
-        made = motion.carried(situation)
+        made = circle.follow_circle(situation)
         return float(of(made.right if which == "right" else made.early))
 
     return fact
@@ -210,8 +209,8 @@ def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situatio
 
 def _median_motions(servo: str) -> Callable[[Situation], float]:
     def fact(situation: Situation) -> float:
-        dealt = design.race_starts(situation)
-        return float(np.median([records.motions_to(records.run(one, servo), design.RACE_GOAL) for one in dealt]))
+        starts = design.race_starts(situation)
+        return float(np.median([records.motions_to(records.run(one, servo), design.RACE_GOAL) for one in starts]))
 
     return fact
 
@@ -287,9 +286,9 @@ FACTS: Mapping[str, Fact] = {
     # motion
     "off at rest": Fact(_at_rest(lambda last: records.degrees_off(last.theta, last.theta_demo)), "°", 1),
     "motions to rest": Fact(_at_rest(lambda last: float(last.motion)), "", 0),
-    "what the early geometry draws": Fact(_followed(lambda one: motion.DRAWS.index(one.draws) + 1, "early")),
-    "mm apart, frozen at agreement": Fact(_followed(lambda one: one.hand_mm, "right"), " mm", 0),
-    "mm apart, frozen early": Fact(_followed(lambda one: one.hand_mm, "early"), " mm", 0),
+    "what the early geometry draws": Fact(_followed(lambda one: circle.DRAWS.index(one.draws) + 1, "early")),
+    "mm between hands, frozen at agreement": Fact(_followed(lambda one: one.hand_mm, "right"), " mm", 0),
+    "mm between hands, frozen early": Fact(_followed(lambda one: one.hand_mm, "early"), " mm", 0),
     "px overlap, frozen at agreement": Fact(_followed(lambda one: np.median(one.overlap_px), "right"), " px", 1),
     "px overlap, frozen early": Fact(_followed(lambda one: np.median(one.overlap_px), "early"), " px", 1),
     "px from the true path, frozen early": Fact(_followed(lambda one: np.median(one.truth_px), "early"), " px", 0),
@@ -300,7 +299,7 @@ FACTS: Mapping[str, Fact] = {
     "circle's width": Fact(_followed(lambda one: 2e3 * one.radius_m, "right"), " mm", 0),
     "length of the early loop": Fact(_followed(lambda one: 1e3 * one.loop_m[0], "early"), " mm", 0),
     "breadth of the early loop": Fact(_followed(lambda one: 1e3 * one.loop_m[1], "early"), " mm", 0),
-    "mm a pixel": Fact(lambda situation: motion.carried(situation).mm_per_px, " mm", 0),
+    "mm a pixel": Fact(lambda situation: circle.follow_circle(situation).mm_per_px, " mm", 0),
     # jacobian
     "median steps of the gradient law": Fact(_median_motions("gradient-retuned"), missing="never", write="{:g}".format),
     "median steps of Broyden": Fact(_median_motions("broyden"), missing="never", write="{:g}".format),
@@ -325,17 +324,17 @@ RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which
     "swapped": lambda situation: [list(pair) for pair in records.true_pairs(situation)],
     "rectification": records.rectification_record,
     "offDeg": off_cases,
-    "carried": motion.carried_record,
+    "circle": circle.circle_record,
     "rounds": design.rounds_record,
     "runs": lambda situation: sign.runs_record(),
 }
 FIGURE_RECORDS: Mapping[str, tuple[str, ...]] = {  # the records that a figure draws
     "biases": ("biases",),
     "clouds": ("clouds",),
-    "mended": ("rectification", "offDeg"),
+    "rectified": ("rectification", "offDeg"),
     "rows": ("rectification",),
-    "carried in L": ("carried",),
-    "carried from the side": ("carried",),
+    "circle in L": ("circle",),
+    "circle from the side": ("circle",),
     "rounds": ("rounds",),
     "results": ("rounds",),
     "claim": ("runs",),

@@ -172,7 +172,7 @@ class Slider(msgspec.Struct, **FIELDS):
 
 
 class Range(msgspec.Struct, **FIELDS):
-    """Something that is dealt at random besides the postures, evenly from low to high.
+    """Something that is sampled besides the postures, uniformly from low to high.
 
     Its name is a field of `Settings`, or `head distance` (m), `head baseline` (m), `head toe-in` (degrees).
     """
@@ -183,7 +183,7 @@ class Range(msgspec.Struct, **FIELDS):
     step: float
 
 
-class Told(msgspec.Struct, **FIELDS):
+class Headline(msgspec.Struct, **FIELDS):
     """A number that a reveal shows in large."""
 
     measure: str
@@ -209,9 +209,9 @@ class Step(msgspec.Struct, **FIELDS):
     play: float | None = None  # seconds that the animation of the reveal takes
     meets: bool = False  # the reveal brings the learner to the demonstrator's posture
     carry: str | None = None  # the id of an earlier step whose state and path continue here
-    deal: bool = False  # postures are dealt at random
-    dealt: tuple[Range, ...] = ()
-    told: Told | None = None
+    randomise: bool = False  # postures are sampled at random
+    randomised: tuple[Range, ...] = ()
+    headline: Headline | None = None
     after: str = ""
 
 
@@ -268,9 +268,9 @@ def texts_with_measures(step: Step) -> Iterator[tuple[str, str]]:
     """Yield (field, words) of all words of a step in which measures may stand."""
     for name in ("text", "after", "say"):
         yield f".{name}", getattr(step, name)
-    if step.told is not None:
-        yield ".told.label", step.told.label
-        yield ".told.note", step.told.note
+    if step.headline is not None:
+        yield ".headline.label", step.headline.label
+        yield ".headline.note", step.headline.note
     ask = step.ask
     yield ".ask.question", ask.question
     if isinstance(ask, Choice):
@@ -298,8 +298,8 @@ def measures_of(step: Step) -> Mapping[str, str]:
     if isinstance(step.ask, Place):
         for k, other in enumerate(step.ask.elsewhere):
             found.setdefault(other.truth, f".ask.elsewhere[{k}].truth")
-    if step.told is not None:
-        found.setdefault(step.told.measure, ".told.measure")
+    if step.headline is not None:
+        found.setdefault(step.headline.measure, ".headline.measure")
     for field, words in texts_with_measures(step):
         for name in measures_in(words):
             found.setdefault(name, field)

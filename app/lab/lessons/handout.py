@@ -40,7 +40,7 @@ from .sheet import (
     write,
 )
 from .situation import Situation
-from .step_data import cached, dealt_situations, situation_of
+from .step_data import cached, sampled_situations, situation_of
 
 BLANK = "_____"
 FIRST_START = "This is start 1. On the screen, it is the one with &seed=1 at the end of the address."
@@ -144,7 +144,7 @@ class _StepOnPaper:
         y += write(canvas, (MARGIN, y), _whole(self._fill(self._step.text)), BODY, WIDTH - 2 * MARGIN) + 3.0
         pictures = self._pictures(canvas, y)
         column = _Column(canvas, TEXT_LEFT if pictures else MARGIN, y, TEXT_WIDTH if pictures else WIDTH - 2 * MARGIN)
-        if self._step.deal:
+        if self._step.randomise:
             column.text(FIRST_START, size=SMALL, colour=GREY)
             column.gap(1.0)
         self._question(column)
@@ -230,15 +230,15 @@ class _StepOnPaper:
         """The index of the right answer; None if only a browser computes it."""
         if ask.right is None:
             return next(k for k, answer in enumerate(ask.answers) if answer.right)
-        told = self._facts.get(ask.right)
-        return round(float(told)) - 1 if told else None
+        right = self._facts.get(ask.right)
+        return round(float(right)) - 1 if right else None
 
     def _solution(self, column: "_Column") -> None:
         for words in self._replies():
             column.text(_whole(self._fill(words)))
             column.gap(0.8)
-        if self._step.told is not None and self._step.told.measure in self._facts:
-            column.text(f"{self._fill(self._step.told.label)}: **{self._facts[self._step.told.measure]}**")
+        if self._step.headline is not None and self._step.headline.measure in self._facts:
+            column.text(f"{self._fill(self._step.headline.label)}: **{self._facts[self._step.headline.measure]}**")
             column.gap(0.8)
         if _whole(self._fill(self._step.after)):
             column.text(_whole(self._fill(self._step.after)), colour=GREY)
@@ -361,8 +361,8 @@ def _on_paper(question: str) -> str:
 
 
 def situation_on_paper(lesson: Lesson, step: Step) -> Situation:
-    """Return the state that a step shows at first: of those that are dealt the first, sliders where they begin."""
-    situation = (dealt_situations(lesson, step) or [situation_of(lesson, step)])[0]
+    """Return the state that a step shows at first: of those that are sampled the first, sliders where they begin."""
+    situation = (sampled_situations(lesson, step) or [situation_of(lesson, step)])[0]
     moved = {slider.name: slider.start for slider in step.sliders if slider.name in ("distance", "baseline")}
     return situation.with_eyes(**moved) if moved else situation
 
@@ -371,10 +371,10 @@ def _texts_of_measures(situation: Situation, step: Step) -> dict[str, str]:
     """Measures of a step that the library computes, as they stand in a sentence."""
     names = sorted(measures_of(step))
     inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.sliders)]
-    return cached("handout", [*inputs, repr(situation.race)], lambda: _told(situation, names))
+    return cached("handout", [*inputs, repr(situation.race)], lambda: _compute_facts(situation, names))
 
 
-def _told(situation: Situation, names: Iterable[str]) -> dict[str, str]:
+def _compute_facts(situation: Situation, names: Iterable[str]) -> dict[str, str]:
     found = {name: fact["text"] for name, fact in facts.compute(situation, names)[0].items()}
     for name in names:
         if name in PAPER_MEASURES and name not in found:

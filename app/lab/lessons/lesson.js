@@ -39,8 +39,8 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  *   where marks were made
  */
 
-const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate what is left
-const FIRST_SEEDS = 97, MAX_TOLD = 60; // motions that others are told
+const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
+const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent
 
 /** How long a step takes, before all steps are scaled to the lesson's minutes. @param {Step} step */
 function secondsOf(step) {
@@ -50,7 +50,7 @@ function secondsOf(step) {
     + (play ?? 0) + ROUND_S * (roundsOf(ask) - 1);
 }
 
-/** Rounds that are behind, but for the last. @param {Stage} stage */
+/** Finished rounds, except the last. @param {Stage} stage */
 const roundsMade = ({step, rounds, run}) =>
   Math.min(roundsOf(step.ask) - 1, step.ask.kind === "bet" ? run : rounds.length);
 
@@ -71,7 +71,7 @@ function begin(data) {
   /** @type {Others} */
   let others = null;
   /**
-   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} where one was before all was put aside
+   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was suspended
    */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false;
@@ -97,7 +97,7 @@ function begin(data) {
   const placeOf = (of, name) => placesOf(of).find(one => nameOf(one) === name) ?? {kind: "home"};
   const index = () => placesOf(lesson).findIndex(one => nameOf(one) === nameOf(place));
 
-  /** @param {Lesson} next @param {Place} to @param {number} [seed] of what is dealt */
+  /** @param {Lesson} next @param {Place} to @param {number} [seed] of the random state */
   function enter(next, to, seed) {
     if (next !== lesson) {
       stages = new Map();
@@ -105,7 +105,7 @@ function begin(data) {
     }
     lesson = next;
     place = to;
-    if (seed && to.kind === "step") deal(to.id, seed);
+    if (seed && to.kind === "step") setSeed(to.id, seed);
     show();
     remember();
     hooks.onStep(nameOf(to));
@@ -121,8 +121,8 @@ function begin(data) {
   }
 
   /** @param {string} id @param {number} seed */
-  function deal(id, seed) {
-    const step = lesson.steps.find(one => one.id === id), source = step?.carry && !step.deal ? step.carry : id;
+  function setSeed(id, seed) {
+    const step = lesson.steps.find(one => one.id === id), source = step?.carry && !step.randomise ? step.carry : id;
     seeds.set(source, seed);
     if (stages.get(source)?.seed !== seed) stages.delete(source);
     if (kept().steps[source] && kept().steps[source].seed !== seed) forget(source);
@@ -140,10 +140,10 @@ function begin(data) {
   function stageOf(id) {
     const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)),
       was = kept().steps[id];
-    const carried = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
-    if (known && known.carried === carried && (!carried || known.motions === carried.motions
-      || carried.motions.length < 2)) return known;
-    const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, carried});
+    const previous = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
+    if (known && known.previous === previous && (!previous || known.motions === previous.motions
+      || previous.motions.length < 2)) return known;
+    const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, previous});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
     made.truthHidden = isTruthHidden;
     if (was) recall(made, was);
@@ -163,7 +163,7 @@ function begin(data) {
       [name, {...one, value: one.value ?? NaN}])) : null; // JSON has no NaN
     for (const [name, value] of was.sliders ?? []) if (made.sliders.has(name)
       && !name.startsWith("knob ")) made.slide(name, value);
-    if (was.motions?.length > 1 && !made.carried) {
+    if (was.motions?.length > 1 && !made.previous) {
       made.motions = was.motions;
       made.observe(was.motions[was.motions.length - 1].theta);
     }
@@ -173,15 +173,15 @@ function begin(data) {
 
   function keep() {
     if (!stage) return;
-    const {answer, mark, seed, motions, rounds, step, carried, run, bets, graded} = stage;
+    const {answer, mark, seed, motions, rounds, step, previous, run, bets, graded} = stage;
     kept().steps[step.id] = {answer, mark, seed, revealed: stage.isRevealed && stage.run + 1 >= stage.runs,
       right: stage.isRevealed ? isRight(stage) : null, run, bets, graded,
-      motions: carried || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders]};
+      motions: previous || motions.length < 2 ? [] : motions, rounds, sliders: [...stage.sliders]};
     store.save(lesson.name);
     hooks.onChange();
   }
 
-  /** The step anew. @param {number} seed */
+  /** The step from its start. @param {number} seed */
   function restart(seed) {
     if (!stage) return;
     forget(stage.step.id);
@@ -192,12 +192,12 @@ function begin(data) {
     hooks.onChange();
   }
 
-  const isDealt = (/** @type {Stage} */ {step, carried}) =>
-    Boolean(step.deal || carried?.step.deal || step.ask.kind === "predict");
+  const isRandom = (/** @type {Stage} */ {step, previous}) =>
+    Boolean(step.randomise || previous?.step.randomise || step.ask.kind === "predict");
   function remember() {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
-    if (stage && isDealt(stage)) parts.push(`seed=${stage.seed}`);
+    if (stage && isRandom(stage)) parts.push(`seed=${stage.seed}`);
     if (instrument) parts.push(`page=${instrument}`);
     try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
   }
@@ -404,7 +404,7 @@ function begin(data) {
     const {moment} = stage;
     Object.assign(stage, {mark: shown.mark, answer: shown.answer, rounds: shown.rounds, run: shown.run});
     for (const [name, value] of shown.sliders) if (stage.sliders.get(name) !== value) stage.slide(name, value);
-    if (shown.motions.length > 1 && !stage.carried) stage.motions = shown.motions;
+    if (shown.motions.length > 1 && !stage.previous) stage.motions = shown.motions;
     if (shown.theta.length && shown.theta.some((v, k) => v !== moment.theta[k])) stage.observe(shown.theta);
     if (shown.revealed && !stage.isRevealed) hooks.reveal();
     redraw();
@@ -429,22 +429,22 @@ function begin(data) {
     /** In the head line. @type {HTMLElement} */
     head: $("head"),
     data,
-    /** Put answers and place aside, and go on with a copy that is not kept. */
-    aside() {
-      if (store.aside) return;
+    /** Suspend answers and place, and go on with a copy that is not kept. */
+    suspend() {
+      if (store.suspended) return;
       keep();
-      store.putAside();
+      store.suspend();
       before = {lesson, place, seeds: new Map(seeds)};
     },
-    /** Bring back what was put aside. */
+    /** Bring back the suspended answers and place. */
     back() {
-      if (!store.aside || !before) return;
+      if (!store.suspended || !before) return;
       store.putBack();
       stages = new Map();
-      const {lesson: name, place: at, seeds: dealt} = before;
+      const {lesson: name, place: at, seeds: earlier} = before;
       before = null;
       lesson = name;
-      seeds = dealt;
+      seeds = earlier;
       enter(name, at);
     },
     /** @param {string} name @param {string} step @param {number} [seed] */
@@ -453,18 +453,18 @@ function begin(data) {
       if (found) enter(found, placeOf(found, step), seed);
       return Boolean(found);
     },
-    /** Lock all that could be pressed. @param {boolean} on */
+    /** Lock all buttons. @param {boolean} on */
     freeze(on) {
       isFrozen = on;
       redraw();
     },
-    /** Show what another page shows; null to let go. @param {Shown | null} shown */
+    /** Follow another page; null to stop. @param {Shown | null} shown */
     lead(shown) {
       isLed = Boolean(shown);
       if (shown) follow(shown);
       redraw();
     },
-    /** Take answers, but leave it to others to show what is right. @param {boolean} on */
+    /** Take answers, but leave it to others to show the right one. @param {boolean} on */
     hold(on) {
       isHeld = on;
       redraw();
@@ -481,18 +481,18 @@ function begin(data) {
       if (stage) stage.others = others && "marks" in others ? others.marks : [];
       redraw();
     },
-    /** Show what is right, answered or not. */
+    /** Show the right answer, answered or not. */
     reveal() {
       if (screen instanceof StepScreen && stage && !stage.isRevealed) screen.reveal(!isAnswered(stage));
       redraw();
     },
     /** The step as if nobody had answered it. */
-    askAnew: () => { if (stage) restart(stage.seed); },
+    askAgain: () => { if (stage) restart(stage.seed); },
     /** @returns {Shown} */
     state: () => ({lesson: lesson.name, step: nameOf(place), seed: stage?.seed ?? 1, revealed: stage?.isRevealed
       ?? false, sliders: [...stage?.sliders ?? []], mark: stage?.mark ?? null,
       answer: stage?.answer ?? {}, rounds: stage?.rounds ?? [], theta: stage?.moment.theta ?? [],
-        motions: stage?.motions.slice(-MAX_TOLD) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
+        motions: stage?.motions.slice(-MAX_SHARED) ?? [], reveal: stage?.reveal ?? 0, run: stage?.run ?? 0}),
     /** How far one is, for a class's overview. */
     summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length,
       answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,

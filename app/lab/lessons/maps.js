@@ -11,7 +11,7 @@ import {Landscape, TRANSFERS, World, residual, conflict, select} from "../engine
 const DEGREE = Math.PI / 180;
 const AROUND = 1.5, FINER = 9; // steps of a grid to both sides of its lowest posture, postures a joint
 const FINEST_DEG = .005; // step of a grid that is fine enough
-const MOVING_DEG = 3; // of maps that a slider of the eyes makes anew
+const MOVING_DEG = 3; // of maps that a slider of the eyes updates
 const WORST_CONDITION = 1e6;
 export const MAP_DEG = 2;
 
@@ -50,7 +50,7 @@ const maps = new WeakMap();
  *
  * @param {World} world
  * @param {string} transfer
- * @param {Look} demo what is seen of the demonstrator
+ * @param {Look} demo images of the demonstrator
  * @param {number} [stepDeg]
  * @returns {{landscape: Landscape, key: string}} key: differs where E does
  */
@@ -168,7 +168,7 @@ export function medianCondition(world, transfer, demo, stepDeg) {
   return median;
 }
 
-/** What is seen of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */
+/** Images of the demonstrator, with swapped points if the step has some. @param {Stage} stage @returns {Look} */
 function demoLook(stage) {
   const look = stage.session.observer.demo(stage.moment.thetaDemo), swapped = stage.records.swapped ?? [];
   return swapped.length ? exchanged(look, swapped) : look;

@@ -20,10 +20,10 @@ export const short = value => {
  * @param {number} value NaN where there is none
  * @param {string} [unit] with the space before it
  * @param {number | null} [digits] after the point, null for as many as it deserves
- * @param {string} [missing] what is said of NaN
+ * @param {string} [missing] text for NaN
  * @returns {Measured}
  */
-export function told(value, unit = "", digits = null, missing = MISSING) {
+export function measured(value, unit = "", digits = null, missing = MISSING) {
   return {value, unit, text: Number.isFinite(value)
     ? `${digits === null ? short(value) : fixed(value, digits)}${unit}` : missing};
 }

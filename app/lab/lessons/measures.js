@@ -1,12 +1,12 @@
 /**
  * Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
- * first, then what is computed here.
+ * first, then those computed here.
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
  * @typedef {import("./stage.js").Measured} Measured
  */
-import {distance, energy, placed, told} from "./measured.js";
+import {distance, energy, placed, measured} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
 import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
 import {RAY_MEASURES} from "./measures_ray.js";
@@ -17,27 +17,27 @@ const DEGREE = Math.PI / 180;
 /** Motions after which E was below the goal first. @param {ArrayLike<number>} E @param {number | null} goal */
 export function reached(E, goal) {
   const at = goal === null ? -1 : Array.from(E).findIndex(value => value < goal);
-  return told(at < 0 ? NaN : at, "", 0, "never");
+  return measured(at < 0 ? NaN : at, "", 0, "never");
 }
 
 /** Of the joint that is farthest off. @param {number[]} theta @param {number[]} other */
-const degreesApart = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
+const degreesBetween = (theta, other) => Math.max(...theta.map((v, k) => Math.abs(v - other[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {string} servo */
 function raced(stage, servo) {
   const race = stage.race(servo);
-  return race ? reached(race.E, stage.goal) : told(NaN);
+  return race ? reached(race.E, stage.goal) : measured(NaN);
 }
 
 /** From the mark to the truth: px, or degrees on maps and between postures. @param {Stage} stage @returns {Measured} */
-function apart(stage) {
+function markError(stage) {
   const {ask} = stage.step;
   if (ask.kind === "pose") {
     const truth = /** @type {number[]} */ (measure(stage, ask.truth ?? "").value);
-    return told(stage.answer.pose ? Math.max(...stage.answer.pose.map((v, k) => Math.abs(v - truth[k]))) : NaN, "°", 0);
+    return measured(stage.answer.pose ? Math.max(...stage.answer.pose.map((v, k) => Math.abs(v - truth[k]))) : NaN, "°", 0);
   }
   const off = distanceOf(stage, ask.truth ?? "");
-  return stage.unit === "rad" ? told(off, "°", 0) : told(off, " px", off < 10 ? 1 : 0);
+  return stage.unit === "rad" ? measured(off, "°", 0) : measured(off, " px", off < 10 ? 1 : 0);
 }
 
 /** From the mark to a place or a line: px, or degrees on maps. @param {Stage} stage @param {string} name the measure */
@@ -63,28 +63,28 @@ export const MEASURES = {
   ...RAY_MEASURES,
   ...TOUR_MEASURES,
   ...JACOBIAN_MEASURES,
-  "px apart": apart,
-  "degrees apart": apart,
-  "your bet": stage => told(stage.answer.bet ?? NaN, " %", 0),
+  "distance in px": markError,
+  "distance in degrees": markError,
+  "your bet": stage => measured(stage.answer.bet ?? NaN, " %", 0),
   "outcome": stage => ({value: outcome(stage), unit: "", text: outcome(stage) ? "true" : "false"}),
-  "penalty": stage => told(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
+  "penalty": stage => measured(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
   "E": stage => energy(stage.moment.E),
   "E alike": stage => energy(stage.ghost().E),
   "smallest E": stage => energy(stage.landscape().minimum?.E ?? NaN),
   "place of the smallest E": stage => placed(stage.landscape().minimum?.theta ?? [NaN, NaN]),
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
-  "smallest E is off": stage => told(degreesApart(stage.landscape().minimum?.theta ?? [NaN, NaN],
+  "smallest E is off": stage => measured(degreesBetween(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
-  "your error": stage => told(degreesApart(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
+  "your error": stage => measured(degreesBetween(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
     : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
   "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal)
-    : told(NaN),
+    : measured(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
   "the demonstrator's posture": stage => placed(stage.moment.thetaDemo.map(v => v / DEGREE)),
-  "your first joint is off": stage => told(Math.abs(stage.guessed[0] - stage.moment.thetaDemo[0]) / DEGREE, "°", 0),
-  "your second joint is off": stage => told(Math.abs(stage.guessed[1] - stage.moment.thetaDemo[1]) / DEGREE, "°", 0),
+  "your first joint is off": stage => measured(Math.abs(stage.guessed[0] - stage.moment.thetaDemo[0]) / DEGREE, "°", 0),
+  "your second joint is off": stage => measured(Math.abs(stage.guessed[1] - stage.moment.thetaDemo[1]) / DEGREE, "°", 0),
   "E of your posture": stage => energy(energyAt(stage, stage.guessed)),
   ...LIMITS_MEASURES,
 };
@@ -93,7 +93,7 @@ export const MEASURES = {
 export function measure(stage, name) {
   const fact = stage.facts[name];
   if (fact) return fact;
-  return MEASURES[name]?.(stage) ?? told(NaN);
+  return MEASURES[name]?.(stage) ?? measured(NaN);
 }
 
 /**
@@ -105,10 +105,10 @@ export const judged = (stage, name) => stage.graded?.[name] ?? measure(stage, na
 
 /** All measures that judge the answer or are named beside it, as they are now. @param {Stage} stage */
 export function grade(stage) {
-  const {ask, told: number, after = "", say} = stage.step,
+  const {ask, headline: number, after = "", say} = stage.step,
     {truth, right, line, measure: goal, elsewhere = []} = ask;
   const inWords = [...JSON.stringify([ask, number, after, say]).matchAll(/\{([^{}":,]*)\}/g)].map(([, name]) => name);
-  const names = [truth, right, line, goal, number?.measure, ...elsewhere.map(one => one.truth), "px apart", ...inWords];
+  const names = [truth, right, line, goal, number?.measure, ...elsewhere.map(one => one.truth), "distance in px", ...inWords];
   return Object.fromEntries([...new Set(names)].filter(name => typeof name === "string" && name).map(name => {
     const found = measure(stage, String(name));
     return [name, {...found, value: ArrayBuffer.isView(found.value) ? Array.from(/** @type {any} */ (found.value))

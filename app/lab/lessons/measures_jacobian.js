@@ -7,7 +7,7 @@
  * @typedef {import("./teach_by_showing.js").Run} Run
  */
 import {fixed} from "../view/svg.js";
-import {told} from "./measured.js";
+import {measured} from "./measured.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";
 
 const DEGREE = Math.PI / 180;
@@ -19,7 +19,7 @@ export const GAIN_STEPS = 40;
 export const TURNED_STEPS = 40;
 const SWINGS = 10; // last steps of a gain that never arrives
 
-/** @type {WeakMap<Stage, Map<string, any>>} what was computed for a stage */
+/** @type {WeakMap<Stage, Map<string, any>>} results by stage */
 const computed = new WeakMap();
 
 /** @template T @param {Stage} stage @param {string} key @param {() => T} compute @returns {T} */
@@ -62,7 +62,7 @@ export function turnedRuns(stage, rollDeg = stage.sliders.get("roll") ?? 90) {
 const firstRoll = ({step}) => step.sliders?.find(({name}) => name === "roll")?.start ?? 90;
 
 /** @param {Run} run */
-const steps = run => told(stepsTo(run, THERE_PX), "", 0, "never");
+const steps = run => measured(stepsTo(run, THERE_PX), "", 0, "never");
 
 /** How far off each prediction was, px. @param {Stage} stage */
 const errors = ({rounds}) => rounds.map(({mark, to}) => Math.hypot(mark[0] - to[0], mark[1] - to[1]));
@@ -73,16 +73,16 @@ export const JACOBIAN_MEASURES = {
     const own = moment.views.own, goal = world.look("learner", moment.thetaDemo).images, count = own.length / 4;
     let sum = 0;
     for (let i = 0; i < count; i++) sum += (own[4 * i] - goal[4 * i]) ** 2 + (own[4 * i + 1] - goal[4 * i + 1]) ** 2;
-    return told(Math.sqrt(sum / count), " px");
+    return measured(Math.sqrt(sum / count), " px");
   },
   "your first errors": stage => {
     const first = errors(stage).slice(0, 2), text = first.map(value => fixed(value, 0)).join(" and ");
     return {value: first[0] ?? NaN, unit: " px", text: first.length ? `${text} px` : "–"};
   },
-  "your last error": stage => told(errors(stage).pop() ?? NaN, " px", 1),
+  "your last error": stage => measured(errors(stage).pop() ?? NaN, " px", 1),
   "your last share": stage => {
     const last = stage.rounds[stage.rounds.length - 1], off = errors(stage).pop() ?? NaN;
-    return told(last ? 100 * off / Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]) : NaN, " %", 0);
+    return measured(last ? 100 * off / Math.hypot(last.to[0] - last.from[0], last.to[1] - last.from[1]) : NaN, " %", 0);
   },
   "steps at 0.1": stage => steps(gainRuns(stage)[0]),
   "steps at 1": stage => steps(gainRuns(stage)[1]),

@@ -13,19 +13,19 @@ import {conditionOf, largestOf} from "./figures/matches.js";
 import {chosenRuns, roundsOf, there} from "./figures/rounds.js";
 import {runOf} from "./figures/sign.js";
 import {Altered, energyAt} from "./maps.js";
-import {energy, told} from "./measured.js";
+import {energy, measured} from "./measured.js";
 
 const FEWEST = 4; // matches
 const NEAR_ZERO = 1, NEAR_DEG = 5; // px², of an E that is explained; degrees
-const ASIDE_M = 1e-4; // for the slope of a projection
+const STEP_M = 1e-4; // for the slope of a projection
 
-/** Of all matches, thousands apart. @param {number} E @returns {Measured} */
+/** E of all matches, which are thousands. @param {number} E @returns {Measured} */
 const rounded = E => ({value: E, unit: " px²", text: `${Math.round(E)} px²`});
 
 /** Of the two lines. @param {(crossing: Crossing) => number} of @param {string} unit @returns {Measure} */
 const ofCrossing = (of, unit) => stage => {
   const found = crossingOf(stage);
-  return told(found ? of(found) : NaN, unit, 1);
+  return measured(found ? of(found) : NaN, unit, 1);
 };
 
 /**
@@ -42,8 +42,8 @@ function withoutDepth({world, session, moment}) {
     world.pairs[who].forEach((camera, side) => {
       const at = projectPoint(camera, middle), slope = [0, 1, 2].map(k => {
         const beside = (/** @type {number} */ by) => projectPoint(camera, middle.map((v, i) => i === k ? v + by : v));
-        const [up, down] = [beside(ASIDE_M), beside(-ASIDE_M)];
-        return [0, 1].map(c => (up[c] - down[c]) / (2 * ASIDE_M));
+        const [up, down] = [beside(STEP_M), beside(-STEP_M)];
+        return [0, 1].map(c => (up[c] - down[c]) / (2 * STEP_M));
       });
       points.forEach((p, i) => [0, 1].forEach(c =>
         images[4 * i + 2 * side + c] = at[c] + slope.reduce((sum, v, k) => sum + v[c] * (p[k] - middle[k]), 0)));
@@ -63,37 +63,37 @@ function swappedAnswer(stage) {
 /** From how many starts the posture was reached. @param {Stage} stage @param {boolean} isPage @returns {Measured} */
 function reached(stage, isPage) {
   const rounds = roundsOf(stage), yours = chosenRuns(stage);
-  return told(yours ? there(rounds, isPage ? rounds.runs[rounds.page] : yours) : NaN, "", 0);
+  return measured(yours ? there(rounds, isPage ? rounds.runs[rounds.page] : yours) : NaN, "", 0);
 }
 
 /** @param {Stage} stage @returns {Measured} */
 function nearer(stage) {
   const rounds = roundsOf(stage), yours = chosenRuns(stage), pages = rounds.runs[rounds.page];
-  return told(yours ? yours.filter(([off], k) => off < pages[k][0]).length : NaN, "", 0);
+  return measured(yours ? yours.filter(([off], k) => off < pages[k][0]).length : NaN, "", 0);
 }
 
 /** @type {Record<string, Measure>} */
 export const LIMITS_MEASURES = {
-  "how E is with swapped points": stage => told(swappedAnswer(stage), "", 0),
+  "how E is with swapped points": stage => measured(swappedAnswer(stage), "", 0),
   "E without depth": stage => energy(withoutDepth(stage)),
   "crossing angle": ofCrossing(angleOf, "°"),
   "crossing moves": ofCrossing(shiftOf, " px"),
-  "uncertain by": stage => told(ellipseOf(stage)?.halfAxes[0] ?? NaN, " px", 0),
-  "cond A": stage => told(stage.moment.fitted?.condition ?? NaN, "", 0),
+  "uncertain by": stage => measured(ellipseOf(stage)?.halfAxes[0] ?? NaN, " px", 0),
+  "cond A": stage => measured(stage.moment.fitted?.condition ?? NaN, "", 0),
   "baseline": ({world: {pairs: {learner: [left, right]}}}) =>
-    told(100 * Math.hypot(...left.centre.map((v, k) => v - right.centre[k])), " cm", 0),
+    measured(100 * Math.hypot(...left.centre.map((v, k) => v - right.centre[k])), " cm", 0),
   "largest E of all matches": stage => rounded(largestOf(stage, 0)),
   "largest E of four matches": stage => rounded(largestOf(stage, FEWEST)),
-  "cond A of all matches": stage => told(conditionOf(stage, false), "", 0),
-  "cond A in a plane": stage => told(conditionOf(stage, true), "", 0),
+  "cond A of all matches": stage => measured(conditionOf(stage, false), "", 0),
+  "cond A in a plane": stage => measured(conditionOf(stage, true), "", 0),
   "your rounds there": stage => reached(stage, false),
   "the page's rounds there": stage => reached(stage, true),
   "rounds in which you ended nearer": nearer,
-  "within 1°": stage => told(Number(runOf(stage).holds), "", 0),
-  "off shoulder": stage => told(runOf(stage).offDeg[0], "°", 1),
-  "off elbow": stage => told(runOf(stage).offDeg[1], "°", 1),
+  "within 1°": stage => measured(Number(runOf(stage).holds), "", 0),
+  "off shoulder": stage => measured(runOf(stage).offDeg[0], "°", 1),
+  "off elbow": stage => measured(runOf(stage).offDeg[1], "°", 1),
   "certificate": stage => {
     const {certificate} = runOf(stage);
-    return told(certificate === null ? NaN : 100 * certificate, " %", 0, "no probability, as it made no claim");
+    return measured(certificate === null ? NaN : 100 * certificate, " %", 0, "no probability, as it made no claim");
   },
 };

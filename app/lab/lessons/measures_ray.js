@@ -6,7 +6,7 @@
  */
 import {symmetricEigen} from "../engine/algebra.js";
 import {World} from "../engine/engine.js";
-import {placed, told} from "./measured.js";
+import {placed, measured} from "./measured.js";
 import {
   angleBetween, camerasOf, epipole, LAST_SHARE, markOf, marksOf, movedInPicture1, onRay, pencil,
   rayLine, seenFromOutside, targetOf, twoCameras,
@@ -23,7 +23,7 @@ function matches(world, demonstrator, own) {
   return world.body.map((_, i) => [[demo[4 * i], demo[4 * i + 1]], [images[4 * i], images[4 * i + 1]]]);
 }
 
-/** The pencils of a stage's two sliders: lines in l, lines in L, and what is left over. @param {Stage} stage */
+/** The pencils of a stage's two sliders: lines in l, lines in L, and the residual. @param {Stage} stage */
 export function pencilOf({world, moment, sliders}) {
   const pairs = matches(world, moment.thetaDemo, moment.theta);
   const angle = (/** @type {string} */ name) => (sliders.get(name) ?? 0) * DEGREE;
@@ -56,7 +56,7 @@ const both = stage => [stage.line(0), stage.line(1)];
 
 /** @type {Record<string, Measure>} */
 export const RAY_MEASURES = {
-  "px moved in picture 1": ({world, mark}) => told(mark ? movedInPicture1(world, mark) : NaN, " px", 0),
+  "px moved in picture 1": ({world, mark}) => measured(mark ? movedInPicture1(world, mark) : NaN, " px", 0),
   "the ray, from outside": ({world}) => {
     const [camera] = twoCameras(world), mark = markOf(world);
     return placed([RAY_FROM, LAST_SHARE].map(share => seenFromOutside(onRay(camera, mark, share))));
@@ -65,23 +65,23 @@ export const RAY_MEASURES = {
   "angle between the lines": stage => {
     const [first, second] = camerasOf(stage), lines = marksOf(stage).map(p => rayLine(second, first, p));
     const angles = lines.flatMap((line, k) => lines.slice(k + 1).map(other => angleBetween(line, other)));
-    return told(Math.max(...angles) / DEGREE, "°", 1);
+    return measured(Math.max(...angles) / DEGREE, "°", 1);
   },
   "px to the epipole": stage => {
     const [first, second] = camerasOf(stage), [x, y] = epipole(second, first);
     const [a, b] = projectPoint(second, targetOf(stage));
-    return told(Math.hypot(x - a, y - b), " px", 0);
+    return measured(Math.hypot(x - a, y - b), " px", 0);
   },
-  "px left over": stage => told(pencilOf(stage).rms, " px"),
-  "fifth left out, alike": stage => told(fifthLeftOut(fiveMatches(stage, stage.moment.thetaDemo)), " px", 1),
+  "px left over": stage => measured(pencilOf(stage).rms, " px"),
+  "fifth left out, alike": stage => measured(fifthLeftOut(fiveMatches(stage, stage.moment.thetaDemo)), " px", 1),
   "fifth left out, different": stage =>
-    told(fifthLeftOut(fiveMatches(stage, DIFFERENT_DEG.map(v => v * DEGREE))), " px", 0),
+    measured(fifthLeftOut(fiveMatches(stage, DIFFERENT_DEG.map(v => v * DEGREE))), " px", 0),
   "px along a px across": stage => {
     const [first, second] = both(stage);
-    return told(first && second ? 1 / Math.tan(angleBetween(first, second)) : NaN, "", 1);
+    return measured(first && second ? 1 / Math.tan(angleBetween(first, second)) : NaN, "", 1);
   },
   "px from the first line": stage => {
     const line = stage.line(0), {mark} = stage;
-    return told(mark && line ? Math.abs(line.a * mark[0] + line.b * mark[1] + line.c) : NaN, " px", 1);
+    return measured(mark && line ? Math.abs(line.a * mark[0] + line.b * mark[1] + line.c) : NaN, " px", 1);
   },
 };

@@ -5,8 +5,8 @@
  * @typedef {import("./stage.js").Measure} Measure
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {energy, placed, short, told} from "./measured.js";
-import {carriedPlaces, energyCarried} from "./places.js";
+import {energy, placed, short, measured} from "./measured.js";
+import {movedPlaces, energyMoved} from "./places.js";
 import {fixed} from "../view/svg.js";
 
 const DEGREE = Math.PI / 180;
@@ -22,13 +22,13 @@ const inL = (images, i) => [images[4 * i], images[4 * i + 1]];
 const ghostImages = ({world, moment}) => world.look("learner", moment.thetaDemo).images;
 
 /** @param {number[]} p @param {number[]} q */
-const apart = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+const distance = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
 
 /** The residual of a point in L, px. @param {Stage} stage @param {number} i */
-const arrowOf = (stage, i) => apart(inL(stage.recovered(), i), inL(stage.moment.views.own, i));
+const arrowOf = (stage, i) => distance(inL(stage.recovered(), i), inL(stage.moment.views.own, i));
 
 /** How far a point in L is from where it goes, px. @param {Stage} stage @param {number} i */
-const wayOf = (stage, i) => apart(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
+const wayOf = (stage, i) => distance(inL(stage.moment.views.own, i), inL(ghostImages(stage), i));
 
 /**
  * Of all arrows, followed backwards from dot to diamond, with the ways to the ghost, over L and R.
@@ -79,23 +79,23 @@ export const TOUR_MEASURES = {
   "recovered in L": stage => placed(inL(stage.recovered(), stage.chosen)),
   "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
-  "arm height": stage => told(armHeight(stage), " px", 0),
+  "arm height": stage => measured(armHeight(stage), " px", 0),
   "crossing to own point": stage =>
-    told(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
+    measured(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
   "crossing to ghost": stage =>
-    told(apart(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
-  "arrow of 3": stage => told(arrowOf(stage, BASE_POINT), " px", 0),
-  "arrow of 9": stage => told(arrowOf(stage, HAND_POINT), " px", 0),
-  "way of 9": stage => told(wayOf(stage, HAND_POINT), " px", 0),
-  "cosine": stage => told(cosine(stage), "", 2),
-  "E sideways": stage => energy(energyCarried(stage, [0, 0.5])),
-  "E back": stage => energy(energyCarried(stage, [0.5, 0])),
-  "E nearer": stage => energy(energyCarried(stage, [-0.3, 0])),
+    measured(distance(inL(stage.recovered(), stage.chosen), inL(ghostImages(stage), stage.chosen)), " px", 0),
+  "arrow of 3": stage => measured(arrowOf(stage, BASE_POINT), " px", 0),
+  "arrow of 9": stage => measured(arrowOf(stage, HAND_POINT), " px", 0),
+  "way of 9": stage => measured(wayOf(stage, HAND_POINT), " px", 0),
+  "cosine": stage => measured(cosine(stage), "", 2),
+  "E sideways": stage => energy(energyMoved(stage, [0, 0.5])),
+  "E back": stage => energy(energyMoved(stage, [0.5, 0])),
+  "E nearer": stage => energy(energyMoved(stage, [-0.3, 0])),
   "times by place": stage => {
-    const E = [stage.moment.E, ...carriedPlaces(stage).map(place => place.E)];
-    return told(Math.max(...E) / Math.min(...E), "", 1);
+    const E = [stage.moment.E, ...movedPlaces(stage).map(place => place.E)];
+    return measured(Math.max(...E) / Math.min(...E), "", 1);
   },
-  "times by shape": stage => told(stage.moment.E / stage.ghost().E, "", 0),
+  "times by shape": stage => measured(stage.moment.E / stage.ghost().E, "", 0),
   "where the arm stands": ({moment, scene}) => {
     const degrees = moment.theta.map(v => v / DEGREE), names = scene.names.map(name => name.split(" ")[0].toLowerCase());
     return {value: degrees, unit: "°", text: degrees.map((v, k) => `${names[k]} ${fixed(v, 0)}°`).join(" and ")};
@@ -104,6 +104,6 @@ export const TOUR_MEASURES = {
     const unit = step.ask.unit ?? "", {number = NaN} = answer;
     return {value: number, unit, text: `${short(number).replace(/\.0+$/, "")}${unit}`};
   },
-  "share of the longest": stage => told(100 * longestShare(stage), " %", 0),
-  "widest below the goal": stage => told(widest(stage), "°", 0),
+  "share of the longest": stage => measured(100 * longestShare(stage), " %", 0),
+  "widest below the goal": stage => measured(widest(stage), "°", 0),
 };

@@ -66,8 +66,8 @@ class Frame:
             (x0, y0), (x1, y1) = ends
             share = 0.2 if dashed else 0.8
             length = np.hypot(x1 - x0, y1 - y0)
-            aside = np.array([y1 - y0, x0 - x1]) / length * (1.6 if x1 > x0 else -1.6)
-            x, y = x0 + share * (x1 - x0) + aside[0], y0 + share * (y1 - y0) + aside[1]
+            offset = np.array([y1 - y0, x0 - x1]) / length * (1.6 if x1 > x0 else -1.6)
+            x, y = x0 + share * (x1 - x0) + offset[0], y0 + share * (y1 - y0) + offset[1]
             x = min(max(x - text_width(name, LABEL_PT) / 2, self.left + 1), self.left + self.width - 14)
             canvas.text((x, y - abs(y1 - y0) / length * text_width(name, LABEL_PT) / 2), name, LABEL_PT, colour=GREY)
 

@@ -1,16 +1,16 @@
 /**
- * The demonstrator carried to other places in the room: it keeps its pose and faces the same way, and the eyes turn to
+ * The demonstrator moved to other places in the room: it keeps its pose and faces the same way, and the eyes turn to
  * follow it.
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("../engine/camera.js").Camera} Camera
- * @typedef {{x: number, y: number, E: number}} Place how far it was carried,
+ * @typedef {{x: number, y: number, E: number}} Place how far it was moved,
  *   m ahead of the eyes and to their left, and E there
  */
 import {Session, World} from "../engine/engine.js";
 
-/** Where it is carried, m: away from the eyes (x) and sideways (y). */
-export const CARRIED = /** @type {[number, number][]} */ ([[0, 0.5], [0.5, 0], [1, 1], [-0.3, 0]]);
+/** Where it is moved, m: away from the eyes (x) and sideways (y). */
+export const MOVES = /** @type {[number, number][]} */ ([[0, 0.5], [0.5, 0], [1, 1], [-0.3, 0]]);
 
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @returns {[number, number, number]} */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -36,12 +36,12 @@ export function turnedTo(pair, gaze) {
 }
 
 /**
- * E with the demonstrator carried.
+ * E with the demonstrator moved.
  *
  * @param {Stage} stage
  * @param {[number, number]} by m
  */
-export function energyCarried({world, moment, session, state}, [x, y]) {
+export function energyMoved({world, moment, session, state}, [x, y]) {
   const {scene} = world, [l, r, L, R] = scene.cameras, base = scene.bases.demonstrator;
   const gaze = scene.gaze ?? [base[3], base[7], base[11]];
   const moved = base.map((v, k) => v + (k === 3 ? x : k === 7 ? y : 0));
@@ -51,5 +51,5 @@ export function energyCarried({world, moment, session, state}, [x, y]) {
   return new Session(there, {...session.settings, demonstrator: moment.thetaDemo, start: moment.theta}).now.E;
 }
 
-/** All places where it is carried, with E. @param {Stage} stage @returns {Place[]} */
-export const carriedPlaces = stage => CARRIED.map(([x, y]) => ({x, y, E: energyCarried(stage, [x, y])}));
+/** All places where it is moved, with E. @param {Stage} stage @returns {Place[]} */
+export const movedPlaces = stage => MOVES.map(([x, y]) => ({x, y, E: energyMoved(stage, [x, y])}));

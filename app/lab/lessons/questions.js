@@ -1,5 +1,5 @@
 /**
- * The eight questions, asked before and after: their order of answers is dealt,
+ * The eight questions, asked before and after: their answers are shuffled,
  *   and each has "sure" or "guess" beside it.
  *
  * @typedef {import("./stage.js").Question} Question
@@ -9,7 +9,7 @@
  *   href it is its name alone
  */
 import {inline, make, plain} from "./dom.js";
-import {dealtOrder} from "./stage.js";
+import {shuffledOrder} from "./stage.js";
 
 export const QUESTION_S = 28; // of each question, to estimate what a round takes
 
@@ -21,7 +21,7 @@ export const QUESTION_S = 28; // of each question, to estimate what a round take
  * @param {"before" | "after"} phase
  */
 export const orderOf = ({answers}, k, person, phase) =>
-  dealtOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
+  shuffledOrder(answers.length, person * 64 + 2 * k + (phase === "after" ? 1 : 0));
 
 /** @param {Link} to @param {string} look the class of a button */
 export const linked = ({words, go, href}, look) => go
@@ -32,7 +32,7 @@ export const linked = ({words, go, href}, look) => go
 export const rightOf = (questions, given) => questions.filter(({id}) => given[id]?.right).length;
 
 /**
- * The normalised gain (Hake 1998): the share of what was wrong before that is right after; null where nothing was wrong.
+ * The normalised gain (Hake 1998): the share of the wrong answers before that is right after; null where nothing was wrong.
  *
  * @param {number} before
  * @param {number} after

@@ -20,7 +20,7 @@ function inverse(T) {
 }
 
 /** A camera moved by a rigid transform. @param {Camera} camera @param {ArrayLike<number>} T @returns {Camera} */
-export function carried(camera, T) {
+export function moved(camera, T) {
   const R = camera.rotation, pose = [0, 1, 2].flatMap(i => [R[3 * i], R[3 * i + 1], R[3 * i + 2], camera.centre[i]]);
   const moved = compose(T, pose);
   return {...camera, rotation: [0, 1, 2].flatMap(i => [...moved.subarray(4 * i, 4 * i + 3)]),
@@ -28,14 +28,14 @@ export function carried(camera, T) {
 }
 
 /**
- * The two cameras of the first lesson, at one arm: l, and L carried to the demonstrator. As both arms are built alike,
+ * The two cameras of the first lesson, at one arm: l, and L moved to the demonstrator. As both arms are built alike,
  * the second sees the demonstrator as L sees the learner in the same posture.
  *
  * @param {Pick<World, "arms" | "scene">} world
  * @returns {[Camera, Camera]}
  */
 export function twoCameras({arms: {demonstrator, learner}, scene: {cameras}}) {
-  return [cameras[0], carried(cameras[2], compose(demonstrator.T_world_base, inverse(learner.T_world_base)))];
+  return [cameras[0], moved(cameras[2], compose(demonstrator.T_world_base, inverse(learner.T_world_base)))];
 }
 
 /**

@@ -28,7 +28,7 @@ MAP_STEP_DEG = 3.0  # of maps
 CLAIM_DEG = 1.0  # within which a claim has all joints
 DISTANCES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 17.0, 30.0)  # times the distance of the eyes
 RUNS, FRAMES = 300, (1, 25)  # estimates in a cloud, and images that are averaged for each
-PAIRS, PAIR_SEED, APART_DEG = 356, 3, 20.0  # of postures at random, whose largest difference is at least so much
+PAIRS, PAIR_SEED, MIN_DIFFERENCE_DEG = 356, 3, 20.0  # of random postures; largest difference of their joints
 MORE_POINTS = 20  # layout of the scene that is compared with its layout of ten
 
 
@@ -198,7 +198,7 @@ def signposts(situation: Situation) -> Array:
     while len(found) < PAIRS:
         theta_demo, theta = rng.uniform(low, high, (2, len(low)))
         views, alike = world.look(theta_demo, theta), world.look(theta_demo, theta_demo)
-        if degrees_off(theta, theta_demo) >= APART_DEG and views.complete and alike.complete:
+        if degrees_off(theta, theta_demo) >= MIN_DIFFERENCE_DEG and views.complete and alike.complete:
             transfer = situation.start.fit(views)
             found.append(signpost_cosine(views, transfer.recover(views.demo_left, views.demo_right), alike.own))
     return np.array(found)

@@ -37,7 +37,7 @@ export class HomeScreen {
             "Without the questions") : null,
           isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
             : null,
-          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Begin anew")
+          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Start again")
             : null),
         make("ol", {class: "contents"}, ...one.steps.map(step =>
           make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)},
@@ -141,7 +141,7 @@ export class EndScreen {
         missed = questions.filter(({id}) => kept.after[id] && !kept.after[id].right);
       const first = missed.map(({step}) => step ? link(step) : null).find(one => one?.go || one?.href);
       body.replaceChildren(make("h2", {tabindex: -1}, "Eight questions, before and after"),
-        make("div", {class: "told"}, make("span", {}, "Right before, right after"), make("strong", {}, large),
+        make("div", {class: "headline"}, make("span", {}, "Right before, right after"), make("strong", {}, large),
         make("small", {}, words)));
       if (first) body.append(linked({...first, words: `Go to ${first.words}`}, "plain"));
       figures.replaceChildren(reviewOf(questions, kept.before, kept.after, link), make("h3", {}, "Now you can say"),

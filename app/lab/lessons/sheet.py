@@ -1,4 +1,4 @@
-"""A4 pages with text, lines and shapes, as HTML or PDF: what is drawn is the same in both.
+"""A4 pages with text, lines and shapes, as HTML or PDF: the drawing is the same in both.
 
 Coordinates are in mm from the top left corner. Text is set in the page's own font, and its width is measured with it.
 PDF needs fpdf2 (`pip install 'viewimit[pdf]'`): pure Python, it embeds our fonts and draws paths; the alternatives

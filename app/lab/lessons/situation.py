@@ -37,7 +37,7 @@ class Situation:
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
     sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
-    dealt: tuple[Any, ...] = ()  # ranges of further dealt values: `name`, `low`, `high`, `step`
+    randomised: tuple[Any, ...] = ()  # ranges of further random values: `name`, `low`, `high`, `step`
     choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
 
     @cached_property
@@ -129,8 +129,10 @@ def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
 
 
 def _at_distance(scene: Scene, times: float) -> Scene:
-    """Dolly zoom: the head moves back from the middle between its gaze points until its distance from them, root mean
-    square, is so many times as long. Focal lengths grow until both arms' points spread as far in the images as before.
+    """Return the scene after a dolly zoom.
+
+    The head moves back from the middle between its gaze points, to `times` its root mean square distance from them.
+    Focal lengths grow until both arms' points spread as far in the images as before.
     """
     head = scene.head
     gazes = np.array([head.gaze_demonstrator, head.gaze_learner])

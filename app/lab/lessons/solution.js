@@ -1,4 +1,4 @@
-/** What somebody who is stuck is shown: where the sliders reach the goal. */
+/** The solution for a visitor who needs it: where the sliders reach the goal. */
 import {isReached} from "./answers.js";
 import {measure} from "./measures.js";
 

@@ -1,5 +1,5 @@
 /**
- * A step of a lesson at one moment: its two arms, what was answered, and how far its reveal has gone. Figures, measures
+ * A step of a lesson at one moment: its two arms, the answer, and how far its reveal has gone. Figures, measures
  * and the card read it and nothing else. It touches no document.
  *
  * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[],
@@ -23,7 +23,7 @@
  *
  * @typedef {{value: number, cameras: import("../engine/world.js").Camera[]}[]} Variants the eyes at a slider's values
  * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
- *   variants?: Record<string, Variants>}} Deal one of those that the seed picks from, laid over the step's own
+ *   variants?: Record<string, Variants>}} Sample one of those that the seed picks from, laid over the step's own
  * @typedef {{figure: string, show?: string[], reveal?: string[], hide?: string[]}} FigureUse
  * @typedef {Object} Slider
  * @property {string} name what it moves, see `Stage.slide`
@@ -74,7 +74,7 @@
  * @property {string} say
  * @property {string} [after]
  * @property {Ask} ask
- * @property {{measure: string, label: string, note?: string} | null} [told]
+ * @property {{measure: string, label: string, note?: string} | null} [headline]
  * @property {number | null} [chosen]
  * @property {FigureUse[]} [main]
  * @property {FigureUse[]} [side]
@@ -83,12 +83,12 @@
  * @property {number | null} [play] seconds that the animation of the reveal takes
  * @property {boolean} [meets] the reveal brings the learner to the demonstrator's posture
  * @property {string | null} [carry] the id of the step whose start and path go on here
- * @property {boolean} [deal]
+ * @property {boolean} [randomise]
  * @property {State} state
  * @property {Record<string, Measured>} [facts] that the library has computed
  * @property {Record<string, any>} [records]
  * @property {Record<string, Variants>} [variants]
- * @property {Deal[] | null} [deals]
+ * @property {Sample[] | null} [samples]
  *
  * @typedef {Object} Question one of the eight
  * @property {string} id
@@ -110,15 +110,15 @@
  * @property {Record<string, number[][]>} hulls outermost vertices of links
  * @property {Record<string, string>} [glossary] sentences by term
  *
- * @typedef {Object} Answer what was answered to a step
+ * @typedef {Object} Answer the answer to a step
  * @property {number} [choice] from 0
  * @property {Mark} [place]
  * @property {number} [number]
  * @property {number[]} [pose] degrees
  * @property {number[]} [selected] the value of each field, from 0, -1 for none yet
- * @property {number} [reason] for what was selected, from 0
+ * @property {number} [reason] for the selection, from 0
  * @property {number} [bet] 0 … 100 %
- * @property {boolean} [done] what was to be reached has been
+ * @property {boolean} [done] whether the goal was reached
  * @property {boolean} [shown] shown without an answer
  *
  * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
@@ -156,31 +156,31 @@ export class Stage {
   /**
    * @param {Page} page
    * @param {Step} step
-   * @param {{seed?: number, carried?: Stage | null}} [from] seed: of what is dealt,
-   *   from 1; carried: the step that goes on here
+   * @param {{seed?: number, previous?: Stage | null}} [from] seed: of the random state,
+   *   from 1; previous: the step that goes on here
    */
-  constructor(page, step, {seed = 1, carried = null} = {}) {
+  constructor(page, step, {seed = 1, previous = null} = {}) {
     this.page = page;
     /** @type {Step} */
     this.step = step;
     /** @type {Stage | null} */
-    this.carried = carried;
+    this.previous = previous;
     /** @type {number} */
-    this.seed = carried?.step.deal ? carried.seed : seed;
-    const deals = step.deals ?? [];
-    /** @type {Deal | null} what the seed has picked */
-    this.deal = deals.length ? deals[(this.seed - 1) % deals.length] : null;
-    const going = carried && {demonstrator: carried.state.demonstrator, start: carried.state.start};
+    this.seed = previous?.step.randomise ? previous.seed : seed;
+    const samples = step.samples ?? [];
+    /** @type {Sample | null} what the seed has picked */
+    this.sample = samples.length ? samples[(this.seed - 1) % samples.length] : null;
+    const going = previous && {demonstrator: previous.state.demonstrator, start: previous.state.start};
     /** @type {State} */
-    this.state = {...step.state, ...going ?? {}, ...this.deal?.state};
+    this.state = {...step.state, ...going ?? {}, ...this.sample?.state};
     /** @type {Record<string, Measured>} */
-    this.facts = {...step.facts, ...this.deal?.facts};
+    this.facts = {...step.facts, ...this.sample?.facts};
     /** @type {Record<string, any>} */
-    this.records = {...step.records, ...this.deal?.records};
+    this.records = {...step.records, ...this.sample?.records};
     /** @type {Record<string, Variants>} */
-    this.variants = {...step.variants, ...this.deal?.variants};
+    this.variants = {...step.variants, ...this.sample?.variants};
     /** rad of both joints for each knob's full turn */
-    this.knobs = dealtKnobs(this.seed);
+    this.knobs = randomKnobs(this.seed);
     this.chosen = step.chosen ?? 0;
     /** 0 before the answer, 1 after it; between, while the reveal is played. */
     this.reveal = 0;
@@ -213,14 +213,14 @@ export class Stage {
     const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;
     this.session = new Session(this.world, {transfer, servo: servo in SERVOS ? servo : "broyden", demonstrator, start,
       noisePx, missing, seed: noise ?? 7});
-    /** @type {Moment} what is seen now */
+    /** @type {Moment} the current images */
     this.moment = this.session.now;
     /** @type {Motion[]} made by hand, the start first */
-    this.motions = carried && carried.motions.length > 1 ? carried.motions
+    this.motions = previous && previous.motions.length > 1 ? previous.motions
       : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
-    if (carried && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
-    else if (carried?.step.ask.kind === "do" && carried.goal !== null) { // it was not done: where a servo brings it
-      const race = carried.race("broyden");
+    if (previous && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
+    else if (previous?.step.ask.kind === "do" && previous.goal !== null) { // it was not done: where a servo brings it
+      const race = previous.race("broyden");
       if (race) this.observe(race.postures[race.postures.length - 1]);
     }
     /** @type {Map<string, number>} where the sliders stand, in their own units */
@@ -247,7 +247,7 @@ export class Stage {
 
   /** E, or another measure, that has to be reached here or in the step that goes on here; null for none. */
   get goal() {
-    const ask = this.carried && this.step.ask.kind !== "do" ? this.carried.step.ask : this.step.ask;
+    const ask = this.previous && this.step.ask.kind !== "do" ? this.previous.step.ask : this.step.ask;
     const reached = ask.kind === "do" || ask.kind === "predict" ? ask.below ?? ask.above ?? null : null;
     return reached ?? (this.step.race?.length ? RACE_GOAL : null);
   }
@@ -334,11 +334,11 @@ export class Stage {
     if (!(servo in SERVOS)) return null;
     if (!this.raced[servo]) {
       const session = new Session(this.world, {...this.session.settings, servo}), goal = this.goal;
-      const moments = [session.now];
-      while (moments.length <= MAX_RACE && !(goal !== null && session.now.E < goal)
-        && session.step()) moments.push(session.now);
-      const [postures, E, probes] = [moments.map(({theta}) => theta), moments.map(one => one.E),
-        moments.map(({probe}) => probe)];
+      const snapshots = [session.now];
+      while (snapshots.length <= MAX_RACE && !(goal !== null && session.now.E < goal)
+        && session.step()) snapshots.push(session.now);
+      const [postures, E, probes] = [snapshots.map(({theta}) => theta), snapshots.map(one => one.E),
+        snapshots.map(({probe}) => probe)];
       this.raced[servo] = {postures, E, probes, status: session.now.status};
     }
     return this.raced[servo];
@@ -356,7 +356,7 @@ export class Stage {
   }
 
   /**
-   * Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints as dealt,
+   * Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints by the random matrix,
    * `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the eyes; noise_px,
    * missing, seed and transfer are settings. Of any other name, the figures make what they know.
    *
@@ -415,7 +415,7 @@ export class Stage {
 }
 
 /** Which joint each knob turns, how far and which way round. @param {number} seed */
-function dealtKnobs(seed) {
+function randomKnobs(seed) {
   const draw = draws(seed), gain = () => (draw() < .5 ? -1 : 1) * KNOB_RAD * (KNOB_GAINS[0]
     + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
   const both = [[gain(), 0], [0, gain()]];
@@ -434,7 +434,7 @@ export function draws(seed) {
 }
 
 /** The numbers from 0 to count - 1 in an order that a seed gives. @param {number} count @param {number} seed */
-export function dealtOrder(count, seed) {
+export function shuffledOrder(count, seed) {
   const draw = draws(seed), order = Array.from({length: count}, (_, k) => k);
   for (let k = count - 1; k > 0; k--) {
     const other = Math.floor(draw() * (k + 1));

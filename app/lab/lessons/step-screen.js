@@ -10,13 +10,13 @@
  *   isAsked: boolean}} Mounted
  * @typedef {Object} Course what the page around it does
  * @property {() => boolean} isLocked
- * @property {() => boolean} isHeld whether others show what is right
+ * @property {() => boolean} isHeld whether others show the right answer
  * @property {() => void} redraw
  * @property {() => void} keep after every change that counts
  * @property {(stage: Stage) => void} answered
  * @property {(words: string) => void} note
  * @property {(words: string) => void} announce
- * @property {(seed: number) => void} restart the step anew
+ * @property {(seed: number) => void} restart the step
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
  * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state opens
@@ -52,8 +52,8 @@ export class StepScreen {
     const {step} = stage;
     this.stage = stage;
     this.course = course;
-    this.wantsToSee = false;
-    /** @type {(() => void) | null} stops what is being played */
+    this.isAsked = false;
+    /** @type {(() => void) | null} stops the animation */
     this.stop = null;
     stage.changed = course.redraw;
     this.card = new Card(body, stage, {
@@ -126,7 +126,7 @@ export class StepScreen {
   // Answers
 
   answered() {
-    this.wantsToSee = false;
+    this.isAsked = false;
     this.course.note("");
     this.course.keep();
     this.course.answered(this.stage);
@@ -204,15 +204,15 @@ export class StepScreen {
     });
   }
 
-  // Showing what is true
+  // Showing the truth
 
-  /** "Show me": of whoever has answered at once, else at the second press. */
+  /** "Show me": at once after an answer, else at the second press. */
   show() {
     const {stage} = this, {ask} = stage.step;
     if (stage.isRevealed || this.stop) return;
     if (isAnswered(stage) && (ask.kind !== "predict" || arePlayed(stage))) return this.reveal(false);
-    if (!this.wantsToSee && ask.kind !== "do" && ask.kind !== "predict") {
-      this.wantsToSee = true;
+    if (!this.isAsked && ask.kind !== "do" && ask.kind !== "predict") {
+      this.isAsked = true;
       this.course.note(touched(FIRST));
       this.course.announce(touched(FIRST));
       return;
@@ -251,7 +251,7 @@ export class StepScreen {
     stage.answer = {};
     stage.graded = null;
     stage.reveal = 0;
-    this.wantsToSee = false;
+    this.isAsked = false;
     this.course.keep();
     this.body.scrollTop = 0;
     this.course.redraw();
@@ -343,7 +343,7 @@ export class StepScreen {
   /** Another start, and its number. */
   #drawAgain() {
     const {stage, course} = this, isOffered = stage.isRevealed
-      && Boolean(stage.step.deal || stage.step.ask.kind === "predict") && !this.stop;
+      && Boolean(stage.step.randomise || stage.step.ask.kind === "predict") && !this.stop;
     this.again.hidden = !isOffered;
     if (!isOffered || this.again.childElementCount) return;
     const box = make("input", {type: "number", min: 1, max: MAX_SEED, value: stage.seed,

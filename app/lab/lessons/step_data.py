@@ -1,4 +1,4 @@
-"""What the library computes for a step when its page is written: state, facts, records, moved eyes and deals.
+"""What the library computes for a step when its page is written: state, facts, records, moved eyes and samples.
 
 Data of a step are kept in the user's cache, by the step's content and the package's source. VIEWIMIT_LESSON_CACHE names
 another folder; empty, it turns the cache off.
@@ -31,8 +31,8 @@ from .situation import Situation
 CACHE_FOLDER = "VIEWIMIT_LESSON_CACHE"
 EYE_SLIDERS = ("distance", "camera distance", "baseline")
 LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
-DEAL_SEED = 44
-DEALS, SCENE_DEALS = 12, 3  # states that a step is dealt; those with a scene of their own take long
+SAMPLE_SEED = 44
+SAMPLES, SCENE_SAMPLES = 12, 3  # states that are sampled of a step; those with a scene of their own take long
 Scenes = dict[str, dict[str, Any]]
 
 
@@ -45,7 +45,7 @@ def situation_of(lesson: Lesson, step: Step) -> Situation:
     chosen = origin.chosen if step.chosen is None else step.chosen
     choices = {field.name: [str(one.value) for one in field.values] for field in getattr(step.ask, "fields", ())}
     scene = {**origin.scene, **step.scene}
-    return Situation(settings, scene, chosen, step.race, goal, dealt=origin.dealt, choices=choices)
+    return Situation(settings, scene, chosen, step.race, goal, randomised=origin.randomised, choices=choices)
 
 
 def _origin(lesson: Lesson, step: Step) -> Step:
@@ -72,7 +72,7 @@ def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
         msgspec.to_builtins(
             (situation_of(lesson, step).settings, step.scene, origin.scene, step.chosen, origin.chosen)
         ),
-        msgspec.to_builtins((step.race, origin.deal, origin.dealt, origin.ask, step.sliders, origin.id)),
+        msgspec.to_builtins((step.race, origin.randomise, origin.randomised, origin.ask, step.sliders, origin.id)),
         sorted(measures_of(step)),
         [figure.figure for figure in figures_of(step)],
     ]
@@ -102,18 +102,18 @@ def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
     """Compute what `step_data` returns."""
     situation, origin, scenes = situation_of(lesson, step), _origin(lesson, step), Scenes()
     data = _of_situation(step, situation, scenes)
-    if origin.deal:
-        data["deals"] = [_of_situation(step, one, scenes) for one in dealt_situations(lesson, step)]
+    if origin.randomise:
+        data["samples"] = [_of_situation(step, one, scenes) for one in sampled_situations(lesson, step)]
     return scenes, data
 
 
-def dealt_situations(lesson: Lesson, step: Step) -> list[Situation]:
-    """Return the states that are dealt in a step, or in the one that it carries on; none for others."""
+def sampled_situations(lesson: Lesson, step: Step) -> list[Situation]:
+    """Return the states that are sampled of a step, or in the one that it carries on; none for others."""
     origin = _origin(lesson, step)
-    if not origin.deal:
+    if not origin.randomise:
         return []
-    count = SCENE_DEALS if origin.dealt else DEALS
-    return facts.deals(situation_of(lesson, step), count, DEAL_SEED)
+    count = SCENE_SAMPLES if origin.randomised else SAMPLES
+    return facts.sample_states(situation_of(lesson, step), count, SAMPLE_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:
@@ -228,7 +228,7 @@ def _keep(path: Path, data: bytes) -> None:
 
 @cache
 def source_digest() -> str:
-    """Return a digest of the package's version, source and data: any of them may change what is computed."""
+    """Return a digest of the package's version, source and data: any of them may change the results."""
     digest = hashlib.sha256(viewimit.__version__.encode())
     for path in _sources():
         digest.update(path.read_bytes())

@@ -26,8 +26,8 @@ export class Store {
     this.lessons = {};
     /** Whether the browser keeps what it is given. */
     this.keeps = true;
-    /** What was kept before all was put aside. @type {Record<string, Kept> | null} */
-    this.aside = null;
+    /** What the store kept before it was suspended. @type {Record<string, Kept> | null} */
+    this.suspended = null;
     try {
       localStorage.setItem(`${PREFIX}test`, "1");
       localStorage.removeItem(`${PREFIX}test`);
@@ -49,19 +49,19 @@ export class Store {
 
   /** @param {string} lesson */
   save(lesson) {
-    if (!this.keeps || this.aside) return;
+    if (!this.keeps || this.suspended) return;
     try { localStorage.setItem(PREFIX + lesson, JSON.stringify(this.of(lesson))); } catch { this.keeps = false; }
   }
 
   /** Go on with a copy that is not kept. */
-  putAside() {
-    this.aside ??= structuredClone(this.lessons);
+  suspend() {
+    this.suspended ??= structuredClone(this.lessons);
   }
 
-  /** Go on with what was put aside. */
+  /** Go on with the suspended answers. */
   putBack() {
-    if (this.aside) this.lessons = this.aside;
-    this.aside = null;
+    if (this.suspended) this.lessons = this.suspended;
+    this.suspended = null;
   }
 
   /** @param {string} lesson */

@@ -65,13 +65,13 @@ export function teachByShowing(world, {start, goal, gain, update, coordinates, p
     const probed = pick(see(start.map((v, k) => k === joint ? v + probeRad : v), 0));
     return probed.map((v, i) => (v - rest[i]) / probeRad);
   });
-  const goalImages = see(goal), wanted = pick(goalImages);
+  const goalImages = see(goal), target = pick(goalImages);
   const postures = [start], images = [see(start)];
   const rms = (/** @type {Float64Array} */ e) => Math.sqrt(dot(e, e) / (e.length / 2));
   let y = pick(images[0]);
-  const errors = [rms(y.map((v, i) => v - wanted[i]))];
+  const errors = [rms(y.map((v, i) => v - target[i]))];
   for (let step = 0; step < steps; step++) {
-    const A = new Float64Array(count * y.length), e = y.map((v, i) => gain * (wanted[i] - v));
+    const A = new Float64Array(count * y.length), e = y.map((v, i) => gain * (target[i] - v));
     J.forEach((column, k) => column.forEach((v, i) => { A[count * i + k] = v; }));
     const u = leastSquares(A, e, count, 1), theta = postures[step];
     const next = theta.map((v, k) => clamp(v + u[k], scene.lower[k], scene.upper[k]));
@@ -79,7 +79,7 @@ export function teachByShowing(world, {start, goal, gain, update, coordinates, p
     if (update && Math.hypot(...moved) > MIN_MOTION_RAD) J = updated(J, moved, after.map((v, i) => v - y[i]));
     postures.push(next);
     images.push(seen);
-    errors.push(rms(after.map((v, i) => v - wanted[i])));
+    errors.push(rms(after.map((v, i) => v - target[i])));
     y = after;
   }
   return {postures, images, goal: goalImages, errors};

@@ -147,5 +147,5 @@ function farthestOff({views, usable, fitted}) {
   return usable[off.indexOf(Math.max(...off))];
 }
 
-/** Whether two postures are equal, but for rounding. @param {number[]} a @param {number[]} b */
+/** Whether two postures are equal up to rounding. @param {number[]} a @param {number[]} b */
 const same = (a, b) => a.every((v, k) => Math.abs(v - b[k]) < 1e-6);

@@ -47,7 +47,7 @@ export const silhouette = points => COMPASS.map(([a, b]) => {
   return best;
 });
 
-/** Outlines of arms, computed anew only where a posture or the scene has changed. */
+/** Outlines of arms, computed again only where a posture or the scene has changed. */
 export class Outlines {
   /** @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(hulls) {

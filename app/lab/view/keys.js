@@ -1,6 +1,6 @@
 /** Keys of the whole page, but where something on it takes them for itself. */
 
-/** What takes arrow keys or the space bar for itself, but only for whoever came there by keys. */
+/** Elements that take arrow keys or the space bar for themselves, but only if keys focused them. */
 const RETURNING = "input[type=radio], select, #space, #map, .buttons button";
 
 /** @param {Record<string, () => void>} keys what each does, letters in lower case @param {() => boolean} isOn */

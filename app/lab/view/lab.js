@@ -135,7 +135,7 @@ export class Lab {
     this.#remember();
   }
 
-  /** Something is dragged, or let go. @param {boolean} held */
+  /** Something is dragged, or released. @param {boolean} held */
   hold(held) {
     this.player.isHeld = held;
   }

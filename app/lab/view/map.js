@@ -63,7 +63,7 @@ export class EnergyMap {
     this.numbers = [];
     this.z = new Float64Array(0);
     /**
-     * What is drawn below the marks: its grid, and the contours' levels, ln px².
+     * The drawing below the marks: its grid, and the contours' levels, ln px².
      *
      * @type {{rows: number, columns: number, levels: number[]}}
      */
@@ -269,7 +269,7 @@ export class EnergyMap {
     }).join("");
     const cross = minimum && this.place(minimum), circle = (/** @type {string} */ kind, /** @type {number} */ r) =>
       `<circle class="${kind}" cx="${px(x)}" cy="${px(y)}" r="${r}"/>`;
-    // A ring, where a dot would hide what is there
+    // A ring, where a dot would hide the map
     const isNear = [goal, cross].some(mark => mark && Math.hypot(x - mark[0], y - mark[1]) < NEAR_PX);
     const dot = isNear ? circle("vi-line-own vi-case", RING_PX) + circle("vi-line-own", RING_PX) : circle("vi-now", 7.5);
     const drawn = `<path class="vi-line-own vi-case" d="${way}"/><path class="vi-line-own" d="${way}"/>`;

@@ -1,4 +1,4 @@
-/** A recorded run, as viewimit/drawing/export/recording.py writes it: its moments as the lab's modules take them. */
+/** A recorded run, as viewimit/drawing/export/recording.py writes it: its snapshots as the lab's modules take them. */
 import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
 
 /**
@@ -41,12 +41,12 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
  * @property {number[]} [minimum]
  * @property {number[]} [level]
  * @property {number[]} [unknown]
- * @typedef {{chosen: number | null, moments: RecordedMoment[], methods: Method[], maps: RecordedMap[],
+ * @typedef {{chosen: number | null, snapshots: RecordedMoment[], methods: Method[], maps: RecordedMap[],
  *   demonstrators: {theta: number[], images: (number | null)[], seen: string}[]}} Run
  * @typedef {import("../engine/affine.js").Line} Line
  */
 
-const PX = 100, RAD = 1e6, SHARE = 1000; // units of what is recorded in a px, a rad and the logarithm of E
+const PX = 100, RAD = 1e6, SHARE = 1000; // units of the recording in a px, a rad and the logarithm of E
 /** Pairs of the views l, r, L, R, and twelve lines of a point, in the library's order. */
 const PAIRS = [[0, 2], [1, 2], [0, 3], [1, 3], [0, 1], [2, 3]];
 const LINE_VIEWS = [...PAIRS.map(([from, into]) => ({into, from})), ...PAIRS.map(([into, from]) => ({into, from}))];
@@ -67,7 +67,7 @@ export class Recorded {
     this.scene = scene;
     const demonstrators = run.demonstrators.map(({theta, images, seen}) =>
       ({theta: angles(theta), images: pixels(images), seen: flags(seen, images.length / 2)}));
-    this.moments = run.moments.map(one => {
+    this.snapshots = run.snapshots.map(one => {
       const {theta: thetaDemo, images: demo, seen: demoSeen} = demonstrators[one.demo], own = pixels(one.own);
       const views = {demo, demoSeen, own, ownSeen: flags(one.seen, own.length / 2)};
       const seenByAll = (/** @type {number} */ i) =>
@@ -91,10 +91,10 @@ export class Recorded {
    * @returns {Line[]}
    */
   lines(k, point) {
-    const {views: {demo, own}, usable} = this.moments[k], method = this.run.methods[this.run.moments[k].method];
+    const {views: {demo, own}, usable} = this.snapshots[k], method = this.run.methods[this.run.snapshots[k].method];
     if (!method.crosses || !usable.includes(point) || usable.length < MIN_POINTS) return [];
     if (method.rectified) {
-      const lines = this.run.moments[k].constructed[point]?.lines ?? [];
+      const lines = this.run.snapshots[k].constructed[point]?.lines ?? [];
       return lines.map(([a, b, c], n) => ({...LINE_VIEWS[n], a, b, c}));
     }
     const at = (/** @type {Float64Array} */ of) => of.subarray(4 * point, 4 * point + 4);
@@ -103,7 +103,7 @@ export class Recorded {
 
   /** @param {number} k @param {number} point @returns {import("./images.js").Construction | null} */
   construction(k, point) {
-    const built = this.run.moments[k].constructed[point], {recovered} = this.moments[k];
+    const built = this.run.snapshots[k].constructed[point], {recovered} = this.snapshots[k];
     if (!built) return null;
     const axes = pixels(built.axes);
     const ellipses = [0, 1].map(side => ({
@@ -115,8 +115,8 @@ export class Recorded {
 
   /** How a point is found, in a sentence. @param {number} k @param {number} point */
   how(k, point) {
-    const built = this.run.moments[k].constructed[point];
-    if (!built) return this.moments[k].usable.includes(point) ? "" : `Point ${point} is not seen in all four images.`;
+    const built = this.run.snapshots[k].constructed[point];
+    if (!built) return this.snapshots[k].usable.includes(point) ? "" : `Point ${point} is not seen in all four images.`;
     const [left, right] = built.angle ?? [];
     const found = built.angle ? `Point ${point}: lines cross at ${left}°${left === right ? "" : `, ${right}°`}.`
       : `Point ${point}: carried over by steps.`;

@@ -1,5 +1,5 @@
 /**
- * A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its moments.
+ * A replay: the lab's view of a recorded run, a time bar under it, and the way into the lab from any of its snapshots.
  */
 import {World} from "../engine/engine.js";
 import {Angles} from "./curve.js";
@@ -40,9 +40,9 @@ export class Replay {
     this.isPlaying = false;
     this.isDue = false;
     this.shown = this.now = this.since = 0;
-    this.last = run.moments.length - 1;
+    this.last = run.snapshots.length - 1;
     this.chosen = run.chosen ?? 0;
-    const motions = run.moments[this.last].motion;
+    const motions = run.snapshots[this.last].motion;
     $("time").max = this.last;
     $("speed").value = SPEEDS.find(([most]) => motions > most)?.[1] ?? "2";
     this.sliders = new Sliders($("own"), "learner", () => {}, () => {});
@@ -55,7 +55,7 @@ export class Replay {
   }
 
   get moment() {
-    return this.recorded.moments[this.now];
+    return this.recorded.snapshots[this.now];
   }
 
   /** Show it, from a motion on. @param {number} motion */
@@ -81,7 +81,7 @@ export class Replay {
   /** @param {number} k index of a moment */
   show(k) {
     this.now = Math.max(0, Math.min(this.last, k));
-    const {motion} = this.moment, words = `${motion} of ${this.recorded.moments[this.last].motion}`;
+    const {motion} = this.moment, words = `${motion} of ${this.recorded.snapshots[this.last].motion}`;
     $("time").value = this.now;
     $("time").style.setProperty("--at", `${100 * this.now / Math.max(1, this.last)}%`);
     $("time").setAttribute("aria-valuetext", `after ${words} motions`);
@@ -124,24 +124,24 @@ export class Replay {
 
   draw() {
     if (!this.isOpen) return;
-    const {view, moment, now, chosen, recorded, scene} = this, {run, moments} = recorded, goal = $("goal").checked;
+    const {view, moment, now, chosen, recorded, scene} = this, {run, snapshots} = recorded, goal = $("goal").checked;
     view.draw(this.world, {
       moment, recovered: moment.recovered, bones: moment.bones, lines: recorded.lines(now, chosen),
       construction: recorded.construction(now, chosen), chosen, goal, ease: 1, rays: $("rays").checked,
     });
     this.#map();
-    const map = run.maps[run.moments[now].map];
-    view.curve.draw(moments, now, goal ? map.E_true ?? null : null);
-    this.angles.draw(moments, now, scene.joints);
+    const map = run.maps[run.snapshots[now].map];
+    view.curve.draw(snapshots, now, goal ? map.E_true ?? null : null);
+    this.angles.draw(snapshots, now, scene.joints);
     this.sliders.show(moment.theta, moment.thetaDemo);
     document.body.classList.toggle("goalless", !goal);
-    document.body.classList.toggle("stepwise", !run.methods[run.moments[now].method].crosses);
+    document.body.classList.toggle("stepwise", !run.methods[run.snapshots[now].method].crosses);
     this.#say();
   }
 
   /** The arm on its way to the next moment. @param {number} share of the way */
   #glide(share) {
-    const {moment, recorded, chosen, now} = this, {theta} = recorded.moments[Math.min(now + 1, this.last)];
+    const {moment, recorded, chosen, now} = this, {theta} = recorded.snapshots[Math.min(now + 1, this.last)];
     const eased = smoothstep(share), between = moment.theta.map((v, k) => v + eased * (theta[k] - v));
     this.view.drawSpace(this.world, {
       moment: {...moment, theta: between}, recovered: moment.recovered, lines: recorded.lines(now, chosen),
@@ -150,7 +150,7 @@ export class Replay {
   }
 
   #map() {
-    const {view, moment, now, recorded: {run, maps, moments}} = this, k = run.moments[now].map, ground = maps[k];
+    const {view, moment, now, recorded: {run, maps, snapshots}} = this, k = run.snapshots[now].map, ground = maps[k];
     const {bars, says} = run.maps[k], {lower, upper, names} = this.scene, goal = $("goal").checked;
     $("map").hidden = !ground;
     $("bars").hidden = Boolean(ground);
@@ -162,19 +162,19 @@ export class Replay {
       this.shown = k;
     }
     if (!ground) return;
-    const path = moments.slice(0, now).map(({theta, motion}, at) =>
-      ({theta, probe: moments[at + 1].probe, isPast: run.moments[at].map !== k && motion < moment.motion}));
+    const path = snapshots.slice(0, now).map(({theta, motion}, at) =>
+      ({theta, probe: snapshots[at + 1].probe, isPast: run.snapshots[at].map !== k && motion < moment.motion}));
     view.map.marks({
       demonstrator: goal ? moment.thetaDemo : null, learner: moment.theta, path,
-      minimum: goal ? ground.minimum?.theta ?? null : null, later: moments.slice(now + 1).map(({theta}) => theta),
-      demonstrators: moments.slice(0, now).map(({thetaDemo}) => thetaDemo)
+      minimum: goal ? ground.minimum?.theta ?? null : null, later: snapshots.slice(now + 1).map(({theta}) => theta),
+      demonstrators: snapshots.slice(0, now).map(({thetaDemo}) => thetaDemo)
         .filter((theta, at, all) => !at || theta.some((v, j) => v !== all[at - 1][j])),
     });
   }
 
-  /** What the learner says, what is true, and the numbers of the moment. */
+  /** What the learner says, the truth, and the numbers of the snapshot. */
   #say() {
-    const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.moments[now];
+    const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.snapshots[now];
     const method = run.methods[one.method];
     $("state").className = `state ${STATES[one.state] ?? "stuck"}`;
     say($("outcome"), one.title);
@@ -221,9 +221,9 @@ export class Replay {
 
   /** The index of the moment nearest to a motion. @param {number} motion */
   #nearest(motion) {
-    const {moments} = this.recorded;
-    return moments.reduce((best, one, k) =>
-      Math.abs(one.motion - motion) < Math.abs(moments[best].motion - motion) ? k : best, 0);
+    const {snapshots} = this.recorded;
+    return snapshots.reduce((best, one, k) =>
+      Math.abs(one.motion - motion) < Math.abs(snapshots[best].motion - motion) ? k : best, 0);
   }
 
   /** @param {number} point */
@@ -235,7 +235,7 @@ export class Replay {
 
   /** Go on in the lab from here. */
   #takeOver() {
-    const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.moments[this.now].method];
+    const {moment, recorded: {run}} = this, {lab, lacks} = run.methods[run.snapshots[this.now].method];
     const from = `The replay goes on here after motion ${moment.motion}.`;
     const [servo, transfer] = [SERVO_WORDS[lab.servo].title, TRANSFER_WORDS[lab.transfer].title.toLowerCase()];
     const now = `: now it is “${servo}” and the ${transfer} transfer`;

@@ -58,7 +58,7 @@ export class View {
   }
 
   /**
-   * Images, scene and what is said of the chosen point.
+   * Images, scene and the words on the chosen point.
    *
    * @param {World} world
    * @param {Shown} shown

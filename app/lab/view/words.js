@@ -47,7 +47,7 @@ export const TRANSFER_WORDS = {
  * @returns {{state: string, text: string}}
  */
 export function outcome(now, playing, points, noisePx, posedAt) {
-  const apart = residualText(now.E), steps = stepsText(now.motion);
+  const residual = residualText(now.E), steps = stepsText(now.motion);
   const when = posedAt ? `${stepsText(now.motion - posedAt)} after the demonstrator moved` : `after ${steps}`;
   const said = (/** @type {string} */ state, /** @type {string} */ text) => ({state, text});
   if (now.status === "too-few-points")
@@ -55,19 +55,19 @@ export function outcome(now, playing, points, noisePx, posedAt) {
   if (points < 5) return said("stuck", "With four points, E is 0 in every pose: the pictures cannot disagree.");
   const agrees = Math.sqrt(now.E) < AGREE_PX + AGREE_PER_NOISE * noisePx;
   if (now.status === "settled" || now.status === "no-progress") {
-    const rests = now.status === "settled", still = `but the pictures still disagree by ${apart}`;
+    const rests = now.status === "settled", still = `but the pictures still disagree by ${residual}`;
     const next = playing ? " Move the demonstrator, and it follows." : "";
     if (agrees) return said("settled",
-      `${rests ? "Converged" : "E no longer falls"} ${when}: the pictures agree to ${apart}.${next}`);
+      `${rests ? "Converged" : "E no longer falls"} ${when}: the pictures agree to ${residual}.${next}`);
     return said("stuck", rests
       ? `Stopped ${when} without success. By what it has learned, no small turn would lower E, ${still}.`
       : `E no longer falls ${when}, ${still}.`);
   }
   if (playing && now.probe) return said("moving", "A test move: it turns one joint to see how its pictures change.");
   if (playing) return said("moving", "Copying: it goes where it expects a smaller E.");
-  if (now.motion) return said("moving", `After ${steps}, the pictures disagree by ${apart}.`);
-  if (agrees) return said("ready", `Ready. The pictures already agree to ${apart}.`);
-  return said("ready", `Ready. The pictures disagree by ${apart}. Press Play, or pose the demonstrator.`);
+  if (now.motion) return said("moving", `After ${steps}, the pictures disagree by ${residual}.`);
+  if (agrees) return said("ready", `Ready. The pictures already agree to ${residual}.`);
+  return said("ready", `Ready. The pictures disagree by ${residual}. Press Play, or pose the demonstrator.`);
 }
 
 /**

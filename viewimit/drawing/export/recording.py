@@ -1,4 +1,4 @@
-"""A session's moments as numbers, which the modules of the lab draw in a replay.
+"""A session's snapshots as numbers, which the modules of the lab draw in a replay.
 
 Pixels are whole hundredths and angles whole microradians, null where something is not known: small as compressed JSON.
 app/lab/view/recorded.js reads what is written here.
@@ -45,13 +45,13 @@ def kept_motions(history: Sequence[Snapshot]) -> list[int]:
 
 def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict[str, Any]:
     """Record a session in a scene at these motions. chosen: a body point, whose construction is shown at first."""
-    moments = [session.history[k] for k in motions]
+    snapshots = [session.history[k] for k in motions]
     count, points = len(session.world.body), range(len(session.world.body))
     constructed = points if count * len(motions) <= MAX_CONSTRUCTIONS else [] if chosen is None else [chosen]
-    demonstrators, methods, maps = _Table(), _Table(), _Maps(session, moments)
+    demonstrators, methods, maps = _Table(), _Table(), _Maps(session, snapshots)
     silhouettes = Silhouettes({}, session.world)
     recorded = []
-    for moment in moments:
+    for moment in snapshots:
         views, recovered = moment.views, silhouettes.bodies(moment).recovered
         seen, own_seen = (_flags(pair) for pair in np.split(views.visible, 2, 1))
         demo = {"theta": _angles(moment.theta_demo), "images": _pixels(views.demo), "seen": seen}
@@ -75,7 +75,7 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
         )
     return {
         "chosen": chosen,
-        "moments": recorded,
+        "snapshots": recorded,
         "demonstrators": demonstrators.entries,
         "methods": methods.entries,
         "maps": maps.entries,

@@ -1,6 +1,6 @@
 """A session as one HTML file that needs no server, also for a notebook's cell.
 
-It is the lab with a recorded run: the same page and modules show the run's moments, and take over where the lab can
+It is the lab with a recorded run: the same page and modules show the run's snapshots, and take over where the lab can
 compute the run's scene. The browser's modules become one script that needs no loader.
 """
 
@@ -181,7 +181,7 @@ def _preset(first: Snapshot, title: str) -> dict[str, Any]:
 
 
 def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -> str:
-    last = data["run"]["moments"][-1]["motion"]
+    last = data["run"]["snapshots"][-1]["motion"]
     parts = {
         name: Template(text).substitute(
             title=escape(title or citation.title),

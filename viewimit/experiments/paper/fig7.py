@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from textwrap import wrap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +36,7 @@ PAPER_RANGE_DEG2 = 90.0 * 180.0
 STUDY = (6, 5)  # demonstrators for each joint, evenly spaced over its range
 MARGIN_DEG = 10.0  # of the range that is left out at both ends
 
-SENTENCE = ("Maps E over all postures: is there", "one valley, and does it end at the", "demonstrator's posture?")
+SENTENCE = "Maps E over all postures: is there one valley, and does it end at the demonstrator's posture?"
 MAP_WIDTH, MAP_HIGH, MAP_TOP = 270, 118, 19  # px; the plane's own margins are inside
 BIAS_BOX, VALIDITY_BOX = (322, 27, 420, 101), (322, 147, 420, 197)  # left, top, right, bottom px of the plots
 MIN_BIAS_DEG, PERCENT = 5.0, (1.0, 100.0)  # ranges that the plots show at least
@@ -233,7 +234,7 @@ def _map(scene: Scene, found: Fig7 | None) -> str:
         inside = plane.message("two joints must move")
     elif found is None:
         x, y, w, h = plane.box
-        inside = sentence(SENTENCE, x + w / 2, y + h / 2)
+        inside = sentence(wrap(SENTENCE, int((w - 12) / CHARACTER)), x + w / 2, y + h / 2)
     elif surface is None:
         inside = plane.message("computing …")
     elif np.isnan(surface.landscape.E).all():

@@ -24,7 +24,7 @@ const HEAD = 8, FOOT = 46, LEFT = 48, BESIDE_FROM = 520; // units; from this wid
 
 /** @type {FigureKind} */
 export const BIASES = {
-  layers: ["curves", "here", "foretold", "found"],
+  layers: ["curves", "here", "predicted", "found"],
   title: "From the smallest E to the demonstrator",
   aspect: 1.8,
   create(box) {
@@ -81,9 +81,9 @@ function drawn({width, height}, stage, layers) {
   }
   const found = valueAt(ASKED, times, degrees[used]), goal = at(ASKED, found), guess = stage.answer.number;
   if (layers.has("found")) names.keep(goal, 9);
-  const you = guess !== undefined && layers.has("foretold") ? at(ASKED, guess) : null;
+  const you = guess !== undefined && layers.has("predicted") ? at(ASKED, guess) : null;
   if (you) names.keep(you, 16);
-  if (layers.has("found") && you) svg += path("lesson-apart", polyline([you, goal]));
+  if (layers.has("found") && you) svg += path("lesson-gap", polyline([you, goal]));
   if (layers.has("found")) {
     svg += path("lesson-ring", circles([goal], 6.5));
     names.put(`${short(found)}°`, goal, "", {away: 13});
@@ -96,7 +96,7 @@ function drawn({width, height}, stage, layers) {
 }
 
 /**
- * Names at the ends of curves, apart from each other.
+ * Names at the ends of curves, which do not overlap.
  *
  * @param {{name: string, at: number, words: string}[]} ends
  * @param {number} right

@@ -144,7 +144,7 @@ const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
   return race ? [/** @type {const} */ ([servo, race])] : [];
 });
 
-/** The visitor's own way and those of servos, up to what is shown. @param {Stage} stage @param {Set<string>} layers */
+/** The visitor's own way and those of servos, up to the motion that is shown. @param {Stage} stage @param {Set<string>} layers */
 function waysOf(stage, layers) {
   /** @type {Way[]} */
   const ways = [];

@@ -14,7 +14,7 @@ export function named(box, kind, name) {
 }
 
 /**
- * A figure of words and numbers in a named box, written anew where they differ.
+ * A figure of words and numbers in a named box, written again where they differ.
  *
  * @param {string} kind class of the box
  * @param {string} name

@@ -30,7 +30,7 @@ const TICK = 12, NAME = 13; // letters, drawing units
 const MOST_DOTS = 80; // of a curve, of which each point is drawn
 const ROOM = 20; // over the axes, for the name of y
 const LOW = 104, LINE = 15; // a drawing that is lower has a list of names beside its curves; a line of that list
-const APART = 16; // of ticks of y at least
+const MIN_TICK_GAP = 16; // units, of ticks of y
 
 export class Chart {
   /** @param {HTMLElement} box */
@@ -67,7 +67,7 @@ export class Chart {
     };
     let under = Infinity;
     for (const value of ticks) {
-      if (under - y(value) < APART) continue;
+      if (under - y(value) < MIN_TICK_GAP) continue;
       under = y(value);
       html += `<path class="vi-rule" d="M${px(box[0])} ${px(y(value))}H${px(box[2])}"/>`;
       text(box[0] - 6, y(value) + 4, tickText(value), "vi-2nd vi-end");

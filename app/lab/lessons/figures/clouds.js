@@ -55,7 +55,7 @@ function cloudsOf({step, records}) {
 }
 
 /** Mean and standard deviation of both joints, rad. @param {number[][]} cloud */
-function moments(cloud) {
+function meanAndStd(cloud) {
   const mean = [0, 1].map(k => cloud.reduce((sum, theta) => sum + theta[k], 0) / cloud.length);
   const off = mean.map((v, k) => Math.sqrt(cloud.reduce((sum, theta) => sum + (theta[k] - v) ** 2, 0) / cloud.length));
   return {mean, off};
@@ -94,10 +94,10 @@ function drawn(drawing, stage, layers, known) {
   if (layers.has("spread")) shown.forEach((name, row) => svg += spread(clouds[name], name, row, to, names));
   names.keep(demo, 9);
   for (const name of shown) for (const theta of clouds[name]) names.keep(at(theta), 2);
-  const middle = layers.has("middle") && clouds.averaged ? at(moments(clouds.averaged).mean) : null;
+  const middle = layers.has("middle") && clouds.averaged ? at(meanAndStd(clouds.averaged).mean) : null;
   const lowest = layers.has("bias") ? smallest(...undisturbed(stage)) : null, cross = lowest && at(lowest);
   for (const each of [middle, cross]) if (each) names.keep(each, 10);
-  if (cross) svg += path("lesson-apart", polyline([cross, demo]));
+  if (cross) svg += path("lesson-gap", polyline([cross, demo]));
   svg += path("vi-seen", diamonds([demo], 6.5));
   if (middle) svg += path("lesson-middle-case", circles([middle], 8)) + path("lesson-middle", circles([middle], 8));
   if (cross) svg += path("lesson-cross-case", crosses([cross], 7)) + path("vi-cross", crosses([cross], 7));
@@ -108,7 +108,7 @@ function drawn(drawing, stage, layers, known) {
   return svg + names.html;
 }
 
-/** What is seen of both arms without noise. @param {Stage} stage @returns {Parameters<typeof smallest>} */
+/** Images of both arms without noise. @param {Stage} stage @returns {Parameters<typeof smallest>} */
 const undisturbed = ({world, session, moment}) =>
   [world, session.settings.transfer, world.look("demonstrator", moment.thetaDemo)];
 
@@ -163,7 +163,7 @@ function ticks({low, high, x, y, right, bottom}, joints) {
  * @param {Names} names
  */
 function spread(cloud, name, row, {x, y, right, bottom}, names) {
-  const {mean, off} = moments(cloud), across = right - 18 - 92 * row, down = bottom - 18 - 24 * row;
+  const {mean, off} = meanAndStd(cloud), across = right - 18 - 92 * row, down = bottom - 18 - 24 * row;
   const low = y(mean[0] - off[0]), high = y(mean[0] + off[0]), first = x(mean[1] - off[1]), last = x(mean[1] + off[1]);
   const d = `M${px(across)} ${px(low)}V${px(high)}M${px(across - 5)} ${px(low)}h10M${px(across - 5)} ${px(high)}h10`
     + `M${px(first)} ${px(down)}H${px(last)}M${px(first)} ${px(down - 5)}v10M${px(last)} ${px(down - 5)}v10`;
@@ -187,7 +187,7 @@ function described(stage, layers) {
   const {names} = stage.world.scene, clouds = cloudsOf(stage);
   const words = [`Where E was smallest under noise: ${names[0]} upwards, ${names[1]} to the right`];
   for (const name of SHOWN) if (layers.has(name) && clouds[name]) {
-    const spreads = moments(clouds[name]).off.map(v => `${fixed(v / DEGREE)}°`);
+    const spreads = meanAndStd(clouds[name]).off.map(v => `${fixed(v / DEGREE)}°`);
     words.push(`with ${TITLES[name]} it spreads by ${spreads.join(" and ")}`);
   }
   if (layers.has("bias")) words.push("its middle is near the place where E is smallest without noise, beside the demonstrator");

@@ -1,12 +1,12 @@
 /**
- * Where two lines cross, through a magnifying glass: pixels are squares, one line stands a pixel aside as well, and the
+ * Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and the
  * ellipse holds the transferred point if pixels are off.
  *
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("../stage.js").FigureKind} FigureKind
  * @typedef {import("../../engine/affine.js").Line} Line
  * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l and r,
- *   where they cross, and the same with the second one a pixel aside
+ *   where they cross, and the same with the second one moved by a pixel
  * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad
  */
 import {fixed, px} from "../../view/svg.js";

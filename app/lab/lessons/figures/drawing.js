@@ -47,7 +47,7 @@ export class Drawing {
     set(this.svg, {viewBox: `0 0 ${px(this.width)} ${px(this.height)}`});
   }
 
-  /** @param {string} inside SVG @param {string} label what is seen, in words */
+  /** @param {string} inside SVG @param {string} label the drawing in words */
   show(inside, label) {
     set(this.svg, {"aria-label": label});
     if (inside !== this.last) this.svg.innerHTML = this.last = inside;

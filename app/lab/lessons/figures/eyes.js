@@ -15,7 +15,7 @@ import {around, arrow, clipped, disc, isStill, Plane} from "./plane.js";
 
 const MARGIN = /** @type {[number, number, number, number]} */ ([24, 40, 24, 36]); // drawing units, that stay free
 const STICK_PX = 60; // of a stick that the window of picture 1 holds
-const HOLDS_PX = 340, LEAST_PX = 90; // from the arm: an epipole that near is in the window; what is kept when it is far
+const HOLDS_PX = 340, LEAST_PX = 90; // from the arm: an epipole that near is in the window; px that are kept when it is far
 const EASE = 0.35; // of the reveal in which the window has opened
 
 /** @param {1 | 2} number @returns {FigureKind} */

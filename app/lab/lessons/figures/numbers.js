@@ -173,10 +173,10 @@ export const predictions = {
     return {
       resize: () => chart.resize(),
       draw: ({rounds}) => {
-        const apart = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
-        const off = rounds.map(({mark, to}) => apart(mark, to)), count = Math.max(6, off.length);
+        const distance = (/** @type {number[]} */ p, /** @type {number[]} */ q) => Math.hypot(p[0] - q[0], p[1] - q[1]);
+        const off = rounds.map(({mark, to}) => distance(mark, to)), count = Math.max(6, off.length);
         const last = rounds[off.length - 1];
-        const share = last ? apart(last.mark, last.to) / apart(last.from, last.to) : Infinity;
+        const share = last ? distance(last.mark, last.to) / distance(last.from, last.to) : Infinity;
         chart.draw({
           x: [.4, count + .6], y: [0, 1.15 * Math.max(20, ...off)], xName: "turn",
           xTicks: Array.from({length: count}, (_, k) => [k + 1, String(k + 1)]),

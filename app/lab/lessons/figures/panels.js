@@ -9,7 +9,7 @@
  * @property {string} [instead] large words on a plane without relief
  * @property {number[] | null} demonstrator rad
  * @property {number[][]} lowest rad, the smallest E first
- * @property {boolean} [apart] whether a line leads from the smallest E to the demonstrator
+ * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator
  */
 import {EnergyMap} from "../../view/map.js";
 import {add} from "../../view/svg.js";
@@ -43,7 +43,7 @@ export class MapPanel {
   }
 
   /** @param {MapOfE} what @param {import("../stage.js").Scene} scene */
-  draw({title, words, map: made, instead = "", demonstrator, lowest, apart = false}, {lower, upper, names: joints}) {
+  draw({title, words, map: made, instead = "", demonstrator, lowest, gap = false}, {lower, upper, names: joints}) {
     const {map} = this, key = `${made?.key} ${document.documentElement.dataset.scheme}`;
     this.title.textContent = title;
     this.words.textContent = words;
@@ -52,13 +52,13 @@ export class MapPanel {
     const [left, top, right, bottom] = map.plot, names = new Names(map.plot);
     const at = lowest.map(theta => map.place(theta)), demo = demonstrator && map.place(demonstrator);
     for (const each of [...at, ...demo ? [demo] : []]) names.keep(each, 8);
-    let over = apart && demo && at.length ? path("lesson-apart", polyline([at[0], demo])) : "";
-    if (apart && demo && at.length) names.keepLine([at[0], demo]);
+    let over = gap && demo && at.length ? path("lesson-gap", polyline([at[0], demo])) : "";
+    if (gap && demo && at.length) names.keepLine([at[0], demo]);
     const cross = crosses(at.slice(1), 3.5) + crosses(at.slice(0, 1), 7.5);
     over += path("lesson-cross-case", cross) + path("vi-cross", cross);
     if (demo) over += path("vi-seen", diamonds([demo], 5.5));
-    if (apart && demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
-    if (apart && at.length) names.put("smallest E", at[0], "", {first: [-1, 0]});
+    if (gap && demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
+    if (gap && at.length) names.put("smallest E", at[0], "", {first: [-1, 0]});
     const size = instead.length > 1 ? "lesson-large" : "lesson-huge";
     const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
     if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);

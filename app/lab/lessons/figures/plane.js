@@ -113,7 +113,7 @@ export class Plane {
     return [at[0] / this.unit / scale + x, at[1] / this.unit / scale + y];
   }
 
-  /** @param {string} html @param {string} label that says what is seen */
+  /** @param {string} html @param {string} label the drawing in words */
   show(html, label) {
     if (html !== this.last) this.ink.innerHTML = this.last = html;
     set(this.svg, {"aria-label": label});

@@ -1,11 +1,11 @@
 /** All figures of lessons, by the names that a lesson's file has. Each owner adds lines. */
 import {BIASES} from "./biases.js";
 import {LANDSCAPE} from "./bowl.js";
-import {CARRIED_FROM_SIDE, CARRIED_IN_L} from "./carried.js";
+import {CIRCLE_FROM_SIDE, CIRCLE_IN_L} from "./circle.js";
 import {CLOUDS} from "./clouds.js";
 import {CROSSING} from "./crossing.js";
 import {MATCHES} from "./matches.js";
-import {MENDED, ROWS} from "./mended.js";
+import {RECTIFIED, ROWS} from "./rectified.js";
 import {RESULTS, ROUNDS} from "./rounds.js";
 import {BETS, CLAIM, E_HISTORY, REVIEW_OF_RUNS, RUN_IMAGES} from "./sign.js";
 import {VERDICT} from "./verdict.js";
@@ -30,10 +30,10 @@ export const FIGURES = {
   matches: MATCHES,
   verdict: VERDICT,
   clouds: CLOUDS,
-  mended: MENDED,
+  rectified: RECTIFIED,
   rows: ROWS,
-  "carried in L": CARRIED_IN_L,
-  "carried from the side": CARRIED_FROM_SIDE,
+  "circle in L": CIRCLE_IN_L,
+  "circle from the side": CIRCLE_FROM_SIDE,
   rounds: ROUNDS,
   results: RESULTS,
   claim: CLAIM,

@@ -1,5 +1,5 @@
 /**
- * The room from above, with the demonstrator carried about in it, and E there beside E of other shapes.
+ * The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
  *
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("../stage.js").FigureKind} FigureKind
@@ -7,7 +7,7 @@
 import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
-import {carriedPlaces} from "../places.js";
+import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
 import {Names} from "./names.js";
 import {around, Plane} from "./plane.js";
@@ -31,7 +31,7 @@ const known = new WeakMap();
 function placesOf(stage) {
   const key = `${stage.moment.theta} ${stage.moment.thetaDemo}`, kept = known.get(stage);
   if (kept?.key === key) return kept.places;
-  const places = carriedPlaces(stage);
+  const places = movedPlaces(stage);
   known.set(stage, {key, places});
   return places;
 }
@@ -65,11 +65,11 @@ class Room {
       return this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => above(transform(frames[link], v)))));
     };
     const demonstrator = outline("demonstrator", moment.thetaDemo), learner = outline("learner", moment.theta);
-    const carried = places.map(({x, y}) => demonstrator.map(points => points.map(([u, v]) => [u - y, v - x])));
+    const moved = places.map(({x, y}) => demonstrator.map(points => points.map(([u, v]) => [u - y, v - x])));
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));
     const bases = {demonstrator: above([arms.demonstrator.T_world_base[3], arms.demonstrator.T_world_base[7]]),
       learner: above([arms.learner.T_world_base[3], arms.learner.T_world_base[7]])};
-    plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...carried.flat(2), [head[0], head[1] + .3]]),
+    plane.aim(around([...demonstrator.flat(), ...learner.flat(), ...moved.flat(2), [head[0], head[1] + .3]]),
       {margin: [44, 26, 20, 30], glide: false});
     let html = `<path class="draw-floor" d="${this.#grid()}"/>`;
     const body = (/** @type {number[][][]} */ hulls, /** @type {number[]} */ base, /** @type {string} */ kind) => {
@@ -94,9 +94,9 @@ class Room {
     }
     /** @type {[number[], string, string][]} */
     const said = [];
-    carried.slice(0, count).forEach((hulls, k) => {
+    moved.slice(0, count).forEach((hulls, k) => {
       const {x, y, E} = places[k];
-      const base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-carried");
+      const base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-moved");
       if (layers.has("E there")) said.push([base, energyText(E), "draw-name-E"]);
     });
     if (layers.has("arms")) {

@@ -1,5 +1,5 @@
 /**
- * What was chosen against the page's own choice, from the same starts: how far each ended from the demonstrator, and
+ * The visitor's choice against the page's own, from the same starts: how far each ended from the demonstrator, and
  * what came of all choices so far.
  *
  * @typedef {import("../stage.js").Stage} Stage
@@ -65,7 +65,7 @@ function selected({step: {ask}, answer}) {
   return values.length && values.every(Boolean) ? values : null;
 }
 
-/** Of what was selected; null where it is not known. @param {Stage} stage @returns {Runs | null} */
+/** Of the selection; null where it is not known. @param {Stage} stage @returns {Runs | null} */
 export function chosenRuns(stage) {
   const values = selected(stage);
   return values && roundsOf(stage).runs[values.map(({value}) => value).join("/")] || null;

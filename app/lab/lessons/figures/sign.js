@@ -1,11 +1,11 @@
 /**
- * A finished run and its claim: what the learner knows, what is true, and how bets on it have done beside the learner's
+ * A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
  * own certificate.
  *
  * @typedef {import("../stage.js").Stage} Stage
  * @typedef {import("../stage.js").FigureKind} FigureKind
  * @typedef {Object} Run as the library records it
- * @property {string} name what was different about it
+ * @property {string} name of its difference
  * @property {string} ended in words
  * @property {number[][]} postures rad
  * @property {number[]} E px²

@@ -1,5 +1,5 @@
 /**
- * A motion of the demonstrator's hand that lines carry over, which were found once: in L, and from the side, where only
+ * A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
  * a viewer can stand.
  *
  * @typedef {import("../stage.js").Stage} Stage
@@ -7,7 +7,7 @@
  * @typedef {import("../../engine/world.js").World} World
  * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those by
  *   which the learner followed
- * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} Carried rad
+ * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} CircleRuns rad
  * @typedef {Object} Way of one hand, frame by frame
  * @property {number[][][]} arms px in L, base to hand
  * @property {number[][]} target px in L: where the lines say that the hand should be
@@ -32,7 +32,7 @@ const ROLES = {right: "learner", early: "opponent"};
 const FROZEN = {right: "lines kept when poses agreed", early: "lines kept too early"};
 
 /** @type {FigureKind} */
-export const CARRIED_IN_L = {
+export const CIRCLE_IN_L = {
   layers: ["still right", "still early", "right", "early", "targets", "truth"],
   title: "**L** own left eye",
   aspect: .72,
@@ -40,7 +40,7 @@ export const CARRIED_IN_L = {
 };
 
 /** @type {FigureKind} */
-export const CARRIED_FROM_SIDE = {
+export const CIRCLE_FROM_SIDE = {
   layers: ["circle", "right", "early", "px", "mm"],
   title: "From the side, both arms laid over each other",
   aspect: .72,
@@ -53,11 +53,11 @@ export const CARRIED_FROM_SIDE = {
  * @param {(stage: Stage, layers: Set<string>) => Shown} shownOf
  */
 function create(box, shownOf) {
-  const drawing = new Drawing(box, "lesson-carried");
+  const drawing = new Drawing(box, "lesson-circle");
   return {
     resize: () => drawing.measure(),
     draw(/** @type {Stage} */ stage, /** @type {Set<string>} */ layers) {
-      const shown = shownOf(stage, layers), {length} = stage.records.carried.demonstrator;
+      const shown = shownOf(stage, layers), {length} = stage.records.circle.demonstrator;
       const frame = stage.isRevealed ? stage.played(length) : length - 1;
       drawing.show(drawn(drawing, shown, frame), described(shown, frame));
     },
@@ -112,20 +112,20 @@ function fromSide(stage, layers) {
 /** @template T @param {T[]} of */
 const last = of => of[of.length - 1];
 
-/** @type {WeakMap<Carried, {right: Way, early: Way}>} */
+/** @type {WeakMap<CircleRuns, {right: Way, early: Way}>} */
 const known = new WeakMap();
 
 /** What both learners do. @param {Stage} stage @returns {{right: Way, early: Way}} */
 export function waysOf(stage) {
-  /** @type {Carried} */
-  const record = stage.records.carried, made = known.get(record);
+  /** @type {CircleRuns} */
+  const record = stage.records.circle, made = known.get(record);
   if (made) return made;
   const found = {right: wayOf(stage, record, record.right), early: wayOf(stage, record, record.early)};
   known.set(record, found);
   return found;
 }
 
-/** @param {Stage} stage @param {Carried} record @param {Followed} followed @returns {Way} */
+/** @param {Stage} stage @param {CircleRuns} record @param {Followed} followed @returns {Way} */
 function wayOf({world, session, moment}, {demonstrator}, {frozen, postures}) {
   const origins = (/** @type {"learner" | "demonstrator"} */ who, /** @type {number[]} */ theta) =>
     world.arms[who].linkFrames(theta).map(T => [T[3], T[7], T[11]]);
@@ -163,7 +163,7 @@ const upright = points => points.map(([x, , z]) => [x, z]);
 
 /** @param {Stage} stage */
 const demonstratorFromSide = ({world, records}) =>
-  /** @type {number[][]} */ (records.carried.demonstrator).map(theta => upright(fromBase(world, theta)));
+  /** @type {number[][]} */ (records.circle.demonstrator).map(theta => upright(fromBase(world, theta)));
 
 /** @param {Drawing} drawing @param {Shown} shown @param {number} frame */
 function drawn({width, height}, {hands, curves, room, upwards, unit, perUnit}, frame) {

@@ -71,7 +71,7 @@ class Followed:
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class CircleRuns:
     """The circle with both transfers."""
 
     right: Followed  # frozen where the postures agree
@@ -80,7 +80,7 @@ class Carried:
 
 
 @cache
-def carried(situation: Situation) -> Carried:
+def follow_circle(situation: Situation) -> CircleRuns:
     """Follow the circle with both transfers.
 
     Raises
@@ -100,12 +100,12 @@ def carried(situation: Situation) -> Carried:
 
     hand = session.world.link_frames(last.theta_demo, session.world.T_world_own)[-1:, :3, 3]
     depth = float(session.world.own_pair.images(hand)[1][0, 0])
-    return Carried(followed(last), followed(first), 1e3 * depth / session.world.own_cameras[0].lens.focal[0])
+    return CircleRuns(followed(last), followed(first), 1e3 * depth / session.world.own_cameras[0].lens.focal[0])
 
 
-def carried_record(situation: Situation) -> dict[str, Any]:
+def circle_record(situation: Situation) -> dict[str, Any]:
     """Postures of both arms and where the transfers were frozen, rad, as the page has them."""
-    made = carried(situation)
+    made = follow_circle(situation)
     return {
         "demonstrator": plain(made.right.run.theta_demo, 6),
         **{

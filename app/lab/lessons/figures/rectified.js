@@ -19,7 +19,7 @@ const MIN_DENOMINATOR = .1; // of a homography, as of the library's: no point is
 const GAP = 18, LINE = 18, MARGIN = 14, LEAST_PX = .01;
 
 /** @type {FigureKind} */
-export const MENDED = {
+export const RECTIFIED = {
   layers: LAYERS,
   title: "Maps of E, as seen and rectified",
   aspect: 1.1,
@@ -39,7 +39,7 @@ export const MENDED = {
           const words = least ? `${fixed(farthest(least, demonstrator))}° off` : "";
           const lowest = least ? [least] : [], {scene} = stage.world;
           const shown = stage.truthHidden ? {words: "", demonstrator: null} : {words, demonstrator};
-          panels[k].draw({title: TITLES[k], ...shown, map, lowest, apart: true}, scene);
+          panels[k].draw({title: TITLES[k], ...shown, map, lowest, gap: true}, scene);
         });
       },
     };

@@ -26,7 +26,7 @@ EPIPOLAR_LINE = css(drawn.EPIPOLAR_LINE)
 HOW = f"{css(drawn.IMAGES)} {css(drawn.HOW)}"  # the chosen point is recovered
 IMAGE_L = f"{css(drawn.IMAGES)} {css(drawn.IMAGE_L)}"
 CHOSEN_POINT = f"circle{css(drawn.CHOSEN_POINT)}"
-LARGE_FIGURE = css(drawn.LARGE_FIGURE)
+CONFLICT = f"{css(drawn.CONFLICT)} b"
 LEVELS = css(drawn.LEVELS)
 ALL_TRANSFERS = css(drawn.ALL_TRANSFERS)
 DUEL = css(drawn.DUEL)
@@ -144,6 +144,12 @@ def chosen_point(page) -> str:
     """Its name, as the legend has it; "" while it has none."""
     found = re.search(r"point (\S+): ", page.text_content(FOUR_IMAGES))
     return found[1] if found else ""
+
+
+def points_drawn(page) -> list[int]:
+    """How many of the learner's own points there are in L and in R."""
+    dots = "where => [...document.querySelectorAll(where)].map(path => path.getAttribute('d').split('M').length - 1)"
+    return page.evaluate(dots, f"svg:is(.vi-at-L,.vi-at-R) {DETECTED}")
 
 
 def stands(session) -> list[float]:

@@ -64,7 +64,7 @@ SCALE_BAR = "vi-lead"
 LED = "vi-lead"  # line to a label
 JOINT_LABELS = "vi-of-own"
 TITLE = "vi-b"
-LARGE_FIGURE = "vi-big"  # the value of E over the curves, first of all
+CONFLICT = "vi-E"  # E, the largest figure below the images
 
 # Marks and parts of the page
 HIGH, TOO_HIGH = "vi-amber", "vi-red"

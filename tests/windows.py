@@ -19,6 +19,7 @@ from typing import Any
 from websockets.sync.client import connect
 
 PATIENCE_S = 90.0
+LOOKS = 4  # in a row that find an element in one place, before it is clicked
 LISTENS = re.compile(r"WebDriver BiDi listening on (ws://\S+)")
 PREFERENCES = {
     "app.normandy.enabled": False,
@@ -105,16 +106,19 @@ class Firefox:
         return found
 
     def click(self, selector: str, text: str = "") -> None:
-        """Click with the mouse on the first element of a selector that contains a text."""
-        place = self.wait_for(
-            f"""(() => {{
-              const found = [...document.querySelectorAll({json.dumps(selector)})].find(
-                one => one.textContent.includes({json.dumps(text)}) && one.getClientRects().length);
-              found?.scrollIntoView({{block: "center"}});
-              const box = found?.getBoundingClientRect();
-              return box && [Math.round(box.x + box.width / 2), Math.round(box.y + box.height / 2)];
-            }})()"""
-        )
+        """Click with the mouse on the first element of a selector that contains a text, once it stands still."""
+        look = f"""(() => {{
+          const found = [...document.querySelectorAll({json.dumps(selector)})].find(
+            one => one.textContent.includes({json.dumps(text)}) && one.getClientRects().length);
+          found?.scrollIntoView({{block: "center"}});
+          const box = found?.getBoundingClientRect();
+          return box && [Math.round(box.x + box.width / 2), Math.round(box.y + box.height / 2)];
+        }})()"""
+        places = []
+        while len(places) < LOOKS or places[-LOOKS:] != LOOKS * places[-1:]:
+            places.append(self.wait_for(look))
+            time.sleep(0.1)
+        place = places[-1]
         move = {"type": "pointerMove", "x": place[0], "y": place[1]}
         steps = [move, {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
         mouse = {"type": "pointer", "id": "mouse", "actions": steps}

@@ -44,7 +44,8 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
     for key, value in values.items():
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
-            words = f"now {svg.short(value)}{scale.unit}"
+            number = str(value) if isinstance(value, int) else svg.short(value)  # a count has no decimals
+            words = f"now {number}{scale.unit}"
             rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
     return f"<style>{''.join(rules)}</style>"
 

@@ -246,6 +246,6 @@ def numbers_now(model: PageModel) -> dict[str, float]:
         "largest_e": float(lengths.max()) / mean if known and mean > 0 else np.nan,
         "condition": float(moment.transfer.condition) if moment.transfer is not None else np.nan,
         "flatness": moment.flatness,
-        "points_seen": float(moment.usable.sum()),
+        "points_seen": int(moment.usable.sum()),
         "truth": model.displayed.errors_deg[-1],
     }

@@ -60,6 +60,7 @@ def test_a_number_that_is_shown_is_a_bad_one(key):
 def test_what_a_number_is_now_is_told_at_its_place_on_the_scale():
     assert current_values({"condition": 31.62}) == '<style>#vi-word-condition{--now:50.0%;--words:"now 31.6"}</style>'
     assert "--now:100.0%" in current_values({"E": 1e9}) and "--now:0.0%" in current_values({"E": 0.0})
+    assert '"now 8"' in current_values({"points_seen": 8})
     assert current_values({"E": np.nan, "condition": np.inf}) == "<style></style>"
     scale = next(box for box in parsed(glossary.cards()).iter("div") if box.get("class") == SCALE_OF_MORE)
     assert [mark.text for mark in scale.iter("span")] == ["1", "20", "10", "5"]  # of points seen, many are good

@@ -144,5 +144,8 @@ def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(p
 
 def test_nothing_of_visers_covers_the_scene_or_competes_with_the_page(page):
     assert page.locator(".mantine-Notification-root:visible").count() == 0
-    assert page.locator(".tabler-icon-adjustments").is_hidden()  # viser's own settings
-    assert page.get_by_text("Dark Mode").is_hidden()
+    settings = page.locator(".tabler-icon-adjustments")
+    for width, height in ((1280, 720), (1024, 640), (900, 600), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        assert settings.is_hidden()  # viser's own, with a dark mode that would know nothing of the page's
+        assert page.get_by_text("Dev Settings").is_hidden() and page.get_by_text("Dark Mode").is_hidden()

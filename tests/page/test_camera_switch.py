@@ -12,6 +12,7 @@ from browsing import (
     POSTURE,
     fold,
     open_page,
+    points_drawn,
     press,
     status,
     switch,
@@ -129,8 +130,6 @@ LOADED = """async where => {
   await Promise.all(pictures.map(picture => picture.decode()))
   return pictures.map(picture => [picture.naturalWidth, picture.naturalHeight])
 }"""
-DOTS = "where => [...document.querySelectorAll(where)].map(path => path.getAttribute('d').split('M').length - 1)"
-
 STROKE = """where => { const {strokeLinecap, stroke} = getComputedStyle(document.querySelector(where))
   return [strokeLinecap, stroke] }"""
 
@@ -144,7 +143,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4
     press(page, "ArrowRight")
     page.wait_for_selector(f"{POSTURE} >> text=/^40[.]?/", timeout=60_000)
-    in_L, in_R, *_ = page.evaluate(DOTS, DETECTED)
+    in_L, in_R = points_drawn(page)
     assert in_L == in_R >= 5
     assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")

@@ -45,8 +45,8 @@ def touch(page, mark) -> None:
 
 def wait_for_chosen(page, point) -> None:
     """Until the drawing's rings stand around this point in all four images, or are nowhere."""
-    rings = 0 if point is None else 5  # one is the legend's
-    said = "" if point is None else f"point {point}, its"
+    rings = 0 if point is None else 4
+    said = "" if point is None else f"Point {point}: its"
     images = page.locator(FOUR_IMAGES)
     wait(page, lambda: page.locator(CHOSEN_POINT).count() == rings and said in images.text_content())
 
@@ -92,12 +92,12 @@ def test_a_look_moves_nothing_until_the_learner_starts_there(page):
     start = posture(page)
     switch(page, "Look only")
     touch(page, "a[data-do='posture/45,-60'] path")
-    wait_for_status(page, r"See-through arm · \(45.0°, −60.0°\): E [\d.]+ px²; nothing has moved")
+    wait_for_status(page, r"Ghost arm · At \(45\.0°, −60\.0°\) E would be [\d.]+ px²\. The arm has not moved\.")
     assert posture(page) == start
     press(page, "Escape")
-    wait(page, lambda: "See-through" not in status(page))
+    wait(page, lambda: "Ghost arm" not in status(page))
     page.get_by_role("link", name="θ₂ 45°, θ₄ −45°").press("Enter")
-    wait_for_status(page, "See-through arm")
+    wait_for_status(page, "Ghost arm")
     page.get_by_role("link", name="Start here").click()
     wait(page, lambda: posture(page) == [45, -45])
     switch(page, "Look only")

@@ -156,4 +156,4 @@ def test_what_did_not_reach_the_server_is_told_again_and_taken_once_in_its_order
     page.evaluate(LOSE_ONE)
     page.evaluate("() => [3, 4, 5].forEach(point => act('point', point))")
     wait(page, lambda: page.evaluate("window.sent >= 2 && unsaid.length === 0"))
-    wait_for_text(page, "point 5, its")
+    wait_for_text(page, "Point 5: its")

@@ -327,13 +327,13 @@ def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: 
     if message.doubt:
         words += f" <i>{svg.escape(message.doubt)}</i>"
     known, true = ask(message.word) if message.word else "", svg.escape(truth)
-    who = _("The page") if message.state in BY_PAGE else _("The learner")
+    who = _("Page") if message.state in BY_PAGE else _("Learner")
     hidden = _("hidden from the learner")
     first = f'<div class="vi-outcome vi-tells"><p>{outcome}</p></div>' if outcome else ""
     return (
         f'<div class="vi-strip"><div class="vi-status">{first}<div>{_icon(SHAPES.get(message.state, IDLE))}'
         f'<em>{who}</em><p role="status">{words}{choices}</p>{known}</div>'
-        f'<div class="vi-truth">{_icon(BETWEEN)}<em title="{hidden}">{_("The truth")}</em><p>{true}</p>'
+        f'<div class="vi-truth">{_icon(BETWEEN)}<em title="{hidden}">{_("Truth")}</em><p>{true}</p>'
         f"{ask('truth')}</div></div></div>"
     )
 

@@ -47,7 +47,7 @@ def run(settings: Settings, chosen: int | None, runs: int = RUNS) -> dict[str, f
     low, high = np.transpose(session.scene.range_deg)
     for start in np.random.default_rng(0).uniform(low, high, (runs, 2)):
         session.begin(Settings.paper(transfer=settings.transfer, servo=settings.servo, start_deg=tuple(start.tolist())))
-        model.undoable.begin_anew()
+        model.undoable.after_restart()
         choose_point(model, chosen)
         scene.build(session.world)
         model.landscape.begin(session.world, session.snapshot)

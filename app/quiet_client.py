@@ -9,7 +9,7 @@ import numpy as np
 
 
 class QuietHandle:
-    """Stands for any handle of viser and what it hangs on: keeps what is assigned, sends nothing, can be a context."""
+    """Stands for any handle of viser and what it hangs on: keeps assigned values, sends nothing, can be a context."""
 
     content, value, visible, disabled, label, max = "", None, True, False, "", None
 
@@ -30,7 +30,7 @@ class QuietHandle:
 
 @dataclass
 class QuietClient:
-    """A page's client: what is sent goes nowhere."""
+    """A page's client: messages go nowhere."""
 
     client_id: int = 0
     scene: QuietHandle = field(default_factory=QuietHandle)
@@ -44,5 +44,5 @@ class QuietClient:
 
 
 def quiet_client(page_id: int) -> Any:
-    """In place of a viser.ClientHandle."""
+    """Return a client that stands for a viser.ClientHandle."""
     return QuietClient(page_id)

@@ -1,4 +1,4 @@
-"""The one place that uses viser's private interface. Each entry says what viser would have to offer in its stead."""
+"""The one place that uses viser's private interface. Each entry says what viser would have to offer instead."""
 
 import asyncio
 import contextlib
@@ -33,7 +33,7 @@ def serving_with(serve: Callable) -> Iterator[None]:
 
 
 class Own(NamedTuple):
-    """What is a client's own, by what messages call it. Offer: `client.gui.get(uuid)`, `client.scene.get(name)`."""
+    """A client's own handles, by the names in messages. Offer: `client.gui.get(uuid)`, `client.scene.get(name)`."""
 
     widgets: Mapping[str, Any]  # that take input
     commands: Mapping[str, Any]
@@ -99,7 +99,7 @@ def push_property(handle, name: str, value: str | float) -> None:
 
 
 def push_input(widget, value: float | str) -> None:
-    """Show a value in place of the widget's, without its callbacks, which are for a person's changes."""
+    """Show another value in a widget, without its callbacks, which are for a person's changes."""
     widget._impl.value = value
     widget._impl.gui_api._websock_interface.queue_message(GuiUpdateMessage(widget._impl.uuid, {"value": value}))
 

@@ -1,3 +1,3 @@
-"""A class: who is in it, what they are asked and answer, and the server that carries this between their browsers.
+"""A class: its members, questions and answers, and the server that passes them between the browsers.
 
 The lessons run in the browsers themselves, in the lab."""

@@ -44,7 +44,7 @@ class Given(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True)
 
 
 class Hello(Struct, tag="hello", **FIELDS):
-    """The first message of every connection. session: of a lecturer who has logged in before."""
+    """The first message of every connection. session: of a lecturer after a login."""
 
     token: Token
     name: Annotated[str, Meta(max_length=MAX_NAME)] = ""
@@ -130,7 +130,7 @@ class Ask(Struct, tag="ask", **FIELDS):
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
-    """What is true, and what was answered, to all."""
+    """The truth and the answers, for everybody."""
 
 
 class Close(Struct, tag="close", **FIELDS):

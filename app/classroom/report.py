@@ -110,7 +110,7 @@ def learned(rows: Iterable[Row]) -> Learned:
 
 
 def _items(pairs: dict[tuple[int, str], dict[str, bool]]) -> tuple[Item, ...]:
-    """Count each question; those with few persons are left out, as a person's answer could be told from them."""
+    """Count each question; those with few persons are left out, as they could reveal a person's answer."""
     persons = Counter(item for _, item in pairs)
     count = lambda item, phase: sum(both[phase] for (_, of), both in pairs.items() if of == item)
     return tuple(

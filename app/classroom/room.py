@@ -1,6 +1,6 @@
 """A class: its persons, the lecturer's orders and the answers. It moves messages and computes nothing else.
 
-All methods run in the server's one thread. A `Browser` is one connection; what is sent to it waits in its outbox until
+All methods run in the server's one thread. A `Browser` is one connection; messages to it wait in its outbox until
 the server's task for that connection takes it.
 """
 
@@ -211,7 +211,7 @@ class Room:
         self._changed.add(browser.person)
 
     def _tell_of(self, person: Person) -> None:
-        """Tell lecturers what is new of a person in the class, to which the lecturer does not belong."""
+        """Send lecturers the news of a person in the class, to which the lecturer does not belong."""
         if self.persons.get(person.key) is person:
             self._changed.add(person)
 

@@ -144,7 +144,7 @@ class Store:
         self._add("insert or replace into rounds values (?, ?, ?, ?, ?)", row)
 
     def add_answer(self, row: Row, done: Callable[[], None]) -> None:
-        """Write an answer in place of the voter's earlier one, and call `done` once it is on the disk."""
+        """Write an answer over the voter's earlier one, and call `done` once it is on the disk."""
         vote = row.vote
         answer = msgspec.json.encode(vote.answer).decode()
         values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
@@ -191,7 +191,7 @@ class Store:
                 self._wake.set()
 
     async def flush(self) -> None:
-        """Return once all that is to be written now is on the disk, or at once while writes fail (`problem`)."""
+        """Return once everything that waits to be written is on the disk, or at once while writes fail (`problem`)."""
         if self.problem is None:
             tried = asyncio.Event()
             self._tried.append(tried.set)

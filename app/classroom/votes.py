@@ -39,7 +39,7 @@ class Round:
         return f"round {self.times}" if self.phase == "own" else f"{self.phase}{again}"
 
     def has_room_for(self, voter: str, place: str, most: int) -> bool:
-        """Return whether a voter may vote, or change a vote, from a network address with at most so many votes."""
+        """Return whether a voter may vote, or change a vote, from a network address with this many votes at most."""
         others = Counter(vote.place for one, vote in self.votes.items() if one != voter)
         return others[place] < most
 

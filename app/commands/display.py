@@ -2,6 +2,8 @@
 
 from typing import Annotated
 
+from viewimit.language import _, ngettext
+
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
 from ..model.queue import number, one_of, text
@@ -12,6 +14,7 @@ CLIENT_REPORTED = {
     "truth": "truth",
     "flat": "flat",
 }  # fields of View, by link
+NO_FLAG = _("{value} is neither 0 nor 1")
 
 
 @command("choose_point", latest=True)
@@ -22,7 +25,10 @@ def choose_point(
     """Choose a body point, or none."""
     count = len(model.session.world.body)
     if point is not None and not 0 <= point < count:
-        raise ValueError(f"no point {point}; there are {count}")
+        refusal = ngettext(
+            "there is no point {point}, only {n} point", "there is no point {point}; there are {n}", count
+        )
+        raise ValueError(refusal.format(point=point, n=count))
     model.show(chosen=point)
 
 
@@ -39,14 +45,14 @@ def next_point(model: PageModel) -> None:
 
 
 @command("switch", latest=True, order_independent=True)
-def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, "switch")], on: bool) -> None:
+def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, _("there is no switch {value}"))], on: bool) -> None:
     """Set one of the switches of `View`."""
     model.show(**{name: on})
 
 
 def _report(link: str, field: str) -> None:
     @command(link, latest=True, order_independent=True, link=True)
-    def report(model: PageModel, on: Annotated[bool, one_of(FLAGS, field)]) -> None:
+    def report(model: PageModel, on: Annotated[bool, one_of(FLAGS, NO_FLAG)]) -> None:
         """Take what a browser says of itself, see `View`."""
         model.show(**{field: on})
 
@@ -56,13 +62,13 @@ for _link, _field in CLIENT_REPORTED.items():
 
 
 @command("still", order_independent=True, link=True)
-def prefer_still(model: PageModel, still: Annotated[bool, one_of(FLAGS, "preference")]) -> None:
+def prefer_still(model: PageModel, still: Annotated[bool, one_of(FLAGS, NO_FLAG)]) -> None:
     """Take whether the browser asks for less motion: arms are then shown where they arrive, not on their way."""
     model.player.still = still
 
 
 @command("unseen", order_independent=True, link=True)
-def hide_tabs(model: PageModel, tabs: Annotated[str, text("tabs")]) -> None:
+def hide_tabs(model: PageModel, tabs: Annotated[str, text]) -> None:
     """Take which tabs nobody sees, as the browser says: see `View.unseen`."""
     model.show(unseen=frozenset() if tabs == "none" else frozenset(tabs.split(",")))
 
@@ -86,7 +92,10 @@ def build_up(model: PageModel, *, now: float) -> None:
 
 @command("large", order_independent=True, link=True)
 def enlarge(
-    model: PageModel, what: Annotated[str, one_of({str(k): what for k, what in enumerate(LARGE)}, "panel or image")]
+    model: PageModel,
+    what: Annotated[
+        str, one_of({str(k): what for k, what in enumerate(LARGE)}, _("there is no panel or image {value}"))
+    ],
 ) -> None:
     """Enlarge a panel or an image, by its index in LARGE; the one that is large already: all as before."""
     model.show(large=None if model.view.large == what else what)
@@ -102,7 +111,7 @@ def next_larger(model: PageModel) -> None:
 @command("dismiss", order_independent=True, link=True)
 def dismiss(model: PageModel) -> None:
     """Close the help, or else end a link that is followed, a proposed point or editing them, or else an imitation, the
-    see-through arm, what is large and the offer of the tour."""
+    see-through arm, the large panel and the offer of the tour."""
     if model.view.help or model.view.share:
         model.show(help=False, share=False)
     elif not model.following.let_go() and not model.points.let_go():

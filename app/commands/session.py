@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.drawing.glossary import glossary
-from viewimit.drawing.svg import count_motions, escape
+from viewimit.drawing.svg import count_motions, count_points, escape
+from viewimit.language import _
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
@@ -23,7 +24,7 @@ from ..sessions.link import decode
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
-Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "entry of the glossary")]
+Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, _("the glossary has no entry {value}"))]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 
@@ -32,7 +33,7 @@ Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in
 def play(model: PageModel) -> None:
     """Play, or pause. A duel's opponent first gets what has changed for the learner."""
     if not model.player.playing:
-        model.past.keep_branch()
+        model.past.push_branch()
         model.duel.follow()
     model.player.toggle()
 
@@ -41,7 +42,7 @@ def play(model: PageModel) -> None:
 def step(model: PageModel, *, now: float) -> None:
     """Make one motion."""
     model.player.pause()
-    model.past.keep_branch()
+    model.past.push_branch()
     model.duel.follow()
     model.player.step(now)
 
@@ -53,7 +54,7 @@ def _undo_needs_camera(model: PageModel) -> bool:
 
 @command("undo", moves=True, cancels=True, camera=_undo_needs_camera)
 def undo(model: PageModel, *, now: float) -> None:
-    """Go one motion back; where a reset, a preset or a start began, back to what was there before. A link that is
+    """Go one motion back; where a reset, a preset or a start began, back to the former session. A link that is
     being followed is abandoned instead."""
     if model.following.let_go():
         return
@@ -63,9 +64,10 @@ def undo(model: PageModel, *, now: float) -> None:
         model.player.undo(now)
     else:
         model.undoable.bring_back(left)
-        points = f", {len(model.session.world.body)} points" if model.points.on else ""
-        what = f"{left.preset.name}, {count_motions(left.motions)}{points}"
-        model.say(f"Back is what was here before: {what}.", now + MESSAGE_S)
+        told = [left.preset.name, count_motions(left.motions)]
+        if model.points.on:
+            told.append(count_points(len(model.session.world.body)))
+        model.say(_("Back is what was here before: {what}.").format(what=", ".join(told)), now + MESSAGE_S)
 
 
 @command("reset", moves=True)
@@ -86,13 +88,15 @@ def toggle_rehearsal(model: PageModel) -> None:
 
 @command("moment", latest=True, moves=True, link=True)
 def scrub(model: PageModel, motion: int) -> None:
-    """Show the moment after so many motions."""
+    """Show the snapshot after this number of motions."""
     model.player.pause()
     model.player.scrub(motion)
 
 
 @command("speed", latest=True)
-def choose_speed(model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, "speed")]) -> None:
+def choose_speed(
+    model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, _("there is no speed {value}"))]
+) -> None:
     """Choose the speed by its name; 0 is as fast as it computes."""
     model.player.speed = motions_per_second
 
@@ -102,11 +106,11 @@ def _preset_needs_camera(model: PageModel, name: str) -> bool:
 
 
 @command("preset", latest=True, moves=True, camera=_preset_needs_camera)
-def choose_preset(model: PageModel, name: Annotated[str, text("preset")]) -> None:
+def choose_preset(model: PageModel, name: Annotated[str, text]) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already
         offered = {**model.presets.offered, model.preset.name: model.preset}
-        model.undoable.begin_preset(choice(name, offered, "preset"))
+        model.undoable.begin_preset(choice(name, offered, _("there is no preset {value}")))
 
 
 @command("pose_joint", latest=True, moves=True)
@@ -148,7 +152,7 @@ def start_there(model: PageModel) -> None:
     """Start where the see-through arm is."""
     moment = model.display.preview.moment
     if moment is None:
-        raise ValueError("there is no see-through arm to start from")
+        raise ValueError(_("there is no ghost arm to start from"))
     model.undoable.start_at(tuple(np.degrees(moment.theta).tolist()))
 
 
@@ -157,32 +161,34 @@ def show_word(model: PageModel, key: Word) -> None:
     """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
     entry = glossary()[key]
     speed = 0.0 if entry.plays else model.player.speed
-    lesson = f"{entry.symbol}, {entry.name}{': where it is bad' if entry.bad else ''}."
-    model.word.show(key, Preset(f"Show me: {entry.symbol}", entry.show, speed, escape(lesson)), model.view)
+    lesson = _("{symbol}, {name}: where it is bad.") if entry.bad else _("{symbol}, {name}.")
+    lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
+    title = _("Show me: {symbol}").format(symbol=entry.symbol)
+    model.glossary_demo.show(key, Preset(title, entry.show, speed, lesson), model.view)
     model.show(help=False)
     if entry.plays:
         play(model)
 
 
 def _restore_needs_camera(model: PageModel) -> bool:
-    before = model.word.before
-    return before is not None and before.left.sensor == "rendered" != model.session.settings.sensor
+    before = model.glossary_demo.before
+    return before is not None and before.entry.sensor == "rendered" != model.session.settings.sensor
 
 
 @command("restore", moves=True, link=True, camera=_restore_needs_camera)
 def restore(model: PageModel) -> None:
-    """Give back what was there before an entry of the glossary was shown."""
-    model.view = model.word.give_back(model.view)
+    """Restore the page before an entry of the glossary was shown."""
+    model.view = model.glossary_demo.give_back(model.view)
 
 
 # Commands that make a page what a link holds, or what its own tab has kept.
 
-Text = Annotated[str, text("text")]
+Text = Annotated[str, text]
 
 
 @dataclass(frozen=True, eq=False)
 class Arrived(Queued):
-    """What was played beside the page, which becomes it."""
+    """Replace the page by the one that was played in the background."""
 
     played: Played
     moves = True
@@ -216,18 +222,20 @@ def restore_session(model: PageModel, kept: Text) -> None:
         try:
             page = decode(kept, model.begun)
         except ValueError as error:
-            why = str(error).removeprefix("the link ")
-            raise ValueError(f"what this tab has kept {why}, so the session begins again") from None
+            why = _("what this tab has kept cannot be restored, so the session begins again: {why}")
+            raise ValueError(why.format(why=error)) from None
         model.following.begin(page, Arrived, is_own=True)
 
 
 @command("resend", latest=True, link=True)
 def resend_all(model: PageModel) -> None:
-    """Send again all that the tab is to keep, of which it has missed a part."""
+    """Send the tab its whole text again, of which it has missed a part."""
     model.resends_all = True
 
 
 @command("unsaved", latest=True, link=True)
-def tell_unsaved(model: PageModel, why: Text) -> None:
-    """Take why the browser cannot keep the session; empty where it can."""
-    model.unsaved = why[:200] or None
+def tell_unsaved(
+    model: PageModel, unsaved: Annotated[bool, one_of({"": False, "storage": True}, _("there is no problem {value}"))]
+) -> None:
+    """Take whether the browser's storage cannot keep the session, as it is full or forbidden."""
+    model.unsaved = unsaved

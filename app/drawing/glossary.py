@@ -45,7 +45,7 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
             number = str(value) if isinstance(value, int) else svg.short(value)  # a count has no decimals
-            words = f"now {number}{scale.unit}"
+            words = _("now {value}").format(value=f"{number}{scale.unit}")
             rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
     return f"<style>{''.join(rules)}</style>"
 
@@ -53,5 +53,8 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
 def _show(key: str) -> str:
     """Build the link to an entry's example."""
     entry = glossary()[key]
-    words = _("Show me a bad one") if entry.bad else _("Show me")
-    return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'
+    if entry.bad:
+        name, words = _("Show me a bad one: {symbol}"), _("Show me a bad one")
+    else:
+        name, words = _("Show me: {symbol}"), _("Show me")
+    return f'<span class="vi-show">{link(f"show/{key}", name.format(symbol=entry.symbol), words)}</span>'

@@ -87,7 +87,9 @@ def draw_body_points(
     if spread is not None:
         height = ROW * len(joints)
         bars = draw_bars(joints, spread, POINTS_WIDTH, ROW)
-        lines.append(f'1 px of noise costs<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>')
+        lines.append(
+            f'{_("Joint error per pixel of noise")}<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>'
+        )
     words = _next_point(joints, proposal, searching)
     return "".join(f"<div>{line}</div>" for line in (*lines, svg.escape(words)) if line)
 

@@ -114,7 +114,7 @@ def _link(view: str, i: int, kind: str, stop: bool = False) -> str:
     name = str(i)
     shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
     inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
-    return link(f"point/{i}", f"point {name}", inside, stop)
+    return link(f"point/{i}", _("point {name}").format(name=name), inside, stop)
 
 
 def point_places(
@@ -257,7 +257,7 @@ def motion_links(last: int, width: int = 424) -> str:
         for k, motion in enumerate(motions.tolist())
     )
     group = f'<g class="vi-motions">{cells}</g>'
-    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
+    hint = svg.text(width, 12, _("click: go back to that step"), "vi-2nd vi-end vi-hint")
     return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
 
 

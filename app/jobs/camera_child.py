@@ -21,7 +21,7 @@ LOOKS = {"demo_images": "lr", "own_images": "LR"}
 
 def work(connection: Connection) -> None:
     """Serve until the other end is closed."""
-    stand_back(NICENESS)  # numpy is loaded by what is received
+    stand_back(NICENESS)  # received messages load numpy
     try:
         _serve(connection)
     except (EOFError, ConnectionError):
@@ -33,13 +33,13 @@ def _serve(connection: Connection) -> None:
 
     answer = answering(RenderedEyes)
     while True:
-        told = answer(*connection.recv())
-        if told is not None:
-            connection.send(told)
+        reply = answer(*connection.recv())
+        if reply is not None:
+            connection.send(reply)
 
 
 def answering(make_eyes: Callable) -> Callable:
-    """answer(key, what, *arguments) → what is sent, None for nothing. make_eyes(scene) → eyes as `RenderedEyes`."""
+    """answer(key, what, *arguments) → the reply, None for nothing. make_eyes(scene) → eyes as `RenderedEyes`."""
     scenes = Scenes(make_eyes)
     sessions: dict[int, tuple] = {}  # scene, and postures last looked at
 
@@ -62,7 +62,7 @@ def answering(make_eyes: Callable) -> Callable:
             return carry_out(key, what, *arguments)
         except ValueError as error:
             return "refused", str(error)
-        except Exception as error:  # whatever it was, the session that asked is told
+        except Exception as error:  # any fault is sent to the session that asked
             traceback.print_exc()
             return "failed", f"{type(error).__name__}: {error}"
 
@@ -70,7 +70,7 @@ def answering(make_eyes: Callable) -> Callable:
 
 
 class Scenes:
-    """Eyes of the scenes that were looked at last; those of others are made anew when they are needed again."""
+    """Eyes of the scenes that were looked at last; those of others are made again when they are needed again."""
 
     def __init__(self, make_eyes: Callable):
         self._make_eyes = make_eyes

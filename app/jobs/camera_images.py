@@ -65,7 +65,8 @@ class _Place:
 class CameraProcess:
     """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered.
 
-    When all places are taken, who has fewer of them gets one of who has most, else one that has not looked for a while.
+    When all places are taken, a visitor with fewer of them gets one of the visitor with most, else one that has been
+    idle for a while.
 
     most: sessions; unused_s: without any, after which the process ends; work: what runs in it; clock: s.
     """
@@ -93,7 +94,7 @@ class CameraProcess:
         return process is not None and process.is_alive()
 
     def open(self, scene: Scene, key: int | None = None, visitor: Hashable = None) -> tuple[int, float]:
-        """Eyes for a scene, in place of those that a key has → key, noise_px. visitor: whose they are.
+        """Eyes for a scene, instead of those that a key has → key, noise_px. visitor: whose they are.
 
         Raises ValueError if there is no place for this visitor, CameraLost.
         """
@@ -115,8 +116,8 @@ class CameraProcess:
                 raise
 
     def _place_for(self, visitor: Hashable) -> int:
-        """Of all that are taken, the one that this visitor may have: the one that has looked least lately of who has
-        most, or of all. Raises ValueError if there is none."""
+        """Return the taken place that this visitor may have: of the visitor with most places, or of all, the one that
+        has been idle longest. Raises ValueError if there is none."""
         taken = Counter(place.visitor for place in self._places.values())
         fullest, most = taken.most_common(1)[0]
         may = [key for key, place in self._places.items() if place.visitor == fullest]
@@ -166,7 +167,7 @@ class CameraProcess:
             timer.start()
 
     def stop(self) -> None:
-        """End it, whoever waits for an answer."""
+        """End it, even while somebody waits for an answer."""
         self._stopped = True
         process = self._process
         if process is not None and process.is_alive():

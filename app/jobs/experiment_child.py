@@ -27,12 +27,12 @@ def work(connection: Connection, folder: str) -> None:
 
 def answer(connection: Connection, carry_out: Callable[[str, Any, dict], None]) -> None:
     """What a process does: carry_out(name, settings, options), or say why not."""
-    stand_back(NICENESS)  # numpy is loaded by what is received
+    stand_back(NICENESS)  # received messages load numpy
     try:
         carry_out(*connection.recv())
     except (BrokenPipeError, ConnectionError):
         pass  # the server is gone
-    except Exception as error:  # whatever it was, the page that asked is told
+    except Exception as error:  # any fault is sent to the page that asked
         if not isinstance(error, ValueError):
             traceback.print_exc()
         connection.send(("failed", _why(error)))
@@ -54,8 +54,8 @@ def _carry_out(connection: Connection, name: str, settings, options: dict, folde
 class Progress:
     """What an experiment tells while it runs, no more often than a page can show it.
 
-    A result that came too soon after another is drawn later, unless a newer one comes. Of all that is done nothing is
-    told but the share: it is drawn at the end in any case.
+    A result that came too soon after another is drawn later, unless a newer one comes. Of finished work only the
+    share is sent: it is drawn at the end in any case.
     """
 
     def __init__(self, send: Callable, draw: Callable[[Any], str], clock: Callable[[], float] = time.monotonic):

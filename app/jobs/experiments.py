@@ -37,11 +37,11 @@ class Request:
 
 @dataclass(frozen=True)
 class Run:
-    """All that a page knows of its experiment; each message brings it whole.
+    """A page's knowledge of its experiment; each message brings it whole.
 
     state: waiting, running, writing (its files), done, failed, cancelled; before: runs that are first;
-    figure: html, of what is there so far; imitation: a motion that can be seen; archive: zip of the files;
-    seconds: since it began to run; request: what was asked for.
+    figure: html, of the results so far; imitation: a motion that can be seen; archive: zip of the files;
+    seconds: since it began to run; request: of the page.
     """
 
     name: str
@@ -116,7 +116,7 @@ class ExperimentWorker:
                 self._end(running)
 
     def forget(self, page_id: int) -> None:
-        """The page is gone: it is told nothing any more."""
+        """The page is gone: it is sent nothing more."""
         with self._changed:
             for job in (self._waiting.get(page_id), self._job):
                 if job is not None and job.page_id == page_id:
@@ -154,7 +154,7 @@ class ExperimentWorker:
                 self._job = None
 
     def _carry_out(self, job: _Job) -> str:
-        """Until its process is gone; what to tell if it has not told everything itself."""
+        """Until its process is gone; the message to send if it has not sent the last one itself."""
         began = time.monotonic()
         try:
             with tempfile.TemporaryDirectory(prefix="viewimit-", ignore_cleanup_errors=True) as folder:

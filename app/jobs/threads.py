@@ -21,7 +21,7 @@ from .camera_images import CameraLost
 
 @dataclass(frozen=True, eq=False)
 class ComparedTransfer:
-    """One transfer's drawing among all, and what was asked for: a world and what E depends on."""
+    """One transfer's drawing among all, and its request: a world and the values that E depends on."""
 
     asked: tuple
     html: str
@@ -121,7 +121,7 @@ class ScriptPlayer:
         threading.Thread(target=self._run, name="viewimit-scripts", daemon=True).start()
 
     def play(self, page_id: int, passes: Iterator[None], done: Callable[[Exception | None], None]) -> None:
-        """Iterate over the passes of a script, in place of what the page has asked for before."""
+        """Iterate over the passes of a script, instead of the page's earlier request."""
         with self._changed:
             self._jobs[page_id] = _Job(passes, done)
             self._changed.notify()
@@ -149,10 +149,10 @@ class ScriptPlayer:
             began = time.monotonic()
             made = self._turn(job)
             with self._changed:
-                is_wanted = self._jobs.get(page_id) is job  # else cancelled, or another took its place
-                if is_wanted and made is not False:
+                is_current = self._jobs.get(page_id) is job  # else cancelled, or another took its place
+                if is_current and made is not False:
                     del self._jobs[page_id]
-            if is_wanted and made is not False:
+            if is_current and made is not False:
                 job.done(None if made is True else made)
             time.sleep(time.monotonic() - began)
 

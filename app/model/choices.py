@@ -16,14 +16,14 @@ from viewimit.simulation.scene import Scene, load_robot, load_scene
 FLAGS = {"0": False, "1": True}  # as links have them
 
 SPEEDS = {
-    "1 in 2 s": 0.5,
-    "1 a second": 1.0,
-    "2 a second": 2.0,
-    "4 a second": 4.0,
-    "10 a second": 10.0,
-    "all it can": 0.0,
+    _("1 in 2 s"): 0.5,
+    _("1 a second"): 1.0,
+    _("2 a second"): 2.0,
+    _("4 a second"): 4.0,
+    _("10 a second"): 10.0,
+    _("all it can"): 0.0,
 }  # motions a second; 0 is as fast as it computes
-NO_POINT = "none"
+NO_POINT = _("none")
 
 
 def transfer_names() -> dict[str, str]:
@@ -36,8 +36,8 @@ def servo_names() -> dict[str, str]:
 
 
 def modified(preset: str) -> str:
-    """A preset whose settings have been changed; first of all that, as a narrow list cuts off what is last."""
-    return f"(modified) {preset}"
+    """A preset whose settings have been changed. This word comes first, as a narrow list cuts off the end."""
+    return _("(modified) {preset}").format(preset=preset)
 
 
 # The sliders of the folder Disturbances: what each stands for in the settings, in the units of the page.
@@ -45,7 +45,7 @@ def modified(preset: str) -> str:
 
 @dataclass(frozen=True)
 class Amount:
-    """name: in `Settings`; label, low, high, step, hint: of its slider; per: so many on the page are one there."""
+    """name: in `Settings`; label, low, high, step, hint: of its slider; per: units on the page for one there."""
 
     name: str
     label: str
@@ -72,7 +72,8 @@ class Count(Amount):
     def asked(self, value: float) -> int:
         found = round(value)
         if not self.low <= found <= self.high:
-            raise ValueError(f"{self.label.lower()} must be between {self.low} and {self.high}, got {found}")
+            refusal = _("{name} must be between {low} and {high}, got {value}")
+            raise ValueError(refusal.format(name=self.label, low=self.low, high=self.high, value=found))
         return found
 
 
@@ -94,14 +95,16 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 # Which joints imitate: those of the scene, as the paper's two, or all of the robot's.
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
-WORDS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+WORDS = (
+    _("none"), _("one"), _("two"), _("three"), _("four"), _("five"), _("six"), _("seven"), _("eight"), _("nine"),
+)  # fmt: skip
 
 
 def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
-    """What `Settings.joints` may become, by name; the present ones too, whatever they are."""
+    """What `Settings.joints` may become, by name; the present ones included."""
     scene = load_scene(settings.scene, settings.robot)
     every = load_robot(scene.robot).movable_joints
-    choices = {_name(scene.moving_joints): None, f"all {_number(len(every))}": every}
+    choices = {_name(scene.moving_joints): None, _("all {count}").format(count=_number(len(every))): every}
     if settings.joints is not None and settings.joints not in (every, scene.moving_joints):
         choices[_name(settings.joints)] = settings.joints
     return choices
@@ -132,19 +135,20 @@ class Freedom:
         return {
             "joints": joints,
             "points": points,
-            "demonstrator_deg": _carried(given(settings.demonstrator_deg), scene, after),
-            "start_deg": _carried(given(settings.start_deg), scene, after),
+            "demonstrator_deg": _converted(given(settings.demonstrator_deg), scene, after),
+            "start_deg": _converted(given(settings.start_deg), scene, after),
         }
 
 
-def _carried(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tuple[float, ...]:
+def _converted(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tuple[float, ...]:
     """Angles of the joints that moved, as angles of those that will; the others are at rest."""
     known = dict(zip(scene.moving_joints, angles_deg))
     return tuple(known.get(joint, after.posture_deg[joint - 1]) for joint in after.moving_joints)
 
 
 def _name(joints: tuple[int, ...]) -> str:
-    return f"{_number(len(joints))}: {', '.join(map(svg.joint_symbol, joints))}"
+    names = ", ".join(map(svg.joint_symbol, joints))
+    return _("{count}: {joints}").format(count=_number(len(joints)), joints=names)
 
 
 def _number(count: int) -> str:
@@ -156,7 +160,7 @@ def _number(count: int) -> str:
 
 @dataclass(frozen=True)
 class Preset:
-    """name: as listed; settings: all that it sets; motions_per_second: 0 is as fast as it computes; key: in links."""
+    """name: as listed; settings: its values; motions_per_second: 0 is as fast as it computes; key: in links."""
 
     name: str
     settings: Settings
@@ -313,7 +317,7 @@ class Presets:
 
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
-WINDOW = "window"  # in place of all tabs' names
+WINDOW = "window"  # instead of all tabs' names
 SWITCHES = (
     "goal",
     "rays",

@@ -10,6 +10,7 @@ from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
+from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -61,7 +62,7 @@ class OwnLandscape:
             return
         if isinstance(made, Exception):
             world = self.made.world
-            why = with_minus(f"no landscape: {made}")[:60]
+            why = with_minus(_("no landscape: {why}").format(why=made))[:60]
             made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
         if made.world is self.made.world:
             self.made = made
@@ -94,7 +95,7 @@ class DuelLandscapes:
 
     def take(self, made: Ground | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(f"no landscapes for the duel: {made}")
+            raise ValueError(_("no landscapes for the duel: {why}").format(why=made))
         if made.world is self._world:
             self.html = made.html
 
@@ -105,12 +106,12 @@ class Basins:
     def __init__(self, page_id: int, worker: ExperimentWorker, queue: CommandQueue):
         self._page_id, self._worker, self._queue = page_id, worker, queue
         self._asked: Settings | None = None
-        self._count = 0  # of what was asked
+        self._count = 0  # of requests
         self.run: Run | None = None
 
     @property
     def html(self) -> str:
-        """As far as it is found."""
+        """The landscape, or the part that is computed so far."""
         return "" if self.run is None else self.run.figure
 
     @property
@@ -122,7 +123,7 @@ class Basins:
         if self.run is not None:
             self._end()
         elif len(session.scene.moving_joints) != 2:
-            raise ValueError("starts are spread over two moving joints; choose two under Joints")
+            raise ValueError(_("starts are spread over two moving joints; choose two under Joints"))
         else:
             self._asked, self._count = _without_start(session.settings), self._count + 1
             request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
@@ -136,12 +137,12 @@ class Basins:
 
     def take(self, run: Run) -> None:
         """What the worker tells. Raises ValueError for a run that has failed."""
-        if self.run is None or run.name != self.run.name:  # of what is not shown any more
+        if self.run is None or run.name != self.run.name:  # of a run that is no longer shown
             return
         self.run = run
         if run.state == "failed":
             self.run = None
-            raise ValueError(f"the starts could not be tried: {run.problem}")
+            raise ValueError(_("the starts could not be tried: {why}").format(why=run.problem))
 
     def _end(self) -> None:
         if self.going_on:
@@ -156,11 +157,11 @@ def _without_start(settings: Settings) -> Settings:
     return msgspec.structs.replace(settings, start_deg=None)
 
 
-# The landscapes of all transfers in place of the one that is used: computed only while they are shown.
+# The landscapes of all transfers instead of the one that is used: computed only while they are shown.
 
 
 class Comparison:
-    """Each transfer is asked for apart, so that the landscapes of other pages come in between.
+    """Each transfer is asked for separately, so that the landscapes of other pages come in between.
 
     on: whether they are to be shown; html: all of them; None while the one that is used is shown.
     """
@@ -179,7 +180,7 @@ class Comparison:
             self.html = None
 
     def ask(self, world: World, snapshot: Snapshot) -> None:
-        """Ask anew if what is shown would differ."""
+        """Ask again if the landscapes would differ."""
         if not self.on:
             return
         asked = world, *landscape_key(snapshot, ignored=("transfer",))
@@ -187,7 +188,7 @@ class Comparison:
             return
         if self._asked is None or self._asked[0] is not world:
             self._compared.clear()
-            self.html = waiting("computing …")
+            self.html = waiting(_("computing …"))
         self._asked = asked
         for transfer in TRANSFERS:
             make = partial(make_compared, asked, world, snapshot, transfer)
@@ -196,7 +197,7 @@ class Comparison:
 
     def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
+            raise ValueError(_("nothing to compare for the {name} transfer: {why}").format(name=transfer, why=made))
         if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
             return
         self._compared[transfer] = made
@@ -204,7 +205,7 @@ class Comparison:
         self._draw_if_complete()
 
     def _draw_if_complete(self) -> None:
-        """Once all are as asked for; or all are newer than what is shown, while the demonstrator goes on moving."""
+        """Once all are as asked for; or all are newer than those shown, while the demonstrator goes on moving."""
         if len(self._compared) < len(TRANSFERS):
             return
         as_asked = all(one.asked == self._asked for one in self._compared.values())
@@ -224,7 +225,7 @@ def titles() -> dict[str, str]:
 class Experiments:
     """chosen: an experiment's name; latest: the run asked for last; runs: by experiment, its latest.
 
-    All look at projected points, whatever the page looks with: pictures would take them hours.
+    All look at projected points, also if the page uses camera images: pictures would take them hours.
     """
 
     def __init__(
@@ -247,7 +248,7 @@ class Experiments:
         return self.latest is not None and self.latest.goes_on
 
     @property
-    def sets_pictures_aside(self) -> bool:
+    def ignores_pictures(self) -> bool:
         """Whether the page looks with pictures, which an experiment does not."""
         return self._session.settings.sensor == "rendered"
 
@@ -269,11 +270,12 @@ class Experiments:
         """What the worker tells. Raises ValueError, after taking it, for a run that has failed."""
         self.latest = self.runs[run.name] = run
         if run.state == "failed":
-            raise ValueError(f"{EXPERIMENTS[run.name].short_title} failed: {run.problem}")
+            title = EXPERIMENTS[run.name].short_title
+            raise ValueError(_("{title} failed: {why}").format(title=title, why=run.problem))
 
     def download(self) -> None:
         if self.shown is None or not self.shown.archive:
-            raise ValueError("there is nothing to download before the experiment is done")
+            raise ValueError(_("there is nothing to download before the experiment is done"))
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
 
     def _on_result(self, run: Run) -> None:

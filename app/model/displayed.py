@@ -1,4 +1,4 @@
-"""What is shown of an arm on its way from one posture to the next."""
+"""The display of a page's arms, at rest and on the way between two postures."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
-from viewimit.drawing.svg import count_motions
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _, either, ngettext, sentences
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
@@ -34,7 +34,7 @@ class OnTheWay:
 
     def __init__(self):
         self._key: tuple | None = None
-        self._looked: Snapshot | None = None  # what was shown last of an arm at rest, or on its way by points
+        self._looked: Snapshot | None = None  # shown last, of an arm at rest, or on its way by points
         self._heading: Snapshot | None = None  # the moment that the arm was seen at, or on its way to, last
         self._shown: Snapshot | None = None
 
@@ -76,8 +76,8 @@ class SeeThrough:
     def look(self, theta: NDArray) -> None:
         """theta: (m,) rad. Raises ValueError for a posture out of limits, or where every look is a picture."""
         if self._session.settings.sensor == "rendered":
-            raise ValueError("a see-through arm has no camera images: switch them off to look without a motion")
-        self._theta = self._session.scene.require_posture(theta, "see-through arm's")
+            raise ValueError(_("a ghost arm has no camera images: switch them off to look without a step"))
+        self._theta = self._session.scene.require_posture(theta, _("ghost arm's"))
         self._from, self._seen = self._session.snapshot.theta, None
 
     def let_go(self) -> None:
@@ -97,7 +97,12 @@ class SeeThrough:
 
 # A motion that was imitated in an experiment, seen in the scene and in the images: nothing of the session moves.
 
-WORLD = ("scene", "robot", "joints", "points")  # settings in which it is to be seen as it was
+WORLD = {  # settings in which it is to be seen as it was
+    "scene": _("scene"),
+    "robot": _("robot"),
+    "joints": _("joints"),
+    "points": _("points"),
+}
 
 
 class Imitated:
@@ -108,7 +113,7 @@ class Imitated:
         self._shown: Imitation | None = None
         self._from: Snapshot | None = None  # the present then
         self._began = 0.0
-        self._seen: tuple[int, Snapshot] | None = None  # a frame, and what is seen in it
+        self._seen: tuple[int, Snapshot] | None = None  # a frame, and its snapshot
 
     @property
     def playing(self) -> bool:
@@ -118,17 +123,18 @@ class Imitated:
         """Raises ValueError if the session is in another world, or where every look is a picture."""
         settings = self._session.settings
         if settings.sensor == "rendered":
-            raise ValueError("an imitation has no camera images: switch them off to see it")
+            raise ValueError(_("an imitation has no camera images: switch them off to see it"))
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:
-            raise ValueError(f"{imitation.name} was made with other {', '.join(differs)}: run it again, or go back")
+            refusal = _("{name} was made with other {settings}: run it again, or go back")
+            raise ValueError(refusal.format(name=imitation.name, settings=", ".join(map(WORLD.__getitem__, differs))))
         self._shown, self._from, self._began, self._seen = imitation, self._session.snapshot, now, None
 
     def stop(self) -> None:
         self._shown = self._from = self._seen = None
 
     def moment(self, now: float) -> Snapshot | None:
-        """What is seen: None without an imitation, and after its end."""
+        """The displayed snapshot: None without an imitation, and after its end."""
         if (
             self._shown is None
             or self._session.snapshot is not self._from
@@ -148,9 +154,8 @@ class Imitated:
         if self._shown is None or self._seen is None:
             return ""
         step_s, last = self._shown.step_s, len(self._shown.theta) - 1
-        return (
-            f"{self._shown.name}, imitated by a frozen transfer: {self._seen[0] * step_s:.1f} of {last * step_s:.1f} s."
-        )
+        text = _("{name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s.")
+        return text.format(name=self._shown.name, now=self._seen[0] * step_s, end=last * step_s)
 
     def _frame(self, now: float) -> int:
         assert self._shown is not None
@@ -193,7 +198,7 @@ class BuildingUp:
 
 @dataclass(frozen=True, eq=False)
 class Displayed:
-    """What is displayed at one time. Drawings read it and change nothing; what they have in common is computed once.
+    """The display at one time. Drawings read it and change nothing; what they have in common is computed once.
 
     Attributes
     ----------
@@ -208,7 +213,7 @@ class Displayed:
     preview
         What would be seen at another posture, which then is displayed too.
     playback
-        A sentence on an imitation that is displayed in place of the session.
+        A sentence on an imitation that is displayed instead of the session.
     stage
         Up to which the chosen point's construction is shown; None for all of it.
     """
@@ -300,7 +305,7 @@ class Displayed:
 
 
 class Display:
-    """What is displayed of one session and its player, and what may be displayed in its place. now: s"""
+    """The display of one session and its player, or of a preview or playback instead. now: s"""
 
     def __init__(self, session: Session, player: Player):
         self._session, self._player = session, player
@@ -309,7 +314,7 @@ class Display:
         self._appearance: Appearance | None = None  # made when it is first shown
 
     def reset(self) -> None:
-        """End all that is displayed beside the session's own: the world is another."""
+        """End previews, playbacks and constructions: the world was replaced."""
         self._on_the_way, self._appearance = OnTheWay(), None
         self.preview.let_go()
         self.construction.end()
@@ -326,7 +331,7 @@ class Display:
         return learner, self._session.snapshot.theta_demo, *others
 
     def at(self, now: float, shortest_motion: float, view: View) -> Displayed:
-        """Return what is displayed. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
+        """Return the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""
         session, eyes = self._session, self._session.eyes
         theta, moving = self._player.theta(now)
         if self._player.runners[0].duration < shortest_motion:
@@ -356,13 +361,13 @@ class Display:
         return self._appearance.of(moment)
 
 
-# What a learner has seen of itself before it imitates, and what is said of that
+# The self-observations of a learner before it imitates, in words
 
 
 @dataclass(frozen=True)
 class Rehearsal:
     """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
-    holds: whether the servo goes by what was seen, None if it was not asked yet; motions: of the imitation; rests:
+    holds: whether the servo uses the observations, None before it was asked; motions: of the imitation; rests:
     whether that has come to its end."""
 
     seen: int
@@ -379,24 +384,43 @@ class Rehearsal:
 
     @property
     def offered(self) -> bool:
-        """Whether a rehearsal can begin, or what is held can be forgotten."""
+        """Whether a rehearsal can begin, or its observations can be discarded."""
         return self.held or SERVOS[self.servo].predicts
 
     @property
     def words(self) -> str:
-        """What is remembered and whether it holds, or why a rehearsal is not offered; "" if there is nothing to say."""
+        """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
-            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
-        remembers = f"Remembers {self.seen} postures" if self.held else ""
-        if not SERVOS[self.servo].predicts:
-            return f"{remembers}; only for {_able()}." if self.held else f"Only for {_able()}."
+            text = _("Watches itself: {n} of {all} postures.")
+            return text.format(n=self.seen, all=self.seen + self.to_go)
+        able = SERVOS[self.servo].predicts
         if not self.held:
-            return ""
+            return "" if able else _("Only for {servos}.").format(servos=_able())
+        if not able:
+            text = ngettext(
+                "Remembers {n} posture; only for {servos}.", "Remembers {n} postures; only for {servos}.", self.seen
+            )
+            return text.format(n=self.seen, servos=_able())
         if self.holds is False:
-            return f"{remembers}, which do not hold here: it probes."
+            text = ngettext(
+                "Remembers {n} posture, which does not hold here: it probes.",
+                "Remembers {n} postures, which do not hold here: it probes.",
+                self.seen,
+            )
+            return text.format(n=self.seen)
         if self.holds is None:
-            return f"{remembers}; Play imitates with them."
-        return f"{remembers}, which hold. {'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
+            text = ngettext(
+                "Remembers {n} posture; Play imitates with it.",
+                "Remembers {n} postures; Play imitates with them.",
+                self.seen,
+            )
+            return text.format(n=self.seen)
+        held = ngettext("Remembers {n} posture, which holds.", "Remembers {n} postures, which hold.", self.seen)
+        if self.rests:
+            text = ngettext("Imitated in {n} step.", "Imitated in {n} steps.", self.motions)
+        else:
+            text = ngettext("Imitates: {n} step.", "Imitates: {n} steps.", self.motions)
+        return sentences(held.format(n=self.seen), text.format(n=self.motions))
 
 
 def rehearsal_of(session: Session) -> Rehearsal:
@@ -411,9 +435,10 @@ def rehearsal_of(session: Session) -> Rehearsal:
 def require_use(servo: str) -> None:
     """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
     if not SERVOS[servo].predicts:
-        raise ValueError(f"{SERVOS[servo].title} makes no use of a rehearsal; choose {_able()}")
+        refusal = _("{servo} makes no use of a rehearsal; choose {others}")
+        raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
 
 
 def _able() -> str:
     """The servos that make use of it, by their titles."""
-    return " or ".join(servo.title for servo in SERVOS.values() if servo.predicts)
+    return either(servo.title for servo in SERVOS.values() if servo.predicts)

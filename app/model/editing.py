@@ -1,4 +1,4 @@
-"""A page's session and what goes with it, and all that changes it: what a change loses, Undo brings back."""
+"""A page's session with its player, duel and presets, and its changes, which Undo takes back."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import msgspec
 from numpy.typing import NDArray
 
+from viewimit.language import _
 from viewimit.loop.script import Log
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -24,7 +25,9 @@ METHOD = {"transfer", "servo"}
 
 
 class UndoableSession:
-    """settings: what it begins with; in_new_world(): the world has become another, or the session has begun anew."""
+    """A session whose changes can be undone.
+
+    settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
 
     def __init__(self, settings: Settings, camera: Cameras, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
@@ -33,100 +36,102 @@ class UndoableSession:
         self.player = Player(self.session)
         self.duel = Duel(self.session, self.player, self._opponents_eyes)
         self.presets = Presets(settings)
-        self.past = Past(self.player, self.presets)
+        self.past = UndoStack(self.player, self.presets)
 
     def pose(self, theta: NDArray) -> None:
-        """Move the demonstrator to theta, (m,) rad; what is lost by that, Undo brings back."""
-        with self.past.kept():
+        """Move the demonstrator to theta, (m,) rad. Undo brings back the motions that this ends."""
+        with self.past.recording_undo():
             self.session.pose(theta)
         self.duel.follow()
         self.player.wake()
 
     def change(self, **fields) -> None:
-        """Some of the settings."""
+        """Change some of the settings."""
         world = self.session.world
-        with self.past.kept():
+        with self.past.recording_undo():
             self.session.change(**fields)
         self.player.wake()
         if self.session.world is not world:
-            self.begin_anew()
+            self.after_restart()
         elif self.duel.opponent is not None and not METHOD.isdisjoint(fields):
             self.duel.begin_again()
         else:
             self.duel.follow()
 
-    def lay_points(self, points: tuple[BodyPoint, ...]) -> None:
-        """Begin anew with these body points on both arms. Raises ValueError, with all as it is, if they cannot be."""
+    def set_body_points(self, points: tuple[BodyPoint, ...]) -> None:
+        """Restart with these body points on both arms. Raises ValueError, and changes nothing, for invalid points."""
         self.player.pause()
-        with self.past.kept(whole=True):
+        with self.past.recording_undo(whole=True):
             self.session.change(body_points=points)
-        self.begin_anew()
+        self.after_restart()
 
     def start_at(self, angles_deg: tuple[float, ...]) -> None:
-        """The learner begins anew at a posture, (m,)."""
+        """Restart the learner at a posture, (m,) degrees."""
         self.player.pause()
         self.change(start_deg=angles_deg)
         self.player.settle()
 
     def rehearse(self) -> None:
-        """The learner watches itself in its next motions, and then imitates. Raises ValueError, with all as it is,
-        where its servo would make no use of that."""
+        """Let the learner observe its own body for some motions, and then imitate.
+
+        Raises ValueError, and changes nothing, if its servo does not use a rehearsal.
+        """
         require_use(self.session.settings.servo)
-        with self.past.kept():
+        with self.past.recording_undo():
             postures = self.session.calibration_postures(DEFAULT_POSTURES, self.session.settings.seed)
             self.session.begin_calibration(postures)
             self.duel.rehearse(DEFAULT_POSTURES)
         self.player.play()
 
     def forget_rehearsal(self) -> None:
-        """What the learner has seen of itself, or what is left to be watched."""
-        with self.past.kept():
+        """Discard the self-observations, made or still to be made."""
+        with self.past.recording_undo():
             self.session.use_calibration(None)
             self.duel.remember_alike()
         self.player.wake()
 
     def begin_preset(self, preset: Preset) -> None:
         self.player.pause()
-        with self.past.kept(whole=True):
+        with self.past.recording_undo(whole=True):
             self.session.begin(preset.settings)
         self.player.speed = preset.motions_per_second
         self.presets.chosen = preset
-        self.begin_anew()
+        self.after_restart()
 
     def begin_like(self, settings: Settings) -> None:
-        """With projected points; nothing of what was here is kept."""
+        """Begin with these settings and projected points; Undo does not bring back the former session."""
         self.session.begin(msgspec.structs.replace(settings, sensor="projected"))
 
     def leave_pictures(self) -> None:
-        """Begin anew with projected points."""
+        """Restart with projected points."""
         self.player.pause()
         self.begin_like(self.session.settings)
-        self.begin_anew()
+        self.after_restart()
 
     def reset(self) -> None:
         """Back to the start."""
         self.player.pause()
-        with self.past.kept():
+        with self.past.recording_undo():
             self.session.reset()
         self.duel.begin()
 
-    def bring_back(self, left: Left) -> None:
-        """As it was. Raises ValueError, with all as it is, if that cannot be any more."""
-        self.go_on_with(left)
-        self.past.forget_newest()
+    def bring_back(self, entry: UndoEntry) -> None:
+        """Restore the newest undo entry and remove it. Raises ValueError, and changes nothing, if that fails."""
+        self.resume(entry)
+        self.past.pop()
 
-    def go_on_with(self, left: Left) -> None:
-        """As `bring_back`, for what the past does not hold."""
+    def resume(self, entry: UndoEntry) -> None:
+        """Restore an entry, on the undo stack or not."""
         world = self.session.world
-        for session, (moments, cursor, log) in zip(self.player.sessions, left.runs):
-            session.resume(moments, cursor, log)
-        self.presets.chosen, self.player.speed = left.preset, left.speed
+        for session, run in zip(self.player.sessions, entry.runs):
+            session.resume(*run)
+        self.presets.chosen, self.player.speed = entry.preset, entry.speed
         self.player.settle()
         if self.session.world is not world:
             self._in_new_world()
 
-    def begin_anew(self) -> None:
-        """The session has begun anew, in a world of its own."""
+    def after_restart(self) -> None:
+        """Restart the duel and tell the page of the new world."""
         self.duel.begin()
         self._in_new_world()
 
@@ -136,22 +141,21 @@ class UndoableSession:
         self._opponents_eyes.close()
 
 
-# What a page has left behind: motions that others took the place of, and what was there before it began anew.
+# The undo stack: branches of motions that others replaced, and sessions before a restart.
 
-MOST = 12  # that are kept
+MAX_ENTRIES = 12
 
 Run = tuple[tuple[Snapshot, ...], int, Log]  # history, cursor, and how it came there
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
-    """runs: the learner's, and its opponent's in a duel; at: the motion at which something else has begun; preset,
-    speed: of the page then."""
+class UndoEntry:
+    """A former state of a page's sessions."""
 
-    runs: tuple[Run, ...]
-    at: int
+    runs: tuple[Run, ...]  # the learner's, and its opponent's in a duel
+    at: int  # the motion at which another run began
     preset: Preset
-    speed: float
+    speed: float  # motions a second
 
     @property
     def motions(self) -> int:
@@ -160,135 +164,137 @@ class Left:
 
     @property
     def sensor(self) -> str:
-        moments, cursor, _ = self.runs[0]
-        return moments[cursor].settings.sensor
+        snapshots, cursor, _log = self.runs[0]
+        return snapshots[cursor].settings.sensor
 
 
-class Past:
-    """Of all that a player steps. The newest last: Undo takes one back from where it was left, as it takes a motion
-    back from the next."""
+class UndoStack:
+    """Former states of all sessions that a player steps, the newest last.
+
+    Undo restores the newest one at the motion where it ended, as it goes back one motion elsewhere.
+    """
 
     def __init__(self, player: Player, presets: Presets) -> None:
         self._player, self._presets = player, presets
-        self._left: list[Left] = []
+        self._entries: list[UndoEntry] = []
 
     @property
-    def here(self) -> Left | None:
-        """What was left at the motion that is shown, if nothing has been left since, with as many learners as there
-        are."""
-        newest = self._left[-1] if self._left else None
+    def here(self) -> UndoEntry | None:
+        """The newest entry, if it belongs to the present motion and has as many learners."""
+        newest = self._entries[-1] if self._entries else None
         here = newest is not None and newest.at == self._player.cursor and len(newest.runs) == len(self._player.runners)
         return newest if here else None
 
-    def forget_newest(self) -> None:
-        self._left.pop()
+    def pop(self) -> None:
+        self._entries.pop()
 
     @property
-    def everything(self) -> tuple[Left, ...]:
-        return tuple(self._left)
+    def everything(self) -> tuple[UndoEntry, ...]:
+        return tuple(self._entries)
 
-    def go_back_to(self, everything: tuple[Left, ...]) -> None:
-        """What was left behind since is forgotten."""
-        self._left = list(everything[-MOST:])
+    def replace(self, everything: tuple[UndoEntry, ...]) -> None:
+        """Set all entries, of which the newest are kept."""
+        self._entries = list(everything[-MAX_ENTRIES:])
 
     @property
-    def present(self) -> Left:
-        """What is there now."""
-        return self._leaving(tuple(map(_run, self._player.sessions)), self._player.cursor)
+    def present(self) -> UndoEntry:
+        """The present state."""
+        return self._entry(tuple(map(_run, self._player.sessions)), self._player.cursor)
 
-    def leave_here(self, left: Left) -> None:
-        """What was there before all that led to the motion that is shown."""
+    def push_before(self, entry: UndoEntry) -> None:
+        """Push a state that came before the present history, unless both are equal."""
         session = self._player.sessions[0]
-        if left.runs[0][0] != tuple(session.history) or left.runs[0][1] != session.cursor:
-            self._left = [*self._left[1 - MOST :], replace(left, at=self._player.cursor)]
+        if entry.runs[0][0] != tuple(session.history) or entry.runs[0][1] != session.cursor:
+            self._entries = [*self._entries[1 - MAX_ENTRIES :], replace(entry, at=self._player.cursor)]
 
-    def keep_branch(self) -> None:
-        """Motions after the present one are about to be made anew."""
+    def push_branch(self) -> None:
+        """Push the present state if a next motion would replace later ones."""
         if any(session.cursor < len(session.history) - 1 for session in self._player.sessions):
             self._keep(self.present)
 
     @contextmanager
-    def kept(self, whole: bool = False) -> Iterator[None]:
-        """Inside, moments may be lost. whole: even if there is but the first. What raises has lost none."""
+    def recording_undo(self, whole: bool = False) -> Iterator[None]:
+        """Push an entry if the block discards snapshots. whole: even a single one. A block that raises pushes none."""
         sessions = self._player.sessions
-        # stay as they are for who begins anew
+        # a restart replaces these objects
         histories = [(session.history, session.cursor, session.log) for session in sessions]
-        branches = any(cursor < len(history) - 1 for history, cursor, _ in histories)
+        branches = any(cursor < len(history) - 1 for history, cursor, _log in histories)
         runs = tuple(map(_run, sessions)) if branches else None
-        before = self._leaving((), 0)
+        before = self._entry((), 0)
         yield
         if sessions[0].history is not histories[0][0]:
             if whole or len(histories[0][0]) > 1:
-                runs = runs or tuple((tuple(moments), cursor, log) for moments, cursor, log in histories)
+                runs = runs or tuple((tuple(snapshots), cursor, log) for snapshots, cursor, log in histories)
                 self._keep(replace(before, runs=runs))
         elif runs is not None:
             self._keep(replace(before, runs=runs, at=max(session.cursor for session in sessions)))
 
-    def _leaving(self, runs: tuple[Run, ...], at: int) -> Left:
-        return Left(runs, at, self._presets.chosen, self._player.speed)
+    def _entry(self, runs: tuple[Run, ...], at: int) -> UndoEntry:
+        return UndoEntry(runs, at, self._presets.chosen, self._player.speed)
 
-    def _keep(self, left: Left) -> None:
-        newest = self._left[-1] if self._left else None
-        if newest is None or newest.at != left.at or newest.runs[0][0] != left.runs[0][0]:
-            self._left = [*self._left[1 - MOST :], left]
+    def _keep(self, entry: UndoEntry) -> None:
+        newest = self._entries[-1] if self._entries else None
+        if newest is None or newest.at != entry.at or newest.runs[0][0] != entry.runs[0][0]:
+            self._entries = [*self._entries[1 - MAX_ENTRIES :], entry]
 
 
 def _run(session: Session) -> Run:
     return tuple(session.history), session.cursor, session.log.copy()
 
 
-# What a page was before an entry of the glossary was shown: it is given back, whatever has been done since.
+# Demonstrations of glossary entries. The former page is restored afterwards, with any later change undone.
 
 
 @dataclass(frozen=True, eq=False)
-class BeforeWord:
-    """key: of the entry that is shown, by a preset; left: what was there, and playing; past: what had been left behind
-    before; view: as it was."""
+class BeforeDemo:
+    """The page before the demonstration of a glossary entry."""
 
-    key: str
-    preset: Preset
-    left: Left
-    past: tuple[Left, ...]
+    key: str  # of the entry
+    preset: Preset  # that demonstrates it
+    entry: UndoEntry  # the page's sessions
+    past: tuple[UndoEntry, ...]
     view: View
     playing: bool
 
 
-class ShownWord:
-    """Of one page's session."""
+class GlossaryDemo:
+    """Demonstrates glossary entries in one page's session."""
 
     def __init__(self, undoable: UndoableSession):
         self._undoable = undoable
-        self._before: BeforeWord | None = None
+        self._before: BeforeDemo | None = None
 
     @property
-    def before(self) -> BeforeWord | None:
-        """What was there before the entry that is shown; None if none is."""
+    def before(self) -> BeforeDemo | None:
+        """The page before the demonstration; None without one."""
         before = self._before
         return before if before is not None and self._undoable.presets.chosen is before.preset else None
 
     @property
     def key(self) -> str | None:
-        """Of the entry that is shown."""
+        """The key of the demonstrated entry; None without one."""
         return None if self.before is None else self.before.key
 
     def show(self, key: str, preset: Preset, view: View) -> None:
-        """Begin with what shows an entry; what was there before the first of them, and its view, is kept."""
+        """Begin the preset that demonstrates an entry. The page before the first demonstration is remembered."""
         past, playing = self._undoable.past, self._undoable.player.playing
-        before = self.before or BeforeWord(key, preset, past.present, past.everything, view, playing)
+        before = self.before or BeforeDemo(key, preset, past.present, past.everything, view, playing)
         self._undoable.begin_preset(preset)
         self._before = replace(before, key=key, preset=preset)
 
     def give_back(self, view: View) -> View:
-        """What was there before, in the window as it is now → as it is to be viewed. Raises ValueError, with all as it
-        is, if there is nothing to be given back, or that cannot be any more."""
+        """Restore the page before the demonstration, and return its view in the present window.
+
+        Raises ValueError, and changes nothing, without a demonstration or if the number of learners has changed.
+        """
         before, player = self.before, self._undoable.player
         if before is None:
-            raise ValueError("nothing is shown in place of what was here")
-        if len(before.left.runs) != len(player.runners):
-            raise ValueError("a duel has begun or ended since: end or begin it again first")
+            raise ValueError(_("nothing is shown in place of what was here"))
+        if len(before.entry.runs) != len(player.runners):
+            raise ValueError(_("a duel has begun or ended since: end or begin it again first"))
         player.pause()
-        self._undoable.go_on_with(before.left)
-        self._undoable.past.go_back_to(before.past)
+        self._undoable.resume(before.entry)
+        self._undoable.past.replace(before.past)
         if before.playing:
             player.play()
         return replace(before.view, help=False, **{name: getattr(view, name) for name in CLIENT_REPORTED})

@@ -58,7 +58,7 @@ class Following:
         self.restores = False  # whether it is what the page's own tab has kept, before which nothing else counts
 
     def begin(self, page: SavedPage, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
-        """Play a saved page, in place of the one that is played now. arrival: the entry that then takes it."""
+        """Play a saved page instead of the one that is played now. arrival: the entry that then takes it."""
         self.let_go()
         played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
         self.goes_on, self.restores = True, is_own
@@ -81,7 +81,7 @@ class Following:
         return played is not None
 
     def finish(self, played: Played) -> bool:
-        """Return whether this is what was to be played: else it was let go, just when it was whole."""
+        """Return whether this page is the one to be played: else it was cancelled just when it was complete."""
         if played is not self._played:
             return False
         self._played = None

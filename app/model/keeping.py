@@ -10,32 +10,34 @@ import msgspec
 import numpy as np
 
 from viewimit.drawing.export.panels import largest_residual
+from viewimit.language import _
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.session import Session
 
 from ..sessions.link import MAX_MOTION, MAX_TEXT, Branch, Run, SavedPage, described, encode_blocks
 from .choices import AS_STARTED, SWITCHES, Preset, switched
-from .editing import Left
+from .editing import UndoEntry
 from .following import Played
 from .page_model import PageModel
 from .services import Redraw
 
 MESSAGE_STAYS = 30.0  # s
+FROM_LINK = _("From a link")
 
 
-def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None] | None = None) -> SavedPage:
-    """What is kept of a page. branches: those that were made before.
+def saved_page(model: PageModel, branches: WeakKeyDictionary[UndoEntry, Branch | None] | None = None) -> SavedPage:
+    """Return a page as its tab stores it. branches: those encoded before.
 
-    A recorded motion that is too long is not kept, nor what no script can hold: `incomplete` says so.
+    It leaves out a recorded motion that is too long, and runs that no script can hold: `incomplete` says so.
     """
     view, snapshot = model.view, model.session.snapshot
     incomplete: list[str] = []
     branches = WeakKeyDictionary() if branches is None else branches
     past: list[Branch] = []
-    for left in reversed(model.past.everything):
-        if left not in branches:
-            branches[left] = _branch(left, incomplete)
-        branch = branches[left]
+    for entry in reversed(model.past.everything):
+        if entry not in branches:
+            branches[entry] = _branch(entry, incomplete)
+        branch = branches[entry]
         if branch is None:
             break
         past.append(branch)
@@ -43,7 +45,7 @@ def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None
     motion = model.motions.file
     if motion is not None and len(motion) > MAX_MOTION:
         motion = None
-        incomplete.append("the recorded motion is too long to be kept: save it to a file")
+        incomplete.append(_("the recorded motion is too long to be kept: save it to a file"))
     return SavedPage(
         present=present or Branch(preset=model.preset.name, speed=model.player.speed),
         past=tuple(reversed(past)) if present is not None else (),
@@ -58,24 +60,24 @@ def saved_page(model: PageModel, branches: WeakKeyDictionary[Left, Branch | None
     )
 
 
-def _branch(left: Left, incomplete: list[str]) -> Branch | None:
+def _branch(entry: UndoEntry, incomplete: list[str]) -> Branch | None:
     """A branch with its scripts, None where its own is not known."""
     runs = []
-    for moments, cursor, log in left.runs:
+    for snapshots, cursor, log in entry.runs:
         try:
-            runs.append(Run(script=log.script(moments[-1].motion), cursor=cursor))
+            runs.append(Run(script=log.script(snapshots[-1].motion), cursor=cursor))
         except ValueError as error:
             if not runs:
-                incomplete.append(f"its motions are not kept: {error}")
+                incomplete.append(_("its steps are not kept: {why}").format(why=error))
                 return None
-            incomplete.append("the duel's opponent is not kept")
-    return Branch(runs=tuple(runs), at=left.at, preset=left.preset.name, speed=left.speed)
+            incomplete.append(_("the duel's opponent is not kept"))
+    return Branch(runs=tuple(runs), at=entry.at, preset=entry.preset.name, speed=entry.speed)
 
 
 def become(model: PageModel, played: Played, now: float) -> None:
-    """Make a page what was played, and say what of it could not be. Undo goes back to what was there before a link.
+    """Restore a page from a played script, and say if anything is missing. Undo goes back to the page before a link.
 
-    Raises ValueError, with all as it is, for a link that cannot be followed.
+    Raises ValueError, and changes nothing, for a link that cannot be followed.
     """
     page = played.page
     whole = len(played.branches) == len(page.past) + 1
@@ -83,9 +85,9 @@ def become(model: PageModel, played: Played, now: float) -> None:
     why = "" if played.error is None else str(played.error) or type(played.error).__name__
     complaints = [page.incomplete] if page.incomplete else []
     if not sessions and not page.commanded:
-        raise ValueError(f"the link cannot be followed: {why}")
+        raise ValueError(_("the link cannot be followed: {why}").format(why=why))
     model.player.pause()
-    with nullcontext() if played.is_own else model.past.kept(whole=True):
+    with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
         try:
             if sessions:
                 _resume(model.session, sessions[0])
@@ -93,19 +95,25 @@ def become(model: PageModel, played: Played, now: float) -> None:
             sessions, why = [], str(error)
         if not sessions:
             _restart(model, page)
-            complaints.append(f"only its posture and settings are here{why and ': '}{why}")
+            text = (
+                _("only its posture and settings are here: {why}")
+                if why
+                else _("only its posture and settings are here")
+            )
+            complaints.append(text.format(why=why))
         elif not whole:
-            complaints.append(f"what Undo would go back to is not all here: {why}")
+            complaints.append(_("what Undo would go back to is not all here: {why}").format(why=why))
     if played.is_own:
-        model.past.go_back_to(())
+        model.past.replace(())
     if sessions:
-        before = [_left(model, *branch) for branch in reversed(played.branches[1:])]
-        model.past.go_back_to((*model.past.everything, *before))
+        before = [_undo_entry(model, *branch) for branch in reversed(played.branches[1:])]
+        model.past.replace((*model.past.everything, *before))
         if page.commanded and page.commanded != tuple(model.session.snapshot.commanded.tolist()):
             off = np.abs(model.session.snapshot.commanded - page.commanded).max()
-            complaints.append(f"computed again here, the arm is {np.degrees(off):.2g}° from where it was")
+            text = _("computed again here, the arm is {angle:.2g}° from where it was")
+            complaints.append(text.format(angle=np.degrees(off)))
     _show(model, page, played.is_own)
-    model.undoable.begin_anew()
+    model.undoable.after_restart()
     for opponent in sessions[1:]:
         model.duel.resume(opponent)
     if page.motion is not None:
@@ -113,9 +121,10 @@ def become(model: PageModel, played: Played, now: float) -> None:
             model.motions.load(page.motion)
         except ValueError as error:
             complaints.append(str(error))
-    model.resends_all = played.is_own and not complaints  # else the tab keeps what is more than this, until a change
+    model.resends_all = played.is_own and not complaints  # else the tab keeps its larger text until a change
     if complaints:
-        model.say(f"Not all of this session is back: {'; '.join(complaints)}.", now + MESSAGE_STAYS)
+        text = _("Not all of this session is back: {complaints}.")
+        model.say(text.format(complaints="; ".join(complaints)), now + MESSAGE_STAYS)
 
 
 def _resume(session: Session, other: Session) -> None:
@@ -133,25 +142,25 @@ def _restart(model: PageModel, page: SavedPage) -> None:
         model.session.begin(msgspec.structs.replace(settings, sensor="projected"))
 
 
-def _left(model: PageModel, branch: Branch, sessions: list[Session]) -> Left:
-    """What Undo goes back to."""
+def _undo_entry(model: PageModel, branch: Branch, sessions: list[Session]) -> UndoEntry:
+    """The state that Undo restores."""
     runs = tuple((tuple(session.history), session.cursor, session.log) for session in sessions)
-    return Left(runs, branch.at, _preset(model, branch, branch.preset), branch.speed)
+    return UndoEntry(runs, branch.at, _preset(model, branch, branch.preset), branch.speed)
 
 
 def _preset(model: PageModel, branch: Branch, unknown: str) -> Preset:
     """The preset of a branch. unknown: the name of one that this page does not offer."""
     settings = branch.runs[0].script.settings if branch.runs else model.session.settings
-    other = Preset(unknown, settings, branch.speed, "As it was sent.")
+    other = Preset(unknown, settings, branch.speed, _("As it was sent."))
     return model.presets.offered.get(branch.preset, other)
 
 
 def _show(model: PageModel, page: SavedPage, is_own: bool) -> None:
-    """Take what is no part of the session."""
+    """Take over the preset, speed, view and tour."""
     present = page.present
-    model.presets.chosen = _preset(model, present, present.preset if is_own else "From a link")
+    model.presets.chosen = _preset(model, present, present.preset if is_own else FROM_LINK)
     if present.preset == AS_STARTED and model.modified and not is_own:  # another server was started otherwise
-        model.presets.chosen = _preset(model, msgspec.structs.replace(present, preset=""), "From a link")
+        model.presets.chosen = _preset(model, msgspec.structs.replace(present, preset=""), FROM_LINK)
     model.player.speed = present.speed
     model.tour_offered = model.tour_offered and page.offers_tour
     dark = model.view.dark if page.dark is None else page.dark
@@ -178,7 +187,7 @@ class Part(msgspec.Struct):
 
 
 class Keeper:
-    """Sends to a page's tab what it is to keep, after the tab has told what it has kept.
+    """Sends to a page's tab the text that it stores, after the tab has sent its stored text.
 
     Parameters
     ----------
@@ -194,16 +203,16 @@ class Keeper:
         self._parts, self._last = float(AT_ONCE), -math.inf  # that may be sent; s, of the last tick
         self._begun = self._has_changed = self._has_acted = False
         self._sent: list[str] = []
-        self._branches: WeakKeyDictionary[Left, Branch | None] = WeakKeyDictionary()
+        self._branches: WeakKeyDictionary[UndoEntry, Branch | None] = WeakKeyDictionary()
         self._described: dict[str, str] = {}
 
     def tick(self, now: float, acted: int) -> None:
-        """Send what has changed. acted: number of the last action that was carried out."""
+        """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
         if not model.is_kept or model.following.restores:
             return
         has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and self._begun  # the tab has what was there at first, or needs it not
+        self._has_changed |= has_changed and self._begun  # the tab already stores the first state, or needs none
         self._has_acted |= self._redraw.changed("acted", (acted,))
         self._begun = True
         if model.resends_all:
@@ -215,7 +224,7 @@ class Keeper:
             self._send_part(acted)
 
     def _state(self) -> tuple:
-        """What is kept, as far as a change of it is seen."""
+        """The values whose change the tab stores."""
         model = self._model
         session, view, opponent = model.session, model.view, model.duel.opponent
         return (
@@ -256,9 +265,10 @@ class Keeper:
 def _less(page: SavedPage) -> SavedPage:
     """A page with less to keep."""
     if page.past:
-        why = "what Undo goes back to is too long to be kept"
+        why = _("what Undo goes back to is too long to be kept")
         return msgspec.structs.replace(page, past=page.past[1:], incomplete=why)
     if page.motion is not None:
-        return msgspec.structs.replace(page, motion=None, incomplete="the recorded motion is too long to be kept")
+        why = _("the recorded motion is too long to be kept")
+        return msgspec.structs.replace(page, motion=None, incomplete=why)
     present = msgspec.structs.replace(page.present, runs=())
-    return msgspec.structs.replace(page, present=present, incomplete="its motions are too many to be kept")
+    return msgspec.structs.replace(page, present=present, incomplete=_("its steps are too many to be kept"))

@@ -1,6 +1,6 @@
 """What a page is about, without its widgets: a session, how fast it runs, how it is shown, and what goes with it.
 
-Commands are carried out on it; panels and the scene read it, and change nothing.
+Commands change it; panels and the scene read it, and change nothing.
 """
 
 from collections.abc import Callable
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
+from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
@@ -19,7 +20,7 @@ from ..sessions.link import Branch, Run, SavedPage
 from .choices import SWITCHES, Freedom, Message, Preset, View
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
-from .editing import ShownWord, UndoableSession
+from .editing import GlossaryDemo, UndoableSession
 from .following import Following
 from .motions import Motions
 from .points import PointEditing
@@ -37,11 +38,11 @@ class Saved(NamedTuple):
 class PageModel:
     """settings: what its session begins with; send(name, data): a file for the visitor.
 
-    generation: how often the session has begun anew, in a world of its own; inputs: how many of the visitor's commands
-    were carried out or rejected, after each of which widgets are written again;
-    tour_offered: to somebody who has not been here before; eye(): that looks at the 3-D scene, as the page knows it;
-    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: why the tab
-    cannot keep it.
+    generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
+    were applied or rejected, after each of which widgets are written again;
+    tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as the page knows it;
+    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: whether
+    the tab cannot keep it.
     """
 
     def __init__(
@@ -53,18 +54,19 @@ class PageModel:
         send: Callable[[str, bytes], None],
     ):
         self.begun, self.send, self._queue = settings, send, queue
-        self.undoable = UndoableSession(settings, services.camera, self._show_anew)
+        self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
-        self.word = ShownWord(self.undoable)
+        self.glossary_demo = GlossaryDemo(self.undoable)
         self.following = Following(page_id, services, queue)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.display = Display(self.session, self.player)
         beside = services.landscapes
-        aside = partial(_aside, partial(beside.ask, page_id), queue)
-        self.motions = Motions(self.session, self.undoable.pose, partial(aside, "motion", DemonstratorJobResult), send)
-        point_aside = partial(aside, "point", JobResult)
-        self.points = PointEditing(self.session, self.undoable.lay_points, point_aside, send)
+        run_in_background = partial(_run_in_background, partial(beside.ask, page_id), queue)
+        make_motion = partial(run_in_background, "motion", DemonstratorJobResult)
+        self.motions = Motions(self.session, self.undoable.pose, make_motion, send)
+        make_point = partial(run_in_background, "point", JobResult)
+        self.points = PointEditing(self.session, self.undoable.set_body_points, make_point, send)
         self.experiments = Experiments(services.experiments, page_id, self.session, self.motions, queue, send)
         self._send_made = partial(services.files.ask, page_id)
         self.landscape = OwnLandscape(page_id, beside, queue)
@@ -76,7 +78,7 @@ class PageModel:
         self.generation, self.inputs = 0, 0
         self.message: Message | None = None
         self._refusal: Message | None = None
-        self.unsaved: str | None = None
+        self.unsaved = False
         self.is_kept = self.resends_all = False
         self.displayed = self.display.at(0.0, 0.0, self.view)
 
@@ -104,22 +106,22 @@ class PageModel:
         self.view = replace(self.view, **fields)
 
     def say(self, text: str, until: float) -> None:
-        """A message for the visitor, as long as now < until, s."""
+        """Show the visitor a message, as long as now < until, s."""
         self.message = Message(text, until)
 
     def refuse(self, why: str, until: float) -> None:
-        """Say why something cannot be; the widgets show again what is."""
+        """Say why a command was rejected; the widgets show the model's values again."""
         self.say(why, until)
         self._refusal = self.message
         self.inputs += 1
 
     def accept(self) -> None:
-        """What the visitor did can be: why something before it could not, is said no longer."""
+        """Remove the message about a rejected command: a later one was applied."""
         if self.message is self._refusal:
             self.message = None
 
     def ask_for_landscapes(self) -> None:
-        """For what has changed since they were asked for last."""
+        """Ask for the landscapes that have changed since they were asked for last."""
         world, present = self.session.world, self.session.snapshot
         self.landscape.ask(world, present)
         self.comparison.ask(world, present)
@@ -143,26 +145,26 @@ class PageModel:
         )
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
-        """Bring up to date what is displayed. shortest_motion: s; an arm on a shorter way is shown where it arrives."""
+        """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""
         if self.message is not None and now > self.message.until:
             self.message = None
         self.displayed = self.display.at(now, shortest_motion, self.view)
         return self.displayed
 
     def send_made(self, kind: str, make: Callable[[], Saved]) -> None:
-        """Send the visitor a file that is made in the background; of a kind, what was asked for last."""
+        """Send the visitor a file that is made in the background; of each kind only the newest request."""
         self._send_made(make, self._queue.result_callback(("saved", kind), self._send_saved), kind=kind)
 
     def _send_saved(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(f"it could not be saved: {made}")
+            raise ValueError(_("it could not be saved: {why}").format(why=made))
         self.send(made.name, made.data)
 
     def close(self) -> None:
         """What it looks with is given back."""
         self.undoable.close()
 
-    def _show_anew(self) -> None:
+    def _show_new_world(self) -> None:
         """The world is another."""
         if self.view.chosen is not None:
             self.view = replace(self.view, chosen=min(self.view.chosen, len(self.session.world.body) - 1))
@@ -170,7 +172,7 @@ class PageModel:
         self.generation += 1
 
 
-def _aside(
+def _run_in_background(
     ask: Callable[..., None],
     queue: CommandQueue,
     kind: str,

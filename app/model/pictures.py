@@ -9,6 +9,7 @@ from viewimit.drawing.equations import equations_of
 from viewimit.drawing.export.citation import Citation, cite, cite_both, cite_experiment
 from viewimit.drawing.export.figures import (
     INSTALL,
+    NO_PNG,
     RENDERER,
     TYPESETTER,
     Figure,
@@ -26,16 +27,16 @@ from viewimit.drawing.export.figures import (
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
+from viewimit.language import _, ngettext
 
 from ..drawing.duel import draw_errors_alone, draw_race
 from ..jobs.png_child import render
 from .page_model import PageModel, Saved
 
 FORMATS = ("SVG", "PNG")
-SPACE = "3-D view"
+SPACE = "3-D view"  # as FIGURES
 
 
 class Picture(NamedTuple):
@@ -78,10 +79,12 @@ def lacking() -> str:
     if render and typeset:
         return ""
     if typeset:
-        return f"PNG needs {RENDERER}: {INSTALL}; SVG does not"
+        return NO_PNG
     if render:
-        return f"Equations need {TYPESETTER}: {INSTALL}; other pictures do not"
-    return f"PNG needs {RENDERER}, Equations need {TYPESETTER}: {INSTALL}; other pictures, as SVG, need neither"
+        text = _("Equations need {typesetter}: {install}; other pictures do not")
+    else:
+        text = _("PNG needs {renderer}, Equations need {typesetter}: {install}; other pictures, as SVG, need neither")
+    return text.format(renderer=RENDERER, typesetter=TYPESETTER, install=INSTALL)
 
 
 def require_form(form: str) -> None:
@@ -96,24 +99,40 @@ def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation)
 
 
 def _images(model: PageModel) -> Picture:
-    moment, made = model.displayed.image_snapshot, f"after {count_motions(model.displayed.image_snapshot.motion)}"
+    moment = model.displayed.image_snapshot
     if model.view.rectified:
-        bodies, _ = model.displayed.arms_in_images
-        return Picture.of(stack([draw_rectified(moment, bodies, True)], f"The images as seen and as rectified, {made}"))
-    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four images {made}"))
+        bodies = model.displayed.arms_in_images[0]
+        title = ngettext(
+            "The images as seen and as rectified, after {n} step",
+            "The images as seen and as rectified, after {n} steps",
+            moment.motion,
+        )
+        return Picture.of(stack([draw_rectified(moment, bodies, True)], title.format(n=moment.motion)))
+    title = ngettext(
+        "The learner’s four images after {n} step", "The learner’s four images after {n} steps", moment.motion
+    )
+    return Picture.of(four_images(model.displayed.draw_images(print_size=True), title.format(n=moment.motion)))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture.of(stack([model.comparison.html], "E over the postures of the learner, by all transfers"))
+        return Picture.of(stack([model.comparison.html], _("E over the postures of the learner, by all transfers")))
     if model.landscape.made is None:
-        raise ValueError("the landscape is not there yet")
+        raise ValueError(_("the landscape is not there yet"))
     picture, session = model.landscape.made.picture, model.session
     path = picture.draw_path(session.history, session.cursor)
-    title = "E over the postures of the learner, and its path"
+    title = ngettext(
+        "E over the postures of the learner, and its path over {n} step",
+        "E over the postures of the learner, and its path over {n} steps",
+        session.cursor,
+    )
     if len(session.scene.moving_joints) != 2:
-        title = "What a pixel of noise costs at each joint"
-    return Picture.of(overlay([picture.html, path], f"{title} over {count_motions(session.cursor)}"))
+        title = ngettext(
+            "Joint error per pixel of noise, over {n} step",
+            "Joint error per pixel of noise, over {n} steps",
+            session.cursor,
+        )
+    return Picture.of(overlay([picture.html, path], title.format(n=session.cursor)))
 
 
 def _curves(model: PageModel) -> Picture:
@@ -121,29 +140,31 @@ def _curves(model: PageModel) -> Picture:
     E_true = None if made is None else made.E_true
     joints = session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    return Picture.of(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
+    title = ngettext(
+        "Conflict E and joint angles over {n} step", "Conflict E and joint angles over {n} steps", session.cursor
+    )
+    return Picture.of(stack([drawn], title.format(n=session.cursor)))
 
 
 def _equations(model: PageModel) -> Picture:
     require_typesetter()
-    told = equations_of(model.snapshot, model.view.chosen)
-    return Picture(
-        partial(
-            typeset_equations, told, f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
-        )
+    told, motion = equations_of(model.snapshot, model.view.chosen), model.snapshot.motion
+    title = ngettext(
+        "The equations with their numbers after {n} step", "The equations with their numbers after {n} steps", motion
     )
+    return Picture(partial(typeset_equations, told, title.format(n=motion)))
 
 
 def _duel(model: PageModel) -> Picture:
     duel, opponent, scene = model.duel, model.duel.opponent, model.session.scene
     if opponent is None:
-        raise ValueError("there is no duel: begin one in its tab")
+        raise ValueError(_("there is no duel: begin one in its tab"))
     standings = duel.standings
     cited = cite_both(model.session, opponent)
     race = draw_race(scene, (model.session, opponent), standings)
-    figure = overlay(
-        [model.duel_landscapes.html, race], f"A duel after {count_motions(model.snapshot.motion)}: {cited.title}"
-    )
+    title = ngettext("A duel after {n} step: {methods}", "A duel after {n} steps: {methods}", model.snapshot.motion)
+    title = title.format(n=model.snapshot.motion, methods=cited.title)
+    figure = overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
         figure = append_below(figure, draw_errors_alone(standings))
     return Picture.of(figure, cited)
@@ -152,11 +173,11 @@ def _duel(model: PageModel) -> Picture:
 def _experiment(model: PageModel) -> Picture:
     run = model.experiments.shown
     if run is None or run.request is None or not run.claims:
-        raise ValueError("the experiment is not done yet: run it in its tab")
+        raise ValueError(_("the experiment is not done yet: run it in its tab"))
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
-    told = draw_claims(run.claims)
+    text = draw_claims(run.claims)
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
-    return Picture.of(append_below(figure, told) if told else figure, cited)
+    return Picture.of(append_below(figure, text) if text else figure, cited)
 
 
 FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
@@ -167,4 +188,12 @@ FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
     "Duel": _duel,
     "Experiments": _experiment,
 }
-PICTURES = (*FIGURES, SPACE)
+PICTURES = {  # titles, by what a view has chosen
+    "Images": _("Images"),
+    "Landscape": _("Landscape"),
+    "Curves": _("Curves"),
+    "Equations": _("Equations"),
+    "Duel": _("Duel"),
+    "Experiments": _("Experiments"),
+    SPACE: _("3-D view"),
+}

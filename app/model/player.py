@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.convergence import ErrorTrace
+from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
@@ -112,7 +113,7 @@ class Player:
         self.wake()
 
     def play(self) -> None:
-        """On from here; whoever rests is asked again."""
+        """Play on; learners at rest are asked again."""
         if not self.playing:
             self.toggle()
         self.wake()
@@ -185,7 +186,7 @@ class Player:
 
 
 class Duel:
-    """The opponent has the settings of the visitor's session but for its own transfer and servo. opponent: None without
+    """The opponent has the visitor's settings except for its own transfer and servo. opponent: None without
     a duel; transfer, servo: what it has or would have, at first the paper's. eyes: opens the opponent's.
     """
 
@@ -223,14 +224,14 @@ class Duel:
         self.begin()
 
     def begin(self) -> None:
-        """The visitor's session has begun anew: so does the opponent."""
+        """Restart the opponent, as the visitor's session was."""
         if self.opponent is not None:
             self.opponent.begin(self._settings)
             self.remember_alike()
         self._player.settle()
 
     def rehearse(self, count: int) -> None:
-        """The visitor's learner watches itself in so many postures: so does the opponent, if that is of use to it."""
+        """Let the opponent observe itself in as many postures as the visitor's learner, if its servo uses them."""
         if self.opponent is not None and SERVOS[self.servo].predicts:
             self.opponent.begin_calibration(self.opponent.calibration_postures(count, self._session.settings.seed))
 
@@ -249,7 +250,7 @@ class Duel:
     def standings(self) -> tuple[Standing, Standing]:
         """The visitor's and the opponent's. Raises ValueError without a duel."""
         if self.opponent is None:
-            raise ValueError("there is no duel")
+            raise ValueError(_("there is no duel"))
         own, other = self._traces
         return _standing(self._session, own), _standing(self.opponent, other)
 
@@ -265,13 +266,13 @@ class Duel:
 
 
 def _standing(session: Session, trace: ErrorTrace) -> Standing:
-    moments = session.cursor + 1
-    errors = trace.of(session.history)[:moments]
-    since = moments - 1  # the first moment with the demonstrator in its present posture
+    count = session.cursor + 1
+    errors = trace.of(session.history)[:count]
+    since = count - 1  # the first snapshot with the demonstrator in its present posture
     here = session.snapshot.theta_demo
     while since and _same(session.history[since - 1].theta_demo, here):
         since -= 1
-    arrived = next((k for k in range(since, moments) if errors[k] < ARRIVED_DEG), None)
+    arrived = next((k for k in range(since, count) if errors[k] < ARRIVED_DEG), None)
     return Standing(session.snapshot, errors, arrived)
 
 

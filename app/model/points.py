@@ -1,7 +1,7 @@
 """Editing the body points: which there are, what they tell, which one more would tell most, a file with them.
 
-Both arms wear the same points. It uses what the simulation knows, as whoever marks an arm sees the arm; the learner is
-told of nothing but the images of the points.
+Both arms wear the same points. It uses what the simulation knows, as a person who marks an arm sees it; the learner
+gets only the images of the points.
 """
 
 from collections.abc import Callable
@@ -12,8 +12,10 @@ import msgspec
 from numpy.typing import NDArray
 
 from viewimit.analysis.observability import PointInformation, Proposal, best_next, find_candidates, point_information
+from viewimit.drawing.svg import count_points
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
+from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
@@ -26,7 +28,7 @@ from .queue import RunInBackground
 
 MOST_POINTS = 64
 DIGITS = 4  # of a metre
-HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
+HEADING = _("Body points by hand, from viewimit's page: use it by --scene, or edit it")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +44,7 @@ class EditedPoints:
 
 
 class PointEditing:
-    """Of one session. lay(points): makes it begin anew with these; run_in_background(make, take): make what takes
+    """Of one session. lay(points): restarts it with these; run_in_background(make, take): make what takes
     long, then take it in the page's own time; send(name, data): a file for the visitor."""
 
     def __init__(
@@ -69,7 +71,7 @@ class PointEditing:
             self._on = False
             return
         if self._session.settings.sensor == "rendered":
-            raise ValueError("camera images show the markers that the arm wears: switch them off to edit points")
+            raise ValueError(_("camera images show the markers that the arm wears: switch them off to edit points"))
         self._on = True
 
     def let_go(self) -> bool:
@@ -85,7 +87,7 @@ class PointEditing:
         self._require_on()
         points = self._points()
         if len(points) >= MOST_POINTS:
-            raise ValueError(f"there are {MOST_POINTS} points already: remove one first")
+            raise ValueError(_("there are {n} points already: remove one first").format(n=MOST_POINTS))
         x, y, z = (round(value, DIGITS) for value in local)
         self._lay((*points, (link, x, y, z)))
 
@@ -94,9 +96,10 @@ class PointEditing:
         self._require_on()
         points = self._points()
         if point is None:
-            raise ValueError("no point is chosen: click one, or press N")
+            raise ValueError(_("no point is chosen: click one, or press N"))
         if len(points) <= MIN_POINTS:
-            raise ValueError(f"no transfer can do with fewer than {MIN_POINTS} points: place another one first")
+            refusal = _("no transfer can do with fewer than {n} points: place another one first")
+            raise ValueError(refusal.format(n=MIN_POINTS))
         self._lay((*points[:point], *points[point + 1 :]))
 
     def propose_or_take(self) -> bool:
@@ -116,7 +119,7 @@ class PointEditing:
         """A proposal that was made in the background, if it is still of these points in this posture."""
         searching, self._asked = self._searching, None
         if isinstance(made, Exception):
-            raise ValueError(f"no point to propose: {made}")
+            raise ValueError(_("no point to propose: {why}").format(why=made))
         world, moment, proposal = made
         if searching and self.on and self._still(world, moment.theta_demo):
             self._made = world, moment.theta_demo, proposal
@@ -148,7 +151,7 @@ class PointEditing:
         """The scene as it is, with the points by hand alone if there are any; of a URDF no folder of the server's."""
         scene, by_hand = self._session.scene, self._session.settings.body_points is not None
         if by_hand:
-            scene = msgspec.structs.replace(scene, title=f"{scene.title}, points by hand")
+            scene = msgspec.structs.replace(scene, title=_("{scene}, points by hand").format(scene=scene.title))
         name = "".join(c if c.isalnum() else "-" for c in self._session.world.robot.name)
         file = f"viewimit-{name}-{self._session.settings.points}-points.toml"
         self._send(file, saved_scene(scene, HEADING).encode())
@@ -166,7 +169,7 @@ class PointEditing:
 
     def _require_on(self) -> None:
         if not self.on:
-            raise ValueError("the points are not being edited: press E, or Edit points")
+            raise ValueError(_("the points are not being edited: press E, or Edit points"))
 
     def _forget_proposal(self) -> None:
         self._asked = self._made = None
@@ -190,11 +193,13 @@ def layout_choices(settings: Settings) -> dict[str, dict[str, Any]]:
     """Settings to change, by name; none for the points by hand, if there are some."""
     own = load_scene(settings.scene, settings.robot).points
     choices: dict[str, dict[str, Any]] = {
-        f"{count} points": {"points": int(count), "body_points": None} for count in own
+        count_points(int(count)): {"points": int(count), "body_points": None} for count in own
     }
     return choices if settings.body_points is None else {**choices, chosen_layout(settings): {}}
 
 
 def chosen_layout(settings: Settings) -> str:
     """The name of the layout that there is now."""
-    return f"{settings.points} points" if settings.body_points is None else f"{len(settings.body_points)} by hand"
+    if settings.body_points is None:
+        return count_points(settings.points)
+    return _("{n} by hand").format(n=len(settings.body_points))

@@ -7,6 +7,8 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from viewimit.language import _
+
 PENDING_LIMIT = 200  # actions that wait, per page
 MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
 JITTER_ALLOWANCE = 0.2  # s by which a network may delay one, so that several come at once
@@ -21,7 +23,7 @@ class Queued:
     moves
         It moves, poses or observes, which takes long with camera images.
     order_independent
-        It may be carried out before or after any other entry, so that it need not wait.
+        It may be applied before or after any other entry, so that it need not wait.
     cancels
         It ends the computation that others wait for.
     coalesce_key
@@ -194,7 +196,7 @@ class CommandQueue:
         self.put(entry)
 
     def put_back(self, entries: list[Queued]) -> None:
-        """Put back what was taken and not carried out, before all that has come since."""
+        """Put back entries that were taken and not applied, before newer ones."""
         with self._lock:
             self._waiting = entries + self._waiting
 
@@ -209,7 +211,7 @@ class CommandQueue:
         self.commands[name]  # a name that is none fails as the page is built
 
         @widget.on_update
-        async def _(event) -> None:
+        async def call(event) -> None:
             if event.client_id is not None:  # None: the page itself wrote it
                 self.call(name, *first, event.target.value, sender=id(widget))
 
@@ -218,7 +220,7 @@ class CommandQueue:
         call = self.commands[name](*values)
 
         @widget.on_click
-        async def _(_event) -> None:
+        async def put(_event) -> None:
             self.put(call)
 
     def take(self) -> list[Queued]:
@@ -228,7 +230,7 @@ class CommandQueue:
         return taken
 
     def take_order_independent(self, cancelling: bool = False) -> list[Queued]:
-        """While nothing may move: take what comes before all that moves, and what is order-independent.
+        """While nothing may move: take the entries before the first that moves, and the order-independent ones.
 
         cancelling: also what ends the computation that the rest waits for.
         """
@@ -244,7 +246,7 @@ class CommandQueue:
         return taken
 
     def waiting_senders(self) -> set[Hashable]:
-        """Return the controls whose newest values have not been carried out."""
+        """Return the controls whose newest values have not been applied."""
         with self._lock:
             return {entry.sender for entry in self._waiting if isinstance(entry, Call)}
 
@@ -283,43 +285,44 @@ def number(value) -> float:
     except (TypeError, ValueError, OverflowError):
         found = math.nan
     if not math.isfinite(found):
-        raise ValueError(f"{str(value)[:40]!r} is not a number")
+        raise ValueError(_("{value} is not a number").format(value=_quoted(value)))
     return found
 
 
-def choice(value, options: Mapping, what: str):
-    """What an option stands for. Raises ValueError."""
+def choice(value, options: Mapping, refusal: str):
+    """What an option stands for. Raises ValueError with the refusal, in which {value} stands for what came."""
     if not isinstance(value, str) or value not in options:
-        raise ValueError(f"no {what} {str(value)[:40]!r}")
+        raise ValueError(refusal.format(value=_quoted(value)))
     return options[value]
 
 
-def named(value, entries: Mapping[str, Titled], what: str) -> str:
-    """The name of an entry of a registry, by its title. Raises ValueError."""
-    return choice(value, {entry.title: name for name, entry in entries.items()}, what)
+def named(value, entries: Mapping[str, Titled], refusal: str) -> str:
+    """The name of an entry of a registry, by its title. Raises ValueError, as `choice` does."""
+    return choice(value, {entry.title: name for name, entry in entries.items()}, refusal)
 
 
 def switch(value) -> bool:
     """Raises ValueError."""
     if not isinstance(value, bool):
-        raise ValueError(f"{str(value)[:40]!r} is neither on nor off")
+        raise ValueError(_("{value} is neither on nor off").format(value=_quoted(value)))
     return value
 
 
-def text(what: str) -> Callable[[object], str]:
-    """Return a parser that takes any text."""
-
-    def parse(value: object) -> str:
-        if not isinstance(value, str):
-            raise ValueError(f"no {what} {str(value)[:40]!r}")
-        return value
-
-    return parse
+def text(value: object) -> str:
+    """Take any text. Raises ValueError."""
+    if not isinstance(value, str):
+        raise ValueError(_("{value} is not a text").format(value=_quoted(value)))
+    return value
 
 
-def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], what: str) -> Callable[[object], Any]:
-    """Return a parser that takes a name of `options`, and returns the option."""
-    return lambda value: choice(value, options() if callable(options) else options, what)
+def one_of(options: Mapping[str, Any] | Callable[[], Mapping[str, Any]], refusal: str) -> Callable[[object], Any]:
+    """Return a parser that takes a name of `options`, and returns the option. refusal: as of `choice`."""
+    return lambda value: choice(value, options() if callable(options) else options, refusal)
+
+
+def _quoted(value: object) -> str:
+    """What came, or its beginning."""
+    return repr(str(value)[:40])
 
 
 def whole(value: object) -> int:

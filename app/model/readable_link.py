@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from viewimit.drawing.export.panels import largest_residual
+from viewimit.language import _
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
@@ -44,7 +45,7 @@ def write_link(model: PageModel) -> str:
     """Return the readable link to what a page shows. Raises NotReadable if there is none."""
     session, view = model.session, model.view
     if model.duel.opponent is not None:
-        raise NotReadable("a duel has two learners")
+        raise NotReadable(_("a duel has two learners"))
     begin, steps = _beginning(session)
     preset = model.preset if model.preset.key else _nearest(begin)
     fields = {"preset": preset.key} | dict(_differences(begin, complete(preset.settings)))
@@ -67,15 +68,15 @@ def _beginning(session: Session) -> tuple[Settings, int]:
     since = actions[begins[-1] + 1 :] if begins else actions
     first = next((k for k, action in enumerate(since) if isinstance(action, Steps)), len(since))
     if not all(isinstance(action, MoveDemonstrator | ChangeSettings) for action in since[:first]):
-        raise NotReadable("it has looked or calibrated before its first step")
+        raise NotReadable(_("it has looked or calibrated before its first step"))
     if not all(isinstance(action, Steps) for action in since[first:]):
-        raise NotReadable("something was done on the way")
+        raise NotReadable(_("something was done on the way"))
     start = session.history[0]
     settings = msgspec.structs.replace(
         session.settings, demonstrator_deg=to_degrees(start.theta_demo), start_deg=to_degrees(start.commanded)
     )
     if first and not _begins_alike(settings, start):
-        raise NotReadable("what was seen before its first step counts")
+        raise NotReadable(_("what was seen before its first step counts"))
     return settings, session.snapshot.motion
 
 
@@ -90,16 +91,16 @@ def _differences(settings: Settings, base: Settings) -> Iterator[tuple[str, str]
     """Yield the fields of a link for settings that differ from a preset's."""
     for name in ("body_points", "workspace_deg"):
         if getattr(settings, name) != getattr(base, name):
-            raise NotReadable(f"{name} is too long")
+            raise NotReadable(_("{name} is too long").format(name=name))
     named = settings.scene in scene_names() and settings.robot in (None, *robot_names())
     if not named or OWN in (settings.transfer, settings.servo):
-        raise NotReadable("it is no shipped scene, robot or method")
+        raise NotReadable(_("it is no shipped scene, robot or method"))
     for name, field in FIELDS.items():
         value = getattr(settings, field)
         if value == getattr(base, field):
             continue
         if value is None:
-            raise NotReadable(f"{name} has no value")
+            raise NotReadable(_("{name} has no value").format(name=name))
         yield name, ",".join(map(_plain, value)) if isinstance(value, tuple) else _plain(value)
 
 
@@ -122,26 +123,30 @@ def _nearest(settings: Settings) -> Preset:
 def _read(text: str, begun: Settings) -> SavedPage:
     """Read a readable link. Without a preset it differs from what the server was started with."""
     if len(text) > MAX_READABLE:
-        raise ValueError(f"the link is too long: {len(text)} characters of {MAX_READABLE}")
+        refusal = _("the link is too long: {n} characters of {most}")
+        raise ValueError(refusal.format(n=len(text), most=MAX_READABLE))
     pairs = parse_qsl(text, keep_blank_values=True)
     fields = dict(pairs)
     allowed = ("preset", *FIELDS, "steps", "speed", "point", *SWITCHES)
     for name in fields:
         if name not in allowed:
-            raise ValueError(f"the link has a field that is not known, {name[:40]!r}; there are {', '.join(allowed)}")
+            refusal = _("the link has a field that is not known, {name!r}; there are {names}")
+            raise ValueError(refusal.format(name=name[:40], names=", ".join(allowed)))
     if len(fields) < len(pairs):
-        raise ValueError("the link has a field twice")
+        raise ValueError(_("the link has a field twice"))
     key = fields.pop("preset", None)
     offered = {preset.key: preset for preset in PRESETS}
     if key is not None and key not in offered:
-        raise ValueError(f"the link has a preset that is not here, {key[:40]!r}; there are {', '.join(offered)}")
+        refusal = _("the link has a preset that is not here, {name!r}; there are {names}")
+        raise ValueError(refusal.format(name=key[:40], names=", ".join(offered)))
     preset = next(iter(presets_from(begun).values())) if key is None else offered[key]
     settings = _settings(fields, complete(preset.settings), begun)
     steps = _number("steps", fields.get("steps", "0"), MAX_STEPS)
     try:
         speed = abs(float(fields.get("speed", preset.motions_per_second)))
     except ValueError:
-        raise ValueError(f"the link's speed is no number: {fields['speed'][:40]!r}") from None
+        refusal = _("the link's speed is no number: {value!r}")
+        raise ValueError(refusal.format(value=fields["speed"][:40])) from None
     script = Script(settings, (Steps(steps),) if steps else ())
     return SavedPage(
         present=Branch(runs=(Run(script=script, cursor=steps),), preset=preset.name, speed=min(speed, 1_000.0)),
@@ -165,7 +170,7 @@ def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Set
 
 
 def _impossible(error: ValueError) -> ValueError:
-    return ValueError(f"the link cannot be: {' '.join(str(error).split())[:200]}")
+    return ValueError(_("the link cannot be: {why}").format(why=" ".join(str(error).split())[:200]))
 
 
 def _point(text: str | None) -> int | None:
@@ -177,11 +182,13 @@ def _switches(fields: Mapping[str, str]) -> dict[str, bool]:
     defaults = {name: on for name in SWITCHES if isinstance(on := getattr(View(), name), bool)}
     for name in SWITCHES:
         if name in fields and fields[name] not in FLAGS:
-            raise ValueError(f"the link's {name} is neither 0 nor 1: {fields[name][:40]!r}")
+            refusal = _("the link's {name} is neither 0 nor 1: {value!r}")
+            raise ValueError(refusal.format(name=name, value=fields[name][:40]))
     return defaults | {name: FLAGS[fields[name]] for name in SWITCHES if name in fields}
 
 
 def _number(name: str, text: str, most: int) -> int:
     if not (text.isascii() and text.isdecimal() and int(text) <= most):
-        raise ValueError(f"the link's {name} must be a whole number up to {most}, got {text[:40]!r}")
+        refusal = _("the link's {name} must be a whole number up to {most}, got {value!r}")
+        raise ValueError(refusal.format(name=name, most=most, value=text[:40]))
     return int(text)

@@ -13,16 +13,16 @@ from ..jobs.camera_images import Cameras
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.threads import LandscapeWorker, ScriptPlayer
 
-# What gives way when there is too much to do: the plots first, then the panels; poses keep their pace.
+# Load shedding: plots slow down first, then panels; poses keep their pace.
 
 AIM = 0.98  # of a tick that may be spent on all pages together, and on sending what they draw
-GAIN = 0.04  # a tick: from nothing given way to everything in some seconds
+GAIN = 0.04  # a tick: from no to full load shedding in some seconds
 SLOWEST = 5.0  # times the usual period
 STEPS = 0.4  # of a tick: for sessions that run as fast as they compute, all together
 
 
 class LoadShedding:
-    """Written by the scheduler, read by its pages. strain: 0 nothing gives way, 1 plots do most, 2 panels too."""
+    """Written by the scheduler, read by its pages. strain: 0 all at full rate, 1 plots slowest, 2 panels too."""
 
     def __init__(self, tick_s: float):
         self._tick_s = tick_s
@@ -62,15 +62,17 @@ def draw_all(drawings: Iterable[ToDraw]) -> None:
 
 
 class Redraw:
-    """By what is drawn: the kind of a drawing, or a name."""
+    """Remembers by kind of drawing, or by a name, its last values and when it was drawn."""
 
     def __init__(self):
         self._state: dict[Hashable, tuple] = {}
         self._at: dict[Hashable, float] = {}
 
     def due(self, what: Hashable, now: float, period: float) -> bool:
-        """Whether that long has passed, s, since this was last to be answered with yes: what is asked late by less than
-        a period keeps its pace."""
+        """Return whether a period, s, has passed since this was last due.
+
+        A call that is late by less than a period does not delay those after it.
+        """
         at = self._at.get(what, -np.inf)
         if now - at < EARLY * period:
             return False
@@ -78,7 +80,7 @@ class Redraw:
         return True
 
     def changed(self, what: Hashable, state: tuple) -> bool:
-        """Whether this differs from what was told last; of snapshots, whether they are others."""
+        """Return whether the state differs from the last one. Of snapshots the identity counts."""
         before, self._state[what] = self._state.get(what), state
         if before is None or len(before) != len(state):
             return True

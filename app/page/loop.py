@@ -1,4 +1,4 @@
-"""Commands and the motions that are due, carried out turn by turn: at once, or beside the scheduler.
+"""Commands and motions that are due, run turn by turn: at once, or in a thread beside the scheduler.
 
 What looks with camera images takes long, and would hold up everybody's pages.
 """
@@ -9,6 +9,8 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
+
+from viewimit.language import _
 
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.page_model import PageModel
@@ -57,7 +59,7 @@ class CommandLoop:
 
     @property
     def drawable(self) -> bool:
-        """Whether the session may be read: no turn changes what is drawn of it."""
+        """Whether the session may be read: no turn changes it."""
         return not self._background.alone
 
     def wait(self, seconds: float | None = None) -> bool:
@@ -121,7 +123,7 @@ class CommandLoop:
             self._apply_within_budget(self._queue.take_order_independent(), now)
 
     def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
-        """Carry them out in their order; whether all are. Else what is left and the rest wait for the next tick."""
+        """Apply commands in their order. Return whether all were; else the others wait for the next tick."""
         for k, entry in enumerate(commands):
             waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
             if waits or not self._budget.left:
@@ -136,7 +138,7 @@ class CommandLoop:
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
             self._model.undoable.leave_pictures()
-            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+            self._model.refuse(_("{why}: back to projected points.").format(why=lost), now + MESSAGE_STAYS)
 
     def _apply(self, entry: Queued, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""
@@ -155,8 +157,10 @@ class CommandLoop:
 
 
 class Background:
-    """busy: from a turn's beginning until `end` has told that it has ended; alone: meanwhile the session must not be
-    drawn either, without it, reading is safe."""
+    """Runs one turn at a time in a thread.
+
+    busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
+    """
 
     def __init__(self):
         self._thread: threading.Thread | None = None
@@ -198,7 +202,7 @@ class Background:
 class TimeBudget:
     """Bounds the time that one page's commands take, so that the other pages keep their pace.
 
-    A command that takes longer than what is left delays the commands after it. At most MAX_DEBT_S is made up for: a
+    A command that takes longer than the time left delays the commands after it. At most MAX_DEBT_S is made up for: a
     computation of a minute on a busy machine must not block its page for five more.
     """
 

@@ -1,4 +1,4 @@
-"""One page: a model, what is shown of it, and the loop that carries out what its visitor does."""
+"""One page: a model, its widgets and scene, and the loop that applies the visitor's commands."""
 
 import threading
 from contextlib import AbstractContextManager
@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle
 
+from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.simulation.world import World
 
@@ -30,7 +31,7 @@ SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does n
 
 
 class Docking:
-    """Panels come to stand beside a canvas that fills the window at first. What is drawn in it before is drawn twice,
+    """Panels come to stand beside a canvas that fills the window at first. A scene that is drawn before is drawn twice,
     and fitted to the wrong shape. waits: whether there are panels to wait for."""
 
     def __init__(self, client: ClientHandle, waits: bool):
@@ -58,7 +59,7 @@ class Page:
     ):
         self._client, self._shedding = client, services.shedding
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
-        self._now, self._anew = -np.inf, True  # s, of the last tick; a world of which nothing is drawn yet
+        self._now, self._is_new = -np.inf, True  # s, of the last tick; whether nothing of the world is drawn yet
         self._world: World | None = None  # that is drawn
         self._docked = False  # whether it is drawn at all
         self._posed: tuple[bytes, ...] | None = None  # the poses that are drawn
@@ -97,9 +98,9 @@ class Page:
         if not (self._commands.drawable and self._shown):
             return []
         every = PANELS_EVERY * self._shedding.panels
-        if not self._redraw.due("panels", self._now, every) and not self._anew:
+        if not self._redraw.due("panels", self._now, every) and not self._is_new:
             return []
-        self._anew = False
+        self._is_new = False
         self.model.ask_for_landscapes()
         self.model.refresh(self._now, shortest_motion=2 * every)
         return self._due_drawings()
@@ -107,12 +108,12 @@ class Page:
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
-        text = f"This session met an error, {error!r}. Reset begins anew."
+        text = _("This session met an error, {error!r}. Reset starts again.").format(error=error)
         self.model.say(text, np.inf)
         show_fault(self.layout, text)
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
-        """The page is gone. Whether its last turn has ended, within so many s."""
+        """Close the page. Return whether its last turn has ended within that time, s."""
         ended = self._commands.wait(within)
         if ended:
             self.model.close()
@@ -143,8 +144,8 @@ class Page:
             return
         world, docked = self.model.session.world, self._docking.over(self._now)
         if world is not self._world or docked != self._docked:
-            self._world, self._docked, self._posed, self._anew = world, docked, None, True
-            if docked:  # widgets of the world before are gone at once: what is sent to them would be lost
+            self._world, self._docked, self._posed, self._is_new = world, docked, None, True
+            if docked:  # widgets of the former world are removed at once: messages to them would be lost
                 self._scene.build(world)
         if docked and self._scene.arms is not None:
             poses = self.model.poses(self._now)

@@ -102,13 +102,13 @@ class Scheduler:
                         self._let(page, partial(page.tick, time.monotonic()))
                         await self._give_way()
                     await self._draw(held)
-                await asyncio.sleep(0)  # what was drawn is sent
+                await asyncio.sleep(0)  # the drawings are sent
         return time.monotonic() - began + lacking
 
     async def _within(self, pages: Sequence[Ticked], until: float, waiting: Sequence[Ticked]) -> float:
         """Poses do not wait for drawings, of which there are too many: pages that the time is not enough for come first
-        in the next round. waiting: those of the last one. → s for what is left out twice: what is so once is drawn, and
-        takes its time, in the next round."""
+        in the next round. waiting: those of the last one. → s for pages left out twice: those left out once are
+        drawn in the next round, which takes its time."""
         for page in pages:
             with page.held():
                 self._let(page, partial(page.tick, time.monotonic()))
@@ -129,7 +129,7 @@ class Scheduler:
 
     async def _draw(self, held: Mapping[Ticked, ExitStack]) -> None:
         """Kind by kind: code that has just run for one page is still near at hand for the next. What comes in is read
-        meanwhile; what is drawn of a page is sent as a whole, with its last drawing."""
+        meanwhile; a page's drawings are sent together, with the last one."""
         drawings: dict[Hashable, list[tuple[Ticked, Callable[[], None]]]] = {}
         left: dict[Ticked, int] = {}  # drawings of a page
         for page in held:

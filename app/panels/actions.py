@@ -1,13 +1,15 @@
 """What a page's script sends by the page's own connection: clicks in its drawings, and what its browser says of itself.
 
 It puts numbered actions into a text widget that nobody sees, and sends them again until the widget shows the last
-number. So each is taken once, and in order, whatever becomes of the connection.
+number. So each is taken once, and in order, even if the connection breaks.
 """
 
 from collections.abc import Callable
 from typing import Annotated
 
 import msgspec
+
+from viewimit.language import _
 
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, Rejected
@@ -23,7 +25,7 @@ PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; what is longer comes in pieces
+Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; longer texts come in pieces
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -34,9 +36,10 @@ class Message(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def read_message(text: str) -> Message:
-    """Decode a message. Raises ValueError for what is none."""
+    """Decode a message. Raises ValueError for an invalid one."""
     if len(text) > MAX_CHARS:
-        raise ValueError(f"{len(text)} characters of actions; at most {MAX_CHARS} are read")
+        refusal = _("{n} characters of actions; at most {most} are read")
+        raise ValueError(refusal.format(n=len(text), most=MAX_CHARS))
     return msgspec.json.decode(text, type=Message)
 
 
@@ -57,7 +60,7 @@ class Actions:
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
-        """Take what is new of a message. Raises ValueError for what is none."""
+        """Take the new actions of a message. Raises ValueError for an invalid one."""
         message = read_message(text)
         if message.load != self._load:
             self._load, self.last = message.load, 0
@@ -73,18 +76,19 @@ class Actions:
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
         if command is None or not command.link:
-            self._queue.put(Rejected(f"this page has no {control!r}: reload it", ("action", control)))
+            refusal = _("this page has no control {name!r}: reload it")
+            self._queue.put(Rejected(refusal.format(name=control), ("action", control)))
         else:
-            self._queue.call(control, *(value for _ in command.parsers), sender=("action", control))
+            self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))
 
 
 def actions(layout: Layout, model: PageModel) -> None:
-    """Hidden text widgets: for what is clicked in drawings, and for what the tab keeps."""
+    """Hidden text widgets: for clicks in drawings, and for the text that the tab stores."""
     taken = layout.named["actions"] = Actions(layout.queue)
     box = layout.gui.add_text(LABEL, "", visible=False)
 
     @box.on_update
-    async def _(event) -> None:
+    async def take(event) -> None:
         if event.client_id is not None:  # None: the page itself wrote it
             taken.take(event.target.value)
             push_input(box, str(taken.last))

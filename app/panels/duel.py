@@ -3,6 +3,7 @@
 from viser import Icon
 
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.language import _
 from viewimit.servo import SERVOS
 
 from ..drawing import duel as drawing
@@ -10,20 +11,22 @@ from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
 from .panel import Layout, put_html
 
-BEGIN, END = ("Begin duel", Icon.SWORDS), ("End duel", Icon.PLAYER_STOP)
+BEGIN, END = (_("Begin duel"), Icon.SWORDS), (_("End duel"), Icon.PLAYER_STOP)
 
 
 def duel(layout: Layout, model: PageModel) -> None:
     transfers, servos = list(transfer_names().values()), list(servo_names().values())
-    with layout.tab("Duel"):
+    with layout.tab(_("Duel")):
         with layout.row():
             layout.dropdown(
-                "Opponent's transfer",
+                _("Opponent's transfer"),
                 transfers,
                 lambda model: TRANSFERS[model.duel.transfer].title,
                 "opponent_transfer",
             )
-            layout.dropdown("Opponent's servo", servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo")
+            layout.dropdown(
+                _("Opponent's servo"), servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo"
+            )
             layout.button(lambda model: BEGIN if model.duel.opponent is None else END, "duel")
         layout.html(lambda model: model.duel_landscapes.html)
         race, errors = layout.gui.add_html(""), layout.gui.add_html("")

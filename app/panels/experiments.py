@@ -9,6 +9,7 @@ from viewimit.drawing.theme import rgb
 from viewimit.estimation.equations import MISSING, with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
+from viewimit.language import _
 
 from ..drawing.glossary import asks
 from ..jobs.experiments import Run
@@ -17,31 +18,31 @@ from ..model.motions import NAMES
 from ..model.page_model import PageModel
 from .panel import Layout, put, put_html, put_max
 
-SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # what is imitated, in 3-D and in the images
-RUN, CANCEL = ("Run", Icon.PLAYER_PLAY), ("Cancel", Icon.PLAYER_STOP)
-POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
+SEE, STOP = (_("See it"), Icon.MOVIE), (_("Stop"), Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
+RUN, CANCEL = (_("Run"), Icon.PLAYER_PLAY), (_("Cancel"), Icon.PLAYER_STOP)
+POINTS_ONLY = f'<div class="vi-points-only">{_("Experiments look at projected points, not at camera images.")}</div>'
 PASS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
-    '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'
+    f'<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>{_("pass")}'
 )
 MISS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><rect x="1.5" y="1.5" width="13" height="13" rx="2"'
-    ' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>miss</b>'
+    f' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>{_("miss")}</b>'
 )
 MARKS = {True: PASS, False: MISS, None: MISSING}
 
 
 def experiments(layout: Layout, model: PageModel) -> None:
-    with layout.tab("Experiments"):
+    with layout.tab(_("Experiments")):
         with layout.row():
             layout.dropdown(
-                "Experiment",
+                _("Experiment"),
                 list(titles().values()),
                 lambda model: EXPERIMENTS[model.experiments.chosen].title,
                 "experiment",
             )
             layout.dropdown(
-                "Trajectory",
+                _("Trajectory"),
                 list(NAMES.values()),
                 lambda model: NAMES[model.motions.name],
                 "motion",
@@ -53,8 +54,8 @@ def experiments(layout: Layout, model: PageModel) -> None:
             layout.button(
                 lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
             )
-            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=_can_be_taken)
-        layout.html(lambda model: POINTS_ONLY if model.experiments.sets_pictures_aside else "")
+            layout.button((_("Download figure and data"), Icon.DOWNLOAD), "download", enabled=_can_be_taken)
+        layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
 
@@ -85,11 +86,11 @@ def _can_be_taken(model: PageModel) -> bool:
 def draw_progress(run: Run | None, chosen: str) -> str:
     """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
     if run is None:
-        title, state, share, words = "experiment", "idle", 0.0, "not run yet"
+        title, state, share, words = _("experiment"), "idle", 0.0, _("not run yet")
     else:
-        title = EXPERIMENTS[run.name].short_title
-        name = "" if run.name == chosen else f"{title}: "
-        state, share, words = run.state, run.share, name + _words(run)
+        title, state, share, words = EXPERIMENTS[run.name].short_title, run.state, run.share, _words(run)
+        if run.name != chosen:
+            words = _("{experiment}: {state}").format(experiment=title, state=words)
     percent = round(100 * share)
     return (
         f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
@@ -101,27 +102,27 @@ def draw_progress(run: Run | None, chosen: str) -> str:
 
 def _words(run: Run) -> str:
     if run.state == "waiting":
-        return f"waiting, {run.before} before you" if run.before else "starting …"
+        return _("waiting, {n} before you").format(n=run.before) if run.before else _("starting …")
     if run.state == "running":
-        return f"{round(100 * run.share)} %"
+        return _("{percent} %").format(percent=round(100 * run.share))
     if run.state == "writing":
-        return "writing the files …"
+        return _("writing the files …")
     if run.state == "done":
         said = verdict(run.claims)
-        return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
+        return _("done: {verdict}").format(verdict=said) if said else _("done in {time:.0f} s").format(time=run.seconds)
     if run.state == "cancelled":
-        return f"cancelled at {round(100 * run.share)} %"
-    return f"failed: {with_minus(run.problem)}"
+        return _("cancelled at {percent} %").format(percent=round(100 * run.share))
+    return _("failed: {why}").format(why=with_minus(run.problem))
 
 
 def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
-        title = EXPERIMENTS[run.name].short_title
-        return f'<div class="vi-claims"><p>{title} failed: {svg.escape(with_minus(run.problem))}</p></div>'
+        failed = _("{title} failed: {why}").format(title=EXPERIMENTS[run.name].short_title, why=with_minus(run.problem))
+        return f'<div class="vi-claims"><p>{svg.escape(failed)}</p></div>'
     if run is None or not run.claims:
         return ""
-    head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
+    head = "".join(f"<th>{words}</th>" for words in ("", _("paper"), _("here"), _("tolerance"), ""))
     rows = "".join(_row(claim) for claim in run.claims)
     said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
     return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
@@ -135,27 +136,33 @@ def _row(claim: Claim) -> str:
 
 # The tab Motions: record the demonstrator's motion, replay it, go through it, keep it in a file.
 
-ABOUT = (
-    '<div class="vi-about">Here the demonstrator moves along a path: choose one, record your own while you move it, or'
-    " load one from a file. While the page plays, the learner follows it. Fig. 10 under Experiments imitates it.</div>"
+ABOUT = _(
+    "Here the demonstrator moves along a path: choose one, record your own while you move it, or load one from a file."
+    " While the page plays, the learner follows it. Fig. 10 under Experiments imitates it."
 )
-RECORD, REPLAY = ("Record", Icon.PLAYER_RECORD), ("Move the demonstrator", Icon.PLAYER_PLAY)
+RECORD, REPLAY = (_("Record"), Icon.PLAYER_RECORD), (_("Move the demonstrator"), Icon.PLAYER_PLAY)
 
 
 def motions(layout: Layout, model: PageModel) -> None:
-    with layout.tab("Motions"):
-        layout.gui.add_html(ABOUT)
+    with layout.tab(_("Motions")):
+        layout.gui.add_html(f'<div class="vi-about">{ABOUT}</div>')
         with layout.row():
-            layout.dropdown("Chosen motion", list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
+            layout.dropdown(_("Chosen motion"), list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
             layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
-            "Time s", 0.0, 1.0, 0.05, lambda model: model.motions.moment[0], "motion_time", hint="of the chosen motion"
+            _("Time s"),
+            0.0,
+            1.0,
+            0.05,
+            lambda model: model.motions.moment[0],
+            "motion_time",
+            hint=_("of the chosen motion"),
         )
         with layout.row():
             layout.html(_said)
-            layout.button(("Save", Icon.DOWNLOAD), "save_motion")
-            load = layout.gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
+            layout.button((_("Save"), Icon.DOWNLOAD), "save_motion")
+            load = layout.gui.add_upload_button(_("Load"), icon=Icon.UPLOAD, mime_type="application/json")
 
         def show_length(model: PageModel) -> None:
             seconds, last = model.motions.moment
@@ -167,7 +174,7 @@ def motions(layout: Layout, model: PageModel) -> None:
         layout.drawing(lambda model: (model.motions.moment, model.motions.step_s), show_length)
 
     @load.on_upload
-    async def _(event) -> None:
+    async def take(event) -> None:
         layout.queue.call("load_motion", event.target.value.content)
 
 

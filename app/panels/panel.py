@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from viser import ClientHandle, GuiButtonHandle, IconName
 
 from viewimit.drawing.export.engine_scene import joint_name
+from viewimit.language import _
 
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
@@ -27,6 +28,7 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
+NAME = _("{name}: {chosen}")  # of a folder, with what is chosen in it
 
 
 class ClientInfo(NamedTuple):
@@ -104,7 +106,7 @@ class Layout:
     Attributes
     ----------
     drawings
-        All that the panels have declared, in their order.
+        The drawings that the panels have declared, in their order.
     named
         Widgets that the page must find again, by their names.
     """
@@ -132,7 +134,7 @@ class Layout:
             docked.expand()
 
     def upper_tab(self, name: str) -> AbstractContextManager[None]:
-        """The tab of this name in the upper panel: all that is declared inside stands in it."""
+        """The tab of this name in the upper panel: widgets declared inside stand in it."""
         return self._in_tab(self._upper, self._upper_tabs, name)
 
     def tab(self, name: str) -> AbstractContextManager[None]:
@@ -145,8 +147,8 @@ class Layout:
         return list(self._upper_tabs.values())
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
-        """A closed folder. holds: what is chosen in it, in a few words, which stands beside its name."""
-        label = (lambda model: f"{name}: {holds(model)}") if holds else (lambda model: name)
+        """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
+        label = (lambda model: NAME.format(name=name, chosen=holds(model))) if holds else (lambda model: name)
         handle = self.gui.add_folder(label(self._model), expand_by_default=False)
         if holds:
             self.bind(label, lambda shown: put_folder_label(handle, shown))
@@ -252,7 +254,7 @@ class Layout:
         return handle
 
     def _first(self, shown: Any) -> Any:
-        """What is shown as the page is built."""
+        """The first value, while the page is built."""
         return shown(self._model) if callable(shown) else shown
 
     def _bind_if_read(self, shown: Any, write: Callable[[Any], None], period: float = 0.0) -> None:
@@ -261,14 +263,14 @@ class Layout:
 
 
 class JointSliders:
-    """One slider for each joint that moves, made anew with every world.
+    """One slider for each joint that moves, made again for each world.
 
     Parameters
     ----------
     inside
         Where they stand.
     name
-        Of each; {} stands for its joint.
+        Of each; {joint} stands for its joint.
     command
         Called with the number of the joint, counted among those that move, and its angle in degrees.
     """
@@ -295,7 +297,7 @@ class JointSliders:
         scene, self._generation, self._sliders = model.session.scene, model.generation, []
         with self._inside:
             for k, (joint, (low, high)) in enumerate(zip(scene.moving_joints, scene.range_deg)):
-                name = self._name.format(joint_name(scene, joint))
+                name = self._name.format(joint=joint_name(scene, joint))
                 slider = self._layout.gui.add_slider(name, low, high, 0.5, angles_deg[k], hint=self._hint)
                 self._layout.queue.on_value(slider, self._command, k)
                 self._sliders.append(slider)

@@ -2,6 +2,7 @@
 
 from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
+from viewimit.language import _
 
 from ..drawing.glossary import asks
 from ..drawing.overlays import hide_later_motions, motion_links
@@ -11,7 +12,7 @@ from .panel import SLOW, SLOWEST, Layout, put_html
 
 def curves(layout: Layout, model: PageModel) -> None:
     """Each motion is touched there."""
-    with layout.tab("Curves"):
+    with layout.tab(_("Curves")):
         shown, over = layout.gui.add_html(""), layout.gui.add_html("")
 
         def draw(model: PageModel) -> None:
@@ -24,7 +25,7 @@ def curves(layout: Layout, model: PageModel) -> None:
             return (axis_end(len(model.session.history) - 1),)
 
         def draw_links(model: PageModel) -> None:
-            """Made anew only when they change."""
+            """Made again only when they change."""
             put_html(over, f'<div class="vi-over">{motion_links(*links_key(model))}</div>')
 
         layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
@@ -32,7 +33,7 @@ def curves(layout: Layout, model: PageModel) -> None:
 
 
 def equations(layout: Layout, model: PageModel) -> None:
-    with layout.tab("Equations"):
+    with layout.tab(_("Equations")):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))
         layout.drawing(

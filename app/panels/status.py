@@ -1,8 +1,8 @@
-"""The strip over the scene: what the learner says, and beneath it what is true.
+"""The strip over the scene: the learner's words, and beneath them the truth.
 
-What it says gives way to a message while that stays, to what is recorded or replayed, to points that are edited, to a
-posture that is only looked at, and to that nothing is saved. Of an arm on its way both are of where it is seen, as the
-images are.
+Other words take their place: a message while it lasts, a recording or replay, points that are edited, a previewed
+posture, and the warning that nothing is saved. While an arm moves, both describe the posture in which it is displayed,
+as the images do.
 """
 
 from viewimit.drawing.curves import describe_errors
@@ -14,6 +14,7 @@ from viewimit.drawing.status import (
     describe_truth,
     draw_status,
 )
+from viewimit.language import _
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
@@ -21,13 +22,19 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = "Starting the camera images … All that is grey is still of the moment before."
-FOLLOWS = "Computing what the link holds: Esc lets it go."
-RESTORES = "Computing this tab’s session again: Esc begins anew."
-CHOICES = {  # by what is said: where a link leads, and its words
-    "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
-    "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
-    "proposed": (("best/0", "Take it"), ("dismiss/0", "Not this one")),
+STARTS_PICTURES = _("Starting the camera images … All that is grey is still of the moment before.")
+FOLLOWS = _("Computing what the link holds: Esc lets it go.")
+RESTORES = _("Computing this tab’s session again: Esc starts again.")
+UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
+CHOICES = {  # by state: where a link leads, and its words
+    "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),
+    "editing": (
+        ("best/0", _("Best next")),
+        ("remove/0", _("Remove")),
+        ("scene/0", _("Save scene")),
+        ("dismiss/0", _("Done")),
+    ),
+    "proposed": (("best/0", _("Take it")), ("dismiss/0", _("Not this one"))),
 }
 
 
@@ -37,14 +44,14 @@ def status(layout: Layout, model: PageModel) -> None:
     def key(model: PageModel) -> tuple:
         shown, message = model.displayed, model.message
         on_its_way = None if shown.interpolated_theta is None else shown.interpolated_theta.tobytes()
-        moments = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
+        snapshots = model.snapshot, shown.scene_snapshot, on_its_way, shown.preview, shown.playback, model.points.shown
         said = None if message is None else message.text
         return (
             said,
             model.unsaved,
             model.following.goes_on,
             model.following.restores,
-            *moments,
+            *snapshots,
             model.player.playing,
             _busy(model),
         )
@@ -63,7 +70,7 @@ def status(layout: Layout, model: PageModel) -> None:
 
 
 def show_fault(layout: Layout, text: str) -> None:
-    """Say it whatever the state, of which nothing may be readable."""
+    """Show a fault without reading the model, which may be unreadable."""
     put_html(layout.named["status"], draw_status(StatusMessage("message", text), layout.named.get("truth", "")))
 
 
@@ -88,8 +95,8 @@ def _said(model: PageModel) -> StatusMessage:
         )
     if model.displayed.preview is not None:
         return StatusMessage("see-through", describe_see_through(session.scene, model.displayed.preview))
-    if model.unsaved is not None:
-        return StatusMessage("message", f"{model.unsaved}: a reload would lose this session.")
+    if model.unsaved:
+        return StatusMessage("message", UNSAVED)
     before = session.history[max(session.cursor - LOOKS_BACK, 0) : session.cursor]
     if (moving := model.displayed.moving_snapshot) is not None:
         return describe(moving, before, joints=session.scene.moving_joints)

@@ -58,7 +58,7 @@ def share_meshes(server: ViserServer, robot: str, arm: str) -> None:
             mesh.faces,
             color=rgb(arm) if opacity else half_white(arm),
             opacity=opacity,
-            side="double" if is_reference(robot) else "front",  # whoever drew it may have left it open, or inside out
+            side="double" if is_reference(robot) else "front",  # its meshes may be open, or inside out
             cast_shadow=opacity is None,
             receive_shadow=opacity is None,
         )

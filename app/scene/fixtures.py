@@ -1,4 +1,4 @@
-"""The furniture of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
+"""The fixtures of the 3-D scene: light, floor, pedestals, the head, its frusta with their image plates, names."""
 
 from collections.abc import Mapping
 
@@ -140,7 +140,7 @@ class Fixtures:
         self._nodes.keep(add_text(self._client.scene, node, label.text, label.role, self._dark, label.position, line))
 
     def _add_picture(self, view: str, camera: Camera) -> None:
-        """As large as the plate and just behind it, so that what is drawn on the plate stays in sight; hidden."""
+        """As large as the plate and just behind it, so that drawings on the plate stay in sight; hidden."""
         T, scale = camera.T_world_camera, self._size * PLATE / np.array(camera.lens.focal)
         self._pictures[view] = self._client.scene.add_image(
             f"/stage/picture_{view}",

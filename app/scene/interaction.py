@@ -18,7 +18,7 @@ ABOVE, LINE = np.array([0, 0, SIZE + 0.07]), 0.07  # m from the hand to its name
 
 
 class HandGizmo:
-    """The demonstrator's hand follows while it is dragged. drops: how often it was let go, after which it is to be
+    """The demonstrator's hand follows while it is dragged. drops: how often it was released, after which it is to be
     shown where the hand could come to."""
 
     def __init__(self, client: ClientHandle, queue: CommandQueue):
@@ -71,14 +71,14 @@ def picked(
     """Index of the one of (k, 3) points that a click at this ray means, None if all are too far from it.
 
     radius: (k,) m, as they are drawn; origin (3,) m, direction (3,): the ray; fov: rad, of the canvas's height;
-    surface: m from the origin, where the ray ends: what is drawn behind that is hidden.
+    surface: m from the origin, where the ray ends: drawings behind that are hidden.
     Of points that are drawn under the click it is the one nearest to the eye, else the one nearest to the click.
     """
     away = points - origin
     depth = away @ (direction / np.linalg.norm(direction))
-    aside = np.sqrt(np.maximum((away**2).sum(-1) - depth**2, 0))
+    offset = np.sqrt(np.maximum((away**2).sum(-1) - depth**2, 0))
     height = 2 * np.tan(fov / 2) * np.maximum(depth, 1e-6)  # m of the canvas at that depth
-    off = np.where((depth > 0) & (depth - radius <= surface), np.maximum(aside - radius, 0) / height, np.inf)
+    off = np.where((depth > 0) & (depth - radius <= surface), np.maximum(offset - radius, 0) / height, np.inf)
     nearest = int(np.lexsort((depth, off))[0])
     return nearest if off[nearest] <= REACH else None
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle
+from viser import ClientHandle, SceneApi
 
 from viewimit.drawing.theme import faint, rgb
 from viewimit.loop.snapshot import Snapshot
@@ -18,6 +19,7 @@ from ..model.displayed import Displayed
 from ..viser_private import push_array
 from .nodes import Nodes, linear
 
+Colours = NDArray | tuple[int, int, int]  # (n, 2, 3) of each end, or one for all
 FAR_AWAY = np.array([0, 0, -50.0])  # m, where nobody looks
 
 
@@ -26,48 +28,26 @@ class Moment:
 
     def __init__(self, client: ClientHandle, nodes: Nodes, world: World, dark: bool):
         self._cameras = (*world.demo_cameras, *world.own_cameras)
-        self._size = size = world.scene.size
+        self._size = world.scene.size
         self._demo: tuple[NDArray, list[NDArray]] | None = None  # its points and where they are on the plates
         self._shown: dict[str, bool] = {}
         self._moved: dict[str, list[float]] = {}  # by node: where it is, m
-        count, scene, colour = len(world.body), client.scene, partial(rgb, dark=dark)
-        nothing = np.zeros((4 * count, 2, 3), np.float32)
-        self._rays = nodes.keep(
-            scene.add_line_segments(
-                "/now/rays",
-                nothing,
-                of_views(partial(faint, dark=dark), count),
-                thickness=1,
-                thickness_units="screen",
-            )
-        )
-        self._chosen_rays = nodes.keep(
-            scene.add_line_segments(
-                "/now/chosen_rays", nothing[:4], of_views(colour, 1), thickness=1.6, thickness_units="screen"
-            )
-        )
-        self._residuals = nodes.keep(
-            scene.add_line_segments(
-                "/now/residuals", nothing[:1], colour("residual"), thickness=3, thickness_units="screen"
-            )
-        )
-        self._dots = nodes.keep(
-            scene.add_point_cloud(
-                "/now/dots",
-                np.zeros((4 * count, 3)),
-                np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0),
-                point_size=0.009 * size,
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-            )
-        )
-        vertices, faces = octahedron(0.02 * size)
+        self._add_nodes(client.scene, nodes, len(world.body), dark)
+
+    def _add_nodes(self, scene: SceneApi, nodes: Nodes, count: int, dark: bool) -> None:
+        """Add lines, points and shapes for `count` body points, out of sight."""
+        colour, size = partial(rgb, dark=dark), self._size
+        add_lines = partial(_add_lines, scene, nodes)
+        self._rays = add_lines("rays", 4 * count, of_views(partial(faint, dark=dark), count), 1)
+        self._chosen_rays = add_lines("chosen_rays", 4, of_views(colour, 1), 1.6)
+        self._residuals = add_lines("residuals", 1, colour("residual"), 3)
+        dots, colours = np.zeros((4 * count, 3)), np.repeat([colour(role) for role in VIEW_ROLES], count, axis=0)
+        add_dots = partial(scene.add_point_cloud, point_shape="circle", point_shading="flat", precision="float32")
+        self._dots = nodes.keep(add_dots("/now/dots", dots, colours, point_size=0.009 * size))
         self._recovered = nodes.keep(
             scene.add_batched_meshes_simple(
                 "/now/recovered",
-                vertices,
-                faces,
+                *octahedron(0.02 * size),
                 batched_wxyzs=np.tile([1.0, 0, 0, 0], (count, 1)),
                 batched_positions=np.zeros((count, 3)),
                 batched_colors=linear(colour("recovered")),
@@ -75,14 +55,9 @@ class Moment:
                 lod="off",
             )
         )
-        self._rings = [
-            nodes.keep(
-                scene.add_icosphere(
-                    f"/now/chosen_{arm}", 0.017 * size, color=colour("chosen"), visible=False, cast_shadow=False
-                )
-            )
-            for arm in ("learner", "demonstrator")
-        ]
+        ring = partial(scene.add_icosphere, radius=0.017 * size, color=colour("chosen"), cast_shadow=False)
+        arms = "learner", "demonstrator"
+        self._rings = [nodes.keep(ring(f"/now/chosen_{arm}", visible=False)) for arm in arms]
 
     def draw(self, displayed: Displayed, own: NDArray, demo: NDArray) -> None:
         """own, demo: (N, 3) m, the points on both arms."""
@@ -146,8 +121,15 @@ class Moment:
             self._shown[node.name] = node.visible = visible
 
 
+def _add_lines(scene: SceneApi, nodes: Nodes, name: str, count: int, colours: Colours, thickness: float) -> Any:
+    """Add `count` line segments of a thickness in px."""
+    points = np.zeros((count, 2, 3), np.float32)
+    lines = scene.add_line_segments(f"/now/{name}", points, colours, thickness=thickness, thickness_units="screen")
+    return nodes.keep(lines)
+
+
 def of_views(shade: Callable[[str], tuple[int, int, int]], count: int) -> NDArray:
-    """(4 count, 2, 3): colours of so many segments from each view."""
+    """(4 count, 2, 3): colours of `count` segments from each view."""
     return np.repeat([linear(shade(role)) for role in VIEW_ROLES], 2 * count, axis=0).reshape(-1, 2, 3)
 
 

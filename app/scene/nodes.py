@@ -81,7 +81,7 @@ def linear(colour: ArrayLike) -> NDArray:
 
 FONT = ImageFont.truetype(
     str(ROOT / "fonts" / "Inter-SemiBold.ttf"), 40
-)  # px a line, twice what is seen at a pixel ratio of 1
+)  # px a line, twice the width that is seen at a pixel ratio of 1
 
 TEXT_ROLES = {"demonstrator": "demonstrator-edge", "learner": "learner"}  # that can be read
 

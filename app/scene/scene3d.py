@@ -46,7 +46,7 @@ def share_light(server: ViserServer) -> None:
 
 
 class Scene3D:
-    """`build` for a world, then `arms.draw` and `show` as often as wanted; `build` again for another world.
+    """`build` for a world, then `arms.draw` and `show` as often as needed; `build` again for another world.
 
     share(robot, arm): puts its meshes on the server's scene, before they are first shown.
     """
@@ -68,7 +68,7 @@ class Scene3D:
             self._take_click(np.array(event.ray_origin), np.array(event.ray_direction))
 
     def build(self, world: World) -> None:
-        """Set up the scene of a world, in place of the one before."""
+        """Set up the scene of a world, after removing the one before."""
         self._nodes.begin()
         self._world = world
         self.arms = Arms(self._client, self._nodes, world, self._share)
@@ -79,7 +79,7 @@ class Scene3D:
         self._view.forget()
 
     def _furnish(self) -> None:
-        """All but the arms, in the colours of the scheme, in place of what there is."""
+        """All but the arms, in the colours of the scheme, after removing those there."""
         add_floor(self._client.scene, self._world, self._dark, self._shadows)
         self._fixtures = Fixtures(self._client, self._nodes, self._world, self._dark)
         for name in self._bases:
@@ -96,7 +96,7 @@ class Scene3D:
         return model.generation, shown.scene_snapshot, model.view, model.points.shown, *posed, *shown.pictures.values()
 
     def show(self, model: PageModel) -> None:
-        """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted anew."""
+        """All but the poses of the arms. A canvas of another shape, as when panels dock, is fitted again."""
         view, snapshot, points = model.view, model.displayed.scene_snapshot, model.points.shown
         if (view.on("dark"), view.shadows) != (self._dark, self._shadows):
             self._dark, self._shadows = view.on("dark"), view.shadows
@@ -155,7 +155,7 @@ class Scene3D:
             add(scene.add_mesh_simple(name, *shape, color=colour, position=position, cast_shadow=False))
 
     def _take_click(self, origin: NDArray, direction: NDArray) -> None:
-        """Choose the point at this ray, on whichever arm; while points are edited, one that nothing hides, or place
+        """Choose the point at this ray, on either arm; while points are edited, one that nothing hides, or place
         one where the ray meets an arm."""
         points, size = self._points, self._world.scene.size
         if not len(points):
@@ -179,11 +179,11 @@ class Scene3D:
         return min((hit for hit in hits if hit is not None), key=lambda hit: hit.distance, default=None)
 
 
-# The default camera of a page's 3-D scene: where it is put, and when anew.
+# The default camera of a page's 3-D scene: where it is put, and when again.
 
 SAME_SHAPE = 0.01  # of an aspect: viser draws with fewer pixels when it is slow, and rounds their number
 UNTOUCHED = 0.01  # m that a camera may be off a place where the page put it
-NUDGE = 1e-3  # m: viser sends no place that equals the one that the browser told last, which may no longer be true
+NUDGE = 1e-3  # m: viser sends no place that equals the browser's last one, which may be outdated
 LATELY = 8  # such places: the browser may tell of an earlier one while the window's edge is dragged
 BEFORE = (-5.0, 0.0, 0.0), (3.0, 3.0, 3.0)  # m, where three.js and then viser put a camera that nobody has put anywhere
 
@@ -198,7 +198,7 @@ class DefaultView:
 
     @property
     def aspect(self) -> float | None:
-        """Width by height of the canvas, in whatever pixels; None while it has no size."""
+        """Width by height of the canvas, in pixels of any size; None while it has no size."""
         return aspect_of(self._client)
 
     def fit(self, landmarks: NDArray) -> None:
@@ -206,13 +206,13 @@ class DefaultView:
         camera, self._aspect = self._client.camera, self.aspect
         position, target = fit_view(landmarks, self._aspect or 1.0, BELOW)
         camera.fov = float(FOV)
-        for aside in (NUDGE, 0.0):
-            camera.position, camera.look_at = position + aside, target + aside
+        for offset in (NUDGE, 0.0):
+            camera.position, camera.look_at = position + offset, target + offset
         self._places.append(position)
 
     @property
     def astray(self) -> bool:
-        """Whether a camera that was put somewhere is told to be where viser had it: it had none yet to put there."""
+        """Whether the browser reports viser's own place for a camera that was put elsewhere: it had no camera yet."""
         return self._aspect is not None and self._at(BEFORE)
 
     def follow(self, landmarks: Callable[[], NDArray]) -> None:
@@ -226,7 +226,7 @@ class DefaultView:
             self.fit(landmarks())
 
     def forget(self) -> None:
-        """What was fitted is gone: the next `follow` fits anew."""
+        """The scene was replaced: the next `follow` fits the camera again."""
         self._aspect = None
 
     def _at(self, places: Iterable[Sequence[float] | NDArray]) -> bool:
@@ -236,7 +236,7 @@ class DefaultView:
 
 
 def aspect_of(client: ClientHandle) -> float | None:
-    """Width by height of the canvas, in whatever pixels; None while it has no size."""
+    """Width by height of the canvas, in pixels of any size; None while it has no size."""
     width, height = client.camera.image_width, client.camera.image_height
     return width / height if min(width, height) > 0 else None
 

@@ -137,7 +137,7 @@ class AccessControl:
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """Return a response, or None to take the websocket. Wait until the server is guarded."""
         answer = await self._answer_whole(connection, request, viser_answers)
-        if answer is not None and connection.wants_no_body:
+        if answer is not None and connection.is_head_request:
             answer.body = b""
         return answer
 

@@ -116,12 +116,12 @@ class GuardedConnection(ServerConnection):
         self._looks: asyncio.TimerHandle | None = None
 
     @property
-    def wants_no_body(self) -> bool:
+    def is_head_request(self) -> bool:
         """Whether its request is for the head of an answer."""
         return self._asked is not None and self._asked.method == b"HEAD"
 
     @property
-    def _wants_websocket(self) -> bool:
+    def _asks_for_websocket(self) -> bool:
         return self._asked is not None and b"upgrade" in dict(self._asked.headers)
 
     @property
@@ -183,7 +183,7 @@ class GuardedConnection(ServerConnection):
         an answer. So bytes after the request for a websocket wait, up to MOST_HEAD; after others they are dropped."""
         if self.protocol.state is not State.CONNECTING:
             super().data_received(data)
-        elif self._wants_websocket and len(self._early) + len(data) <= MOST_HEAD:
+        elif self._asks_for_websocket and len(self._early) + len(data) <= MOST_HEAD:
             self._early += data
 
     async def handshake(self, *args, **options) -> None:
@@ -196,7 +196,7 @@ class GuardedConnection(ServerConnection):
         """Return True to keep the connection: a client may end its side and still gets the answer."""
         if self._refused:
             return False  # it is closed once the answer is sent
-        if self._asked is not None and not self._wants_websocket and self.protocol.state is State.CONNECTING:
+        if self._asked is not None and not self._asks_for_websocket and self.protocol.state is State.CONNECTING:
             return True
         return super().eof_received()
 
@@ -212,7 +212,7 @@ class GuardedConnection(ServerConnection):
         self._host.note(self, str(refusal))
         allow = {"Allow": METHODS} if refusal.status == HTTPStatus.METHOD_NOT_ALLOWED else {}
         answer = plain_response(refusal.status, str(refusal) + "\n", **allow)
-        if self.wants_no_body:
+        if self.is_head_request:
             answer.body = b""
         self.loop.call_later(self._host.limits.closed_within, self.transport.abort)
         self.transport.write(answer.serialize())

@@ -13,7 +13,7 @@ from viewimit.loop.settings import Settings
 
 from ..lab.lessons.format import Lesson
 
-_escaped = codecs.lookup("unicode_escape").encode  # now: without a file to open, none is found later
+_escaped = codecs.lookup("unicode_escape").encode  # now: it could not be found later, without a file to open
 LINES_A_SECOND, LINES_AT_ONCE = 2.0, 30.0  # of refusals in a log
 
 

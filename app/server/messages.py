@@ -1,6 +1,6 @@
 """The message guard: what a browser may send, field by field, and what its own page has.
 
-Whatever is not described here is refused before viser sees it.
+Messages that are not described here are refused before viser sees it.
 Real numbers are bounded, which NaN and infinities are not within. Types and fields are those of viser._messages.
 """
 
@@ -281,7 +281,7 @@ def _end(uploads: "weakref.ref[Uploads]", transfer: str) -> None:
 
 
 def _shown(value) -> str:
-    """For the log. What is nested may be so deep that nothing can write it."""
+    """For the log. A nested value may be too deep to be written."""
     return repr(value)[:42] if isinstance(value, (str, int, float, type(None))) else f"a {type(value).__name__}"
 
 

@@ -57,7 +57,7 @@ def serving(
     process: number of this one; listening: a socket to serve on, None: host and port.
     """
     own_names()  # begins to ask for them
-    # What is drawn for a client before it is known that it has gone is no fault on a server
+    # On a server it is no fault to draw for a client that has just gone
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     scheduler = Scheduler(seats.rows[process].live, seats.rows[process].clear)
     lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)

@@ -1,4 +1,4 @@
-"""The page's command: what is wrong is said before anything runs, then pages are served until a signal."""
+"""The page's command: it checks its options, then serves pages until a signal."""
 
 import contextlib
 import logging

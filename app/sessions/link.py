@@ -172,7 +172,7 @@ def encode_link(page: SavedPage) -> str:
     """The text of a link: letters, digits, -, _ and dots.
 
     A scene file is described in full, so that the link opens everywhere. A scene with a robot of its own, or one that
-    is too long for an address, is named by its file. Raises ValueError for what is too long.
+    is too long for an address, is named by its file. Raises ValueError for a page that is too long.
     """
     text = ""
     for rename in (described, file_name):
@@ -215,7 +215,7 @@ def decode(text: str, begun: Settings) -> SavedPage:
     """Read a link or what a tab has kept.
 
     begun: settings that the server was started with, whose scene file a text may name. If only the last block can be
-    used, the page has no runs, and `incomplete` says why. Raises ValueError, in one line, for what is no such text.
+    used, the page has no runs, and `incomplete` says why. Raises ValueError, in one line, for an invalid text.
     """
     page = _decoded(text)
     places = [place for place in (begun.scene, begun.robot) if place is not None]
@@ -233,7 +233,7 @@ def files_named(text: str) -> list[str]:
 
 
 def described(place: str) -> str:
-    """A scene file's content, where possible; otherwise its name, as of all that is no scene file."""
+    """A scene file's content, where possible; otherwise its name, as of anything that is no scene file."""
     if not place.lower().endswith(".toml"):
         return file_name(place)
     try:
@@ -336,7 +336,7 @@ def _decoded(text: str) -> SavedPage:
 
 
 def _with_runs(page: SavedPage, head: _Head, packed: list[bytes]) -> SavedPage:
-    """A page with all that the blocks before the last one hold."""
+    """A page with the contents of the blocks before the last one."""
     motion = msgspec.msgpack.decode(packed.pop(0), type=bytes) if head.motion else None
     blocks = iter(msgspec.msgpack.decode(one, type=_Block) for one in packed)
     branches, actions = [], 0
@@ -391,7 +391,7 @@ COMMON = zstandard.ZstdCompressionDict(
 
 
 class _Unpacker:
-    """Decodes blocks as long as they have no more than MAX_BYTES together."""
+    """Decodes blocks while they have at most MAX_BYTES together."""
 
     def __init__(self, common: zstandard.ZstdCompressionDict | None = COMMON):
         self._left, self._unpacker = MAX_BYTES, zstandard.ZstdDecompressor(dict_data=common)
@@ -414,7 +414,7 @@ def _damaged(error: BaseException) -> ValueError:
 
 
 def require_allowed(page: SavedPage, begun: Settings) -> None:
-    """Raise ValueError for what a server does not do for whoever comes by."""
+    """Raise ValueError for work that a server does not do for every visitor."""
     scripts = page.scripts
     all_settings = [page.settings, *(settings for script in scripts for settings in _all_settings(script))]
     for settings in all_settings:
@@ -461,7 +461,7 @@ def _require_names(settings: Settings, begun: Settings) -> None:
 
 
 def _require_scene(text: str) -> None:
-    """No more than a page is made to draw."""
+    """At most what a page can draw."""
     try:
         scene = load_scene(text)
     except ValueError as error:

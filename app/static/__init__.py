@@ -1,16 +1,31 @@
 """What the browser is given as it is: the page's stylesheet, complete with the drawings' and the font, and its script,
 which names for keys, screen readers and the stylesheet what viser leaves without a name. Markup is
-beside what is drawn."""
+beside the drawings.
 
+`_("…")` in the script marks a text, as in Python: the script is sent with that text in the language of the process.
+"""
+
+import json
+import re
 from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
+from viewimit.language import _
 
 PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS = (
     Path(__file__).with_name(f"{name}.css").read_text("utf-8") for name in ("page", "controls", "layout")
 )
 
-PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("limits.js", "session.js", "page.js"))
+SCRIPTS = ("limits.js", "session.js", "page.js")
+MARKED = re.compile(r'(?<![\w.$])_\(("(?:[^"\\]|\\.)*")\)')
+
+
+def translated(script: str) -> str:
+    """Put translations into a script, in place of what it marks."""
+    return MARKED.sub(lambda found: json.dumps(_(json.loads(found[1]))).replace("</", "<\\/"), script)
+
+
+PAGE_JS = translated("".join(Path(__file__).with_name(name).read_text("utf-8") for name in SCRIPTS))
 
 
 def stylesheet() -> str:

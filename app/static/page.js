@@ -32,21 +32,21 @@ const searched = new URLSearchParams(location.search);
 const OWN_FIELDS = ["s", "present", "websocket", "at"];  // of the address: the others are of a link that people can read
 const readable = new URLSearchParams([...searched].filter(([name]) => !OWN_FIELDS.includes(name))).toString();
 const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, searched.get("s") ?? readable);
-let keptBox = "", redone = [], problemTold = "";
+let keptBox = "", redone = [], sentProblem = "";
 const handBack = () => {
   kept.connect();
-  const left = [...redone, ...unsaid].filter(([number, control]) => number > kept.acted && !TOLD.includes(control));
+  const left = [...redone, ...unsaid].filter(([number, control]) => number > kept.acted && !REPORTED.includes(control));
   unsaid = redone = [];
   const pieces = kept.text.match(PIECE) ?? [""];
   for (const piece of pieces.slice(0, -1)) act("piece", piece);
   act("session", pieces.at(-1));
   tellBrowser();
   for (const [, control, value] of left) act(control, value);
-  problemTold = "";
+  sentProblem = "";
   tellProblem();
 };
 const tellProblem = () => {
-  if (kept.problem !== problemTold) act("unsaved", problemTold = kept.problem);
+  if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem);
 };
 const keep = part => {
   if (!part) return;
@@ -100,16 +100,16 @@ document.addEventListener("click", event => {
   const [control, ...value] = link.dataset.do.split("/");
   act(control, value.join("/"));
 });
-// What the browser knows, and the page's server is told of: at first, to a server that was begun anew, and as it changes
+// What the browser knows, and reports to the page's server: at first, after a restart of the server, and as it changes
 const MEDIA = Object.entries({
   dark: "(prefers-color-scheme:dark)",
   still: "(prefers-reduced-motion:reduce)",
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
-const TOLD = [...MEDIA.map(([control]) => control), "unseen", "truth", "piece", "session", "unsaved", "resend"];
+const REPORTED = [...MEDIA.map(([control]) => control), "unseen", "truth", "piece", "session", "unsaved", "resend"];
 const tellBrowser = () => {
   for (const [control, media] of MEDIA) act(control, Number(media.matches));
-  unseenTold = "none";
+  sentUnseen = "none";
   tellUnseen();
   if (presenting()) tellPresenting();
 };
@@ -118,7 +118,7 @@ const labelOf = element => {
   return element ? element.querySelector("label").textContent : "";
 };
 const set = (element, name, value) => element.getAttribute(name) === value || element.setAttribute(name, value);
-const ICONS = {"list-search": "Commands", adjustments: "Settings", "arrow-back": "Back to the controls"};
+const ICONS = {"list-search": _("Commands"), adjustments: _("Settings"), "arrow-back": _("Back to the controls")};
 const NUMBER = "input[inputmode]";
 const FOLDER = ".mantine-Paper-root[data-with-border]>.mantine-Paper-root:first-child";
 
@@ -147,7 +147,7 @@ const describe = () => {
 };
 
 // What the stylesheet has to know of the whole page stands in classes of its root, and what holds a marker without having
-// a name of its own gets one. With :root:has(…) a browser would work out all of the page's style anew for each drawing
+// a name of its own gets one. With :root:has(…) a browser would compute all of the page's style again for each drawing
 const root = document.documentElement;
 const ALONE = "waiting flat basin large large-figures large-l large-r large-L large-R";
 const HELD = ALONE.split(" ").map(name => [`vi-has-${name}`, document.getElementsByClassName(`vi-${name}`)]);
@@ -243,7 +243,8 @@ document.addEventListener("input", event => {
   if (!thumb) return;
   const [low, high] = ["min", "max"].map(end => Number(thumb.getAttribute(`aria-value${end}`)));
   const out = box.value !== "" && !(low <= Number(box.value) && Number(box.value) <= high);
-  box.setCustomValidity(out ? `From ${box.placeholder.replace("…", "to")}` : "");
+  const [from, to] = box.placeholder.split(" … ");
+  box.setCustomValidity(out ? _("From {low} to {high}").replace("{low}", from).replace("{high}", to) : "");
   if (out) box.reportValidity();
 }, true);
 document.addEventListener("focusout", event => {
@@ -258,13 +259,13 @@ document.addEventListener("focusout", event => {
 // What nobody sees need not be drawn: tabs that are not open, and all of a window that another hides
 const unseen = () => {
   const closed = Array.from(document.querySelectorAll("[role=tab][aria-selected=false]"), tab => tab.textContent);
-  return document.hidden ? "window" : closed.filter(name => /^\w+$/.test(name)).join() || "none";
+  return document.hidden ? "window" : closed.filter(name => /^[^,]+$/.test(name)).join() || "none";
 };
-let unseenTold = "none";
+let sentUnseen = "none";
 const tellUnseen = () => {
   const now = unseen();
-  if (!box || now === unseenTold) return;
-  unseenTold = now;
+  if (!box || now === sentUnseen) return;
+  sentUnseen = now;
   act("unseen", now);
 };
 document.addEventListener("visibilitychange", tellUnseen);
@@ -284,7 +285,7 @@ window.addEventListener("keydown", event => {
   if (offer && event.key === "Enter" && here === document.body) offer.click();
 }, true);
 
-// Keys of the page that viser turns its camera by while they are held: at once it is told that they are not
+// Keys of the page that viser turns its camera by while they are held: viser gets a message at once that they are not
 const HELD_BY_VISER = ["ArrowLeft", "ArrowRight", "KeyE", "KeyS"];
 window.addEventListener("keydown", event => {
   if (HELD_BY_VISER.includes(event.code)) document.dispatchEvent(new KeyboardEvent("keyup", {code: event.code}));
@@ -334,10 +335,10 @@ document.addEventListener("pointerover", ({target}) => {
   else delete root.dataset.line;
 });
 
-// A question that keys have come to keeps the focus when the numbers beside it are drawn anew
+// A question that keys have come to keeps the focus when the numbers beside it are drawn again
 let question = null;
 document.addEventListener("focusin", ({target}) => { question = target.matches(".vi-ask:focus-visible") ? target : null; });
-document.addEventListener("focusout", ({target}) => queueMicrotask(() => {  // what is removed is gone only then
+document.addEventListener("focusout", ({target}) => queueMicrotask(() => {  // removed elements are gone only then
   if (target.isConnected && target === question) question = null;
 }));
 new MutationObserver(() => {
@@ -358,5 +359,5 @@ document.addEventListener("click", event => {
   getSelection().selectAllChildren(text);
   const copied = navigator.clipboard ? navigator.clipboard.writeText(text.textContent)
     : Promise.resolve(document.execCommand("copy"));  // without https there is no other
-  copied.then(() => { button.textContent = "Copied"; setTimeout(() => { button.textContent = "Copy"; }, 1500); });
+  copied.then(() => { button.textContent = _("Copied"); setTimeout(() => { button.textContent = _("Copy"); }, 1500); });
 });

@@ -17,7 +17,7 @@ class TabSession {
     this.address = "";
     this.number = 0;  // of the last part on this connection
     this.acted = 0;  // the last action that the blocks include
-    this.problem = "";
+    this.problem = "";  // "storage" where the browser's is full or forbidden: the server has the words
     try {
       const kept = JSON.parse(storage().getItem(key) ?? "{}");
       if (Array.isArray(kept.blocks)) this.blocks = kept.blocks.map(String);
@@ -67,7 +67,7 @@ class TabSession {
       this.storage().setItem(this.key, JSON.stringify({blocks: this.blocks, address: this.address}));
       this.problem = "";
     } catch {
-      this.problem = this.short ? "" : "this browser's storage for the page is full or forbidden";
+      this.problem = this.short ? "" : "storage";
     }
   }
 }

@@ -26,7 +26,7 @@ found.shown = said(choice);
 
 const place = of("place"), truth = measure(place, "the place").value;
 found.truth = truth;
-found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "px apart")}));
+found.places = [[truth[0] + 3, truth[1]], [truth[0] + 60, truth[1]]].map(mark => (place.mark = mark, {...said(place), apart: measure(place, "distance in px")}));
 place.step.ask.elsewhere = [{truth: "the place", near: 5, because: "There."}];
 place.mark = [truth[0] + 4, truth[1]];
 found.elsewhere = said(place).reply;
@@ -50,11 +50,11 @@ const bowl = of("bowl", {previous: servo});
 found.carried = {seed: bowl.seed, motions: bowl.motions.length, demonstrator: bowl.state.demonstrator.every((v, k) => v === servo.state.demonstrator[k]), goal: bowl.goal, at: bowl.moment.theta.map(v => v / DEGREE)};
 bowl.unit = "rad";
 bowl.mark = bowl.landscape().minimum.theta.map((v, k) => v + (k ? 0 : 10 * DEGREE));
-found.onMap = {...said(bowl), apart: measure(bowl, "degrees apart").text};
+found.onMap = {...said(bowl), apart: measure(bowl, "distance in degrees").text};
 
 const pose = of("pose");
 pose.answer = {pose: [60, -115]};
-found.pose = {...said(pose), apart: measure(pose, "degrees apart").value};
+found.pose = {...said(pose), apart: measure(pose, "distance in degrees").value};
 pose.slide("guess 1", 70);
 found.guessed = pose.guessed.map(v => v / DEGREE);
 

@@ -302,7 +302,7 @@ def test_a_link_in_the_address_is_followed_after_the_tab_s_own_session_which_und
 
 
 def test_a_tab_that_cannot_store_says_so(worked):
-    worked.act("unsaved", "this browser's storage for the page is full or forbidden")
+    worked.act("unsaved", "storage")
     worked.tick(1.0)
     worked.tick(1.0)
     assert "full or forbidden: a reload would lose this session." in worked.shown.replace("&#x27;", "'")

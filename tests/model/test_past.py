@@ -6,7 +6,7 @@ from page_fakes import Camera, Hands, Visit, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.model.choices import AS_STARTED, PRESETS, modified
-from viewimit.app.model.editing import MOST
+from viewimit.app.model.editing import MAX_ENTRIES
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -110,9 +110,9 @@ def test_what_is_refused_leaves_nothing_behind(visit):
 
 def test_losses_are_taken_back_one_after_the_other_and_only_so_many(visit):
     model, visitor = visit
-    for k in range(MOST + 3):
+    for k in range(MAX_ENTRIES + 3):
         visitor.set("preset", PRESETS[2 + k % 3].name)
-    for k in reversed(range(MOST + 2)):
+    for k in reversed(range(MAX_ENTRIES + 2)):
         left = model.past.here
         visitor.act("undo")
         assert left is None or model.preset is PRESETS[2 + k % 3]

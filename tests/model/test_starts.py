@@ -104,7 +104,7 @@ def test_what_cannot_be_is_said(visit):
 
 def test_the_page_shows_where_they_end():
     page = QuietPage(Settings.paper(start_deg=(25, -45)))
-    page.click("From these starts")
+    page.click("Try 20 starts")
     page.tick_until(lambda: "learners have come to rest" in page.shown or "to have converged" in page.shown, 60)
     page.tick_until(lambda: "to have converged" in page.shown, 60)
     assert page.shown.count(START) == 20 + 3  # and those of the sentence

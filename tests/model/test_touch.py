@@ -131,7 +131,7 @@ def test_a_look_follows_the_demonstrator_and_ends_with_a_motion_or_when_it_is_le
 
 def test_the_learner_starts_where_the_see_through_arm_is(visit):
     model, visitor = visit
-    with pytest.raises(ValueError, match="no see-through arm"):
+    with pytest.raises(ValueError, match="no ghost arm"):
         touch(model, "start", "0")
     visitor.set_view(look_only=True)
     touch(model, "posture", "20,-60")

@@ -200,7 +200,7 @@ def test_noise_and_seed_repeat(session):
         return page.text_content(CONFLICT)
 
     noisy = changed_E("Noise px", 0.5)
-    fold(page, "Arm and chance")
+    fold(page, "Actuator errors, random seed")
     other = changed_E("Seed", 8)
     assert changed_E("Seed", 7) == noisy != other
     changed_E("Wrong %", 20)
@@ -213,7 +213,7 @@ def test_noise_and_seed_repeat(session):
     set_number(page, "Steps °", 2)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page)[1] == -8)
-    fold(page, "Arm and chance")
+    fold(page, "Actuator errors, random seed")
 
 
 def test_all_joints_can_be_freed_and_held_again(session):

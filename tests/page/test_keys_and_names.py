@@ -21,7 +21,7 @@ from browsing import (
 
 pytestmark = pytest.mark.browser
 TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
-FOLDERS = ("Start", "Method", "Disturbances", "Arm and chance", "Points", "Display", "Save")
+FOLDERS = ("Start", "Method", "Disturbances", "Actuator errors, random seed", "Points", "Display", "Save")
 ROLES = "button|checkbox|combobox|link|radio|slider|spinbutton|switch|tab|textbox"
 UNNAMED = re.compile(rf"- (?:{ROLES})\b(?! \")[^\n]*")
 # What answers a pointer, and is neither a control that keys reach, nor in one, nor the same as one that they reach

@@ -90,7 +90,6 @@ def hand_circle(world: World, theta: NDArray[np.float64], frames: int = FRAMES) 
 
 
 MOTIONS = {"sinusoid": sinusoid, "circle": hand_circle}
-TITLES = {"circle": "circle of the hand"}  # where the name alone does not say it
 
 
 def load_motion(path: str | Path, scene: Scene) -> Motion:

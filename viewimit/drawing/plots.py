@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..language import _, ngettext
 from ..loop.settings import Settings
 from ..simulation.disturbances import Disturbance
 from . import svg
@@ -122,9 +123,9 @@ class Axes:
     def labels(self, labels: Iterable[CurveLabel]) -> str:
         """Draw labels right of the plot, each at the height of its curve, moved where they would overlap."""
         ordered = sorted(labels)
-        places = spread_heights([height for height, _, _ in ordered], self.top + 2, self.bottom - 1)
+        places = spread_heights([height for height, *__ in ordered], self.top + 2, self.bottom - 1)
         x = self.right + 7
-        return "".join(svg.text(x, y + 4, words, classes) for y, (_, words, classes) in zip(places, ordered))
+        return "".join(svg.text(x, y + 4, words, classes) for y, (__, words, classes) in zip(places, ordered))
 
     @cached_property
     def _ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -135,7 +136,7 @@ class Axes:
 # the same axes are drawn for many motions, and their words take longer than the curve
 @lru_cache(256)
 def _rules(axes: Axes, ticks: tuple[Tick, ...]) -> str:
-    lines = "".join(f"M{axes.left:.1f} {axes.y_px(value):.1f}H{axes.right:.1f}" for value, _ in ticks)
+    lines = "".join(f"M{axes.left:.1f} {axes.y_px(value):.1f}H{axes.right:.1f}" for value, __ in ticks)
     return f'<path class="vi-rule" d="{lines}"/>'
 
 
@@ -156,7 +157,7 @@ def _below(axes: Axes, ticks: tuple[Tick, ...], drop: float) -> str:
 def spread_heights(heights: Sequence[float], top: float, bottom: float) -> list[float]:
     """Move ascending heights, px, LABEL_SPACING from each other and, if there is room, between top and bottom."""
     y = [min(max(height, top), bottom) for height in heights]
-    for _ in range(3):
+    for __ in range(3):
         for i in range(1, len(y)):
             y[i] = max(y[i], y[i - 1] + LABEL_SPACING)
         over = y[-1] - bottom if y else 0
@@ -265,11 +266,15 @@ def describe_settings(settings: Settings) -> str:
     """Write the conditions of a result in one line."""
     angles = settings.demonstrator_deg or ()  # none: the scene's own
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
-    points = f"{settings.points} points{'' if settings.body_points is None else ' by hand'}"
-    words = f"{settings.transfer} transfer · {settings.scene_title}, {points}"
-    words = f"Demonstrator ({posture}) · {words}" if posture else words[0].upper() + words[1:]
+    points = svg.count_points(settings.points)
+    if settings.body_points is not None:
+        points = ngettext("{n} point by hand", "{n} points by hand", settings.points).format(n=settings.points)
+    transfer = _("{transfer} transfer").format(transfer=settings.transfer)
+    words = [f"{transfer[0].upper()}{transfer[1:]}"]
+    if posture:
+        words = [_("Demonstrator ({posture})").format(posture=posture), transfer]
     disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
-    return " · ".join([words, ", ".join(disturbed)] if disturbed else [words])
+    return " · ".join([*words, f"{settings.scene_title}, {points}", *([", ".join(disturbed)] if disturbed else [])])
 
 
 def sentence(words: Sequence[str], x: float, y: float) -> str:

@@ -42,6 +42,11 @@ def count_motions(count: int) -> str:
     return ngettext("{n} step", "{n} steps", count).format(n=count)
 
 
+def count_points(count: int) -> str:
+    """Write a number of body points."""
+    return ngettext("{n} point", "{n} points", count).format(n=count)
+
+
 def joint_symbol(joint: int) -> str:
     """Write θ with the joint's number, from 1, as subscript."""
     return "θ" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(joint))

@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..language import _
+
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
 Floats = NDArray[np.float64]
@@ -94,18 +96,18 @@ def _quantise(theta: Floats, commanded: Floats, step_deg: float) -> Floats:
 NOISE = ImageDisturbance(
     bounds=(0, 20),
     unit="px",
-    description="noise of every image coordinate, standard deviation",
-    caption="noise {:g} px",
-    label="Noise px",
+    description=_("noise of every image coordinate, standard deviation"),
+    caption=_("noise {:g} px"),
+    label=_("Noise px"),
     slider_range=(0.0, 2.0, 0.05),
     apply=_add_noise,
 )
 MISSING = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="probability that an image does not show a point",
-    caption="missing {:.0%}",
-    label="Missing %",
+    description=_("probability that an image does not show a point"),
+    caption=_("missing {:.0%}"),
+    label=_("Missing %"),
     slider_range=(0, 50, 1),
     slider_scale=100,
     apply=_lose,
@@ -113,9 +115,9 @@ MISSING = ImageDisturbance(
 OUTLIERS = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="probability that a point is found at a wrong place",
-    caption="outliers {:.0%}",
-    label="Wrong %",
+    description=_("probability that a point is found at a wrong place"),
+    caption=_("outliers {:.0%}"),
+    label=_("Wrong %"),
     slider_range=(0, 30, 1),
     slider_scale=100,
     apply=_misplace,
@@ -123,9 +125,9 @@ OUTLIERS = ImageDisturbance(
 SWAPPED = MatchDisturbance(
     bounds=(0, 1),
     unit="share",
-    description="fraction of the demonstrator's points that are swapped, in pairs",
-    caption="swapped {:.0%}",
-    label="Swapped %",
+    description=_("fraction of the demonstrator's points that are swapped, in pairs"),
+    caption=_("swapped {:.0%}"),
+    label=_("Swapped %"),
     slider_range=(0, 50, 1),
     slider_scale=100,
     permute=_swap,
@@ -133,9 +135,9 @@ SWAPPED = MatchDisturbance(
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
-    description="relative actuation error: the arm moves farther than commanded by this fraction",
-    caption="gain error {:.0%}",
-    label="Gain err. %",
+    description=_("relative actuation error: the arm moves farther than commanded by this fraction"),
+    caption=_("gain error {:.0%}"),
+    label=_("Gain err. %"),
     slider_range=(-20, 20, 1),
     slider_scale=100,
     drive=_overshoot,
@@ -143,9 +145,9 @@ GAIN_ERROR = ArmDisturbance(
 QUANTUM = ArmDisturbance(
     bounds=(0, 5),
     unit="deg",
-    description="the arm moves to multiples of this only, or to a limit",
-    caption="steps of {:g}°",
-    label="Steps °",
+    description=_("the arm moves to multiples of this only, or to a limit"),
+    caption=_("steps of {:g}°"),
+    label=_("Steps °"),
     slider_range=(0.0, 2.0, 0.1),
     drive=_quantise,
 )
@@ -181,7 +183,7 @@ class ActuatorSettings(Protocol):
 
 def any_active(amounts: ImageAmounts | MatchAmounts | ArmAmounts) -> bool:
     """Return whether some amount is not 0."""
-    return any(amount for _, amount in amounts)
+    return any(amount for __, amount in amounts)
 
 
 def disturb(amounts: ImageAmounts, points: Floats, visible: Visible, seed: Sequence[int]) -> tuple[Floats, Visible]:
@@ -209,7 +211,7 @@ def disturbed_frames(
 ) -> tuple[Floats, Visible]:
     """Return several disturbed images of the same points, (count, N, 4) px and (count, N, 2)."""
     looks = [disturb(amounts, points, visible, [*seed, k] if k else seed) for k in range(count)]
-    return np.array([points for points, _ in looks]), np.array([visible for _, visible in looks])
+    return np.array([points for points, __ in looks]), np.array([visible for __, visible in looks])
 
 
 def mismatch_points(

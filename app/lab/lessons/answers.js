@@ -59,7 +59,7 @@ export function isRight(stage) {
   if (!isAnswered(stage) || answer.shown) return null;
   if (ask.kind === "choice") return answer.choice === rightChoice(stage);
   if (ask.kind === "place" || ask.kind === "pose") {
-    const off = Number(judged(stage, "px apart").value);
+    const off = Number(judged(stage, "distance in px").value);
     return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
   }
   if (ask.kind === "number") return isNear(ask, /** @type {number} */ (answer.number),

@@ -85,7 +85,7 @@ export class Marks {
       && distance(nearest(stage.mark, truth), judged(stage, ask.truth).value) > MOVED; // by a slider, after the answer
     const between = truth && !isMoved ? /** @type {const} */ ([own,
       at(nearest(/** @type {Mark} */ (stage.mark), truth)),
-      judged(stage, stage.step.headline?.measure ?? "px apart").text])
+      judged(stage, stage.step.headline?.measure ?? "distance in px").text])
       : ask.kind === "predict" && round && !stage.mark ? /** @type {const} */ ([at(round.mark), at(round.to),
         `${Math.hypot(round.mark[0] - round.to[0], round.mark[1] - round.to[1]).toFixed(1)} px`]) : null;
     if (between && between[0] && between[1]) {

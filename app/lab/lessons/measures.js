@@ -63,8 +63,8 @@ export const MEASURES = {
   ...RAY_MEASURES,
   ...TOUR_MEASURES,
   ...JACOBIAN_MEASURES,
-  "px apart": markError,
-  "degrees apart": markError,
+  "distance in px": markError,
+  "distance in degrees": markError,
   "your bet": stage => measured(stage.answer.bet ?? NaN, " %", 0),
   "outcome": stage => ({value: outcome(stage), unit: "", text: outcome(stage) ? "true" : "false"}),
   "penalty": stage => measured(((stage.answer.bet ?? NaN) / 100 - outcome(stage)) ** 2, "", 2),
@@ -108,7 +108,7 @@ export function grade(stage) {
   const {ask, headline: number, after = "", say} = stage.step,
     {truth, right, line, measure: goal, elsewhere = []} = ask;
   const inWords = [...JSON.stringify([ask, number, after, say]).matchAll(/\{([^{}":,]*)\}/g)].map(([, name]) => name);
-  const names = [truth, right, line, goal, number?.measure, ...elsewhere.map(one => one.truth), "px apart", ...inWords];
+  const names = [truth, right, line, goal, number?.measure, ...elsewhere.map(one => one.truth), "distance in px", ...inWords];
   return Object.fromEntries([...new Set(names)].filter(name => typeof name === "string" && name).map(name => {
     const found = measure(stage, String(name));
     return [name, {...found, value: ArrayBuffer.isView(found.value) ? Array.from(/** @type {any} */ (found.value))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ... import __version__
 from ...estimation.transfers import TRANSFERS
+from ...language import _, ngettext
 from ...loop.codegen import as_command, as_python, as_reproduction
 from ...loop.session import Session
 from ...loop.settings import Settings
@@ -53,7 +54,13 @@ def cite_both(one: Session, other: Session) -> Citation:
         command = f"{first.command} ; {second.command}"
     if first.python and second.python:
         python = f"{first.python}\n\n{second.python}"
-    return Citation(f"{first.title} against {second.title}", first.conditions, _software(), command, python)
+    return Citation(
+        _("{first} against {second}").format(first=first.title, second=second.title),
+        first.conditions,
+        _software(),
+        command,
+        python,
+    )
 
 
 def cite_experiment(name: str, settings: Settings, motion: object = None) -> Citation:
@@ -69,9 +76,11 @@ def cite_experiment(name: str, settings: Settings, motion: object = None) -> Cit
 
 
 def _conditions(settings: Settings) -> str:
-    frames = f" · {settings.frames} frames" if settings.frames > 1 else ""
-    return f"{describe_settings(settings)}{frames} · seed {settings.seed}"
+    words = [describe_settings(settings)]
+    if settings.frames > 1:
+        words.append(ngettext("{n} frame", "{n} frames", settings.frames).format(n=settings.frames))
+    return " · ".join([*words, _("seed {seed}").format(seed=settings.seed)])
 
 
 def _software() -> str:
-    return f"viewimit {__version__}, after {PAPER}"
+    return _("viewimit {version}, after {paper}").format(version=__version__, paper=PAPER)

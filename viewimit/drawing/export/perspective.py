@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...language import ngettext
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
@@ -105,13 +106,13 @@ def draw_space(
     drawn = standing if outlines else [*links, *standing]  # what stands is no convex body
     items = [item for vertices, faces, colour in drawn for item in _faces(viewpoint, vertices, faces, colour)]
     if outlines:
-        items += [item for vertices, _, colour in links for item in _outline(viewpoint, vertices, colour)]
+        items += [item for vertices, __, colour in links for item in _outline(viewpoint, vertices, colour)]
     items += _points(
         world, moment, viewpoint, {arm: world.points_world(postures[arm], bases[arm]) for arm in bases}, rays, truth
     )
     painted = "".join(item.drawing for item in sorted(items, key=lambda item: -item.depth))
-    shadows = "".join(_hull_shadow(viewpoint, vertices) for vertices, _, _ in links)
-    shadows += "".join(_shadow(viewpoint, vertices, faces) for vertices, faces, _ in standing)
+    shadows = "".join(_hull_shadow(viewpoint, vertices) for vertices, *__ in links)
+    shadows += "".join(_shadow(viewpoint, vertices, faces) for vertices, faces, __ in standing)
     names = "".join(_label(viewpoint, label) for label in scene_geometry.labels(world))
     height = WIDTH / viewpoint.aspect * (1 - viewpoint.below)
     inside = (
@@ -119,8 +120,12 @@ def draw_space(
         f'<g fill="{ROLES["ink"][0]}" opacity=".13">{shadows}</g>'
         f'<g stroke-width=".3" stroke-linejoin="round">{painted}</g>{names}</svg>'
     )
-    title = f"Both arms in 3-D after {svg.count_motions(moment.motion)}, which the learner does not see"
-    return Figure(inside, WIDTH, height, title)
+    title = ngettext(
+        "Both arms in 3-D after {n} step, which the learner does not see",
+        "Both arms in 3-D after {n} steps, which the learner does not see",
+        moment.motion,
+    )
+    return Figure(inside, WIDTH, height, title.format(n=moment.motion))
 
 
 def _links(

@@ -17,7 +17,7 @@ from ...language import _
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
-from ..glossary import ask, key_of
+from ..glossary import ask, glossary, key_of
 from ..theme import HEAD, OBSERVED, RECOVERED, RING
 from . import planes
 from .planes import SIZES, Window, Windows, describe_construction, draw_construction, is_shown
@@ -120,7 +120,7 @@ def draw_images(
         for pair, words in headings.items()
     ]
     parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
-    how = "Click a point to see its lines." if crossed else "Click a point to see how it is transferred."
+    how = _("Click a point to see its lines.") if crossed else _("Click a point to see how it is transferred.")
     if chosen is not None:
         how = describe_construction(construction, chosen, stage, crossed)
     if chosen is not None or not print_size:
@@ -364,7 +364,7 @@ class Metric(NamedTuple):
     level: str  # of `gauge`
     label: str
     value: str
-    unit: str
+    text: str = "{value}"  # with unit, in which the value stands out
     title: str = ""  # the label's symbol, by which the glossary knows it
 
 
@@ -376,31 +376,28 @@ def metrics_of(snapshot: Snapshot) -> tuple[Metric, ...]:
 def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, ...]:
     """lengths: from `residual_lengths`."""
     known = lengths.size > 0
-    mean, largest, where = np.nan, np.nan, ""
+    mean, largest, where = np.nan, np.nan, "{value}"
     if known:
         each = lengths.ravel().tolist()  # for few numbers faster than numpy
         mean, largest = sum(each) / len(each), max(each)
         point = snapshot.usable.nonzero()[0][each.index(largest) // 2]
-        where = _(" px at {point}").format(point=point)
+        where = _("{value} px at {point}").replace("{point}", str(point))
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     level, word = gauge(condition)
     name = snapshot.method.condition_name
     found = [
-        Metric("", "E", svg.escape(svg.short_E(snapshot.E)), " px²" if known else ""),
-        Metric("", _("mean |e|"), svg.number(mean), " px" if known else ""),
+        Metric("", "E", svg.escape(svg.short_E(snapshot.E)), "{value} px²" if known else "{value}"),
+        Metric("", _("mean |e|"), svg.number(mean), "{value} px" if known else "{value}"),
         Metric("", _("largest |e|"), svg.number(largest), where),
-        Metric(level, word.format(name=name), _short(condition, 100), "", name),
+        Metric(level, word.format(name=name), _short(condition, 100), title=name),
     ]
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
-        found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100), ""))
+        found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100)))
     if used < count:
-        found.append(
-            Metric(
-                "red" if used < MIN_POINTS else "", _("seen"), f"{used}", _(" of {n}").format(n=count), "points seen"
-            )
-        )
+        level, text = "red" if used < MIN_POINTS else "", _("{value} of {n}").replace("{n}", str(count))
+        found.append(Metric(level, _("seen"), str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)
 
 
@@ -425,7 +422,7 @@ def _value(metric: Metric) -> str:
         shape = svg.diamonds(np.array([[6.0, 6.0]]), 5.5) if metric.level == "amber" else "M1 1h10v10h-10z"
         path = f'<path class="vi-{metric.level}" d="{shape}"/>'
         mark = f'<svg class="vi" viewBox="0 0 12 12" aria-hidden="true">{path}</svg>'
-    return f"<span>{mark}<b>{metric.value}</b>{metric.unit}</span>"
+    return f"<span>{mark}{metric.text.format(value=f'<b>{metric.value}</b>')}</span>"
 
 
 def _small_curve(course: Sequence[float]) -> str:
@@ -473,7 +470,11 @@ def _metric(x: float, metric: Metric) -> str:
         mark, shift = f'<path class="vi-amber" d="{svg.diamonds(np.array([[x + 6, y + 13.5]]), 5.5)}"/>', 15
     elif metric.level == "red":
         mark, shift = f'<rect class="vi-red" x="{x}" y="{y + 8}" width="11" height="11" rx="1.5"/>', 15
+    value = f'</tspan><tspan class="vi-big">{metric.value}</tspan><tspan class="vi-2nd">'
+    words = f'<tspan class="vi-2nd">{metric.text.format(value=value)}</tspan>'.replace(
+        '<tspan class="vi-2nd"></tspan>', ""
+    )
     return (
-        f'<text class="vi-2nd" x="{x}" y="{y}">{metric.label}</text>{mark}<text x="{x + shift}" y="{y + 20}">'
-        f'<tspan class="vi-big">{metric.value}</tspan><tspan class="vi-2nd">{metric.unit}</tspan></text>'
+        f'<text class="vi-2nd" x="{x}" y="{y}">{metric.label}</text>{mark}'
+        f'<text x="{x + shift}" y="{y + 20}">{words}</text>'
     )

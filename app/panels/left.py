@@ -12,8 +12,8 @@ from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
 
-from ..drawing.glossary import beside
 from ..drawing.joint_bars import draw_learner
+from ..drawing.overlays import beside
 from ..model.choices import (
     FRAMES,
     OF_ARMS,

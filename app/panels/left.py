@@ -117,7 +117,7 @@ HINT = ngettext(
 
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
-    """First of what stays in sight on every window: in a folder without a frame, which `playback.copy` goes on with."""
+    """First of what stays in sight on every window: in a folder without a frame, which `copy` goes on with."""
     layout.named["tray"] = layout.gui.add_folder(_("Pose and play"))
     with layout.named["tray"]:
         layout.gui.add_html(f'<h3 class="vi-part vi-tray"><b>1</b> {_("Pose the demonstrator")}</h3>')

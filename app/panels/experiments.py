@@ -11,7 +11,7 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
 from viewimit.language import _
 
-from ..drawing.glossary import asks
+from ..drawing.overlays import asks
 from ..jobs.experiments import Run
 from ..model.computed import titles
 from ..model.motions import NAMES

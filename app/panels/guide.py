@@ -14,8 +14,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.language import _
 from viewimit.servo import SERVOS
 
-from ..drawing.glossary import current_values, linked_cards, listed
-from ..drawing.overlays import button
+from ..drawing.overlays import button, current_values, linked_cards, listed
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
 from ..model.page_model import PageModel

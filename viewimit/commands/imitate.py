@@ -176,7 +176,8 @@ def _misfit(misfit: Misfit | None, joints: Sequence[int]) -> dict | None:
         {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
         for link in misfit.links
     ]
-    return {"kind": misfit.kind, "points": misfit.points, "links": links, "text": misfit.describe(joints)}
+    said = {"kind": misfit.kind, "points": misfit.points, "links": links, "amount": misfit.amount}
+    return said | {"text": misfit.describe(joints)}
 
 
 def outcome(session: Session, ended: RunResult) -> dict:

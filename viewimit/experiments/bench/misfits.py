@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,6 +50,7 @@ N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # as of the calibration of claims
 POINT_M, LINK_POINTS_M = (0.008, 0.020), 0.010  # displacement of one point; standard deviation of each of a link's
 MIXED_UP = 3, 6  # points, from and below
 FOCAL, BASELINE, CENTRE_PX = (0.85, 1.15), (0.8, 1.2), 30.0  # of another head, relative to the own one
+LENS_K1 = 0.03, 0.06  # of both cameras, negative
 SHORT = 0.1, 0.3  # share of a motion by which an arm stops short
 SEVEN, SEVEN_OFFSET_DEG = tuple(range(1, 8)), 30.0
 
@@ -173,6 +175,13 @@ def _mirrored(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     return OtherDemonstrator(scene, points, mirrored=True)
 
 
+def _lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
+    bend = (-rng.uniform(*LENS_K1), 0.0)
+    left, right = (msgspec.structs.replace(eye, distortion=bend) for eye in (scene.head.left, scene.head.right))
+    head = msgspec.structs.replace(scene.head, left=left, right=right)
+    return ProjectedEyes(msgspec.structs.replace(scene, head=head), points)
+
+
 CASES = (
     Case("none", None, _clean),
     *(
@@ -185,6 +194,7 @@ CASES = (
     Case("three to five points mixed up", MisfitKind.MIXED_UP, _mixed_up),
     Case("two heads", MisfitKind.TWO_HEADS, _other_head),
     Case("mirrored", MisfitKind.MIRRORED, _mirrored),
+    Case("a lens bends the images", MisfitKind.LENS, _lens),
     Case("arm stops short", MisfitKind.ARM, _clean, stops_short=True),
 )
 

@@ -60,12 +60,16 @@ class BundleAdjustment:
         """Keep the images of the points that the kinematics know."""
         return replace(self, observations=self.observations.restrict(~kinematics.unknown))
 
-    def residuals(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
+    def residuals(
+        self, kinematics: ProjectiveKinematics, displacement: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
         """Predicted minus observed coordinates, (..., K, N, 3) px, 0 of images that were not seen.
 
-        The kinematics may be several at once, with (..., P) parameters and (..., N, 3) points.
+        The kinematics may be several at once, with (..., P) parameters and (..., N, 3) points. displacement: where the
+        arm was instead, (..., K, m) rad.
         """
-        difference = kinematics.coordinates(self.observations.displacement) - self.coordinates
+        at = self.observations.displacement if displacement is None else displacement
+        difference = kinematics.coordinates(at) - self.coordinates
         return np.where(self.observations.visible_in_both[..., None], difference * kinematics.frame.unit_px, 0.0)
 
     def mean_squares(self, kinematics: ProjectiveKinematics) -> NDArray[np.float64]:
@@ -140,7 +144,7 @@ def fit_kinematics(
     if found is None:
         return None
     seen_twice = found.unknown & (observations.visible_in_both.sum(0) > 1)
-    extended = _reassigned(found, seen_twice, problem)
+    extended = reassigned(found, seen_twice, problem)
     return found if extended is found else problem.restricted_to_known(extended).solve(extended) or found
 
 
@@ -187,8 +191,8 @@ def _solve_reassigned(initial: ProjectiveKinematics, problem: BundleAdjustment) 
     if problem.noise_px == 0:
         return None
     contradicting = problem.mean_squares(initial) > MAX_SINGLE_SQUARE * problem.noise_floor_px**2
-    reassigned = _reassigned(initial, contradicting, problem)
-    return None if reassigned is initial else problem.solve(reassigned)
+    again = reassigned(initial, contradicting, problem)
+    return None if again is initial else problem.solve(again)
 
 
 def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observations) -> ProjectiveKinematics:
@@ -197,10 +201,10 @@ def with_likely_joints(kinematics: ProjectiveKinematics, observations: Observati
     images = images if kinematics.rectification is None else kinematics.rectification.apply(images)
     problem = BundleAdjustment(observations, kinematics.frame.coordinates(images), 0.0)
     doubtful = kinematics.unknown & observations.visible_in_both.any(0)
-    return _reassigned(kinematics, doubtful, problem, required=False)
+    return reassigned(kinematics, doubtful, problem, required=False)
 
 
-def _reassigned(
+def reassigned(
     kinematics: ProjectiveKinematics, points: NDArray[np.bool_], problem: BundleAdjustment, required: bool = True
 ) -> ProjectiveKinematics:
     """Let these points, (N,) bool, be moved by the joints that fit all their images.

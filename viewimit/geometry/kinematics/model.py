@@ -131,7 +131,7 @@ class ProjectiveKinematics:
         return images if self.rectification is None else self.rectification.restore(images)
 
     def coordinates(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coordinates (..., K, N, 3) in the stereo frame at displacements (K, m) rad."""
+        """Coordinates (..., K, N, 3) in the stereo frame at displacements (K, m) rad, or (..., K, m) rad."""
         return self.clusters.project(self.motions(displacement), self.points, np.eye(4))
 
     def coordinates_of(self, images: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,7 +13,8 @@ DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
           a verification motion if no visit shows that yet. With noise, one adjustment of both bodies' images then gives
           the posture to rest at, and refuses a claim about another body (`final_adjustment`).
-SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits.
+SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits. None is looked for if there is
+          a convincing reason why the demonstrator is no body like the own one (`misfit`).
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
 
 Transitions
@@ -36,7 +37,7 @@ VERIFY  ──> motion    if evidence is missing that a motion can give
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
         ──> PLAN      if another transfer is left to try
-        ──> REST      if nothing is left to try
+        ──> REST      if nothing is left to try, or a misfit explains the images
 REST    ──> motion    towards the posture to rest at; none when the arm is there
 
 The image model predicts the learner's own image points at postures that it has not visited: kinematics, if they explain
@@ -72,6 +73,7 @@ from .rules import (
     at_joint_limit,
     current_certificate,
     e_leaves_no_room,
+    explained_early,
     goal_with_other_points,
     is_cycling,
     may_verify,
@@ -134,6 +136,8 @@ class TrustRegion:
             calibration=state.calibration,
             kinematics=state.kinematics,
             mismatch=state.mismatch,
+            shortfall=state.shortfall,
+            sent=state.sent,
         )
 
     def step(
@@ -154,7 +158,16 @@ class TrustRegion:
         while displacement is None:
             run, _ = PHASES[phase]
             phase, state, displacement = run(state, context)
-        return replace(state, phase=phase), displacement
+        return replace(state, phase=phase), commanded(state, observation, displacement)
+
+
+def commanded(state: TrustRegionState, observation: Observation, displacement: Displacement) -> Displacement:
+    """Return the motion to command for a displacement, (m,) rad: an arm that stops short is sent farther."""
+    if state.shortfall is None or not displacement.any():
+        return displacement
+    here = observation.displacement
+    sent = state.shortfall.to_reach(here, here + displacement)
+    return np.clip(sent, observation.lower, observation.upper) - state.sent[-1]
 
 
 def first_phase(state: TrustRegionState, observation: Observation) -> Phase:
@@ -235,6 +248,9 @@ def search(state: TrustRegionState, context: StepContext) -> Outcome:
         return Phase.SEARCH, *travel(state, context)
     if more_points_elsewhere(state, context):
         return Phase.SEARCH, *restart(state, context, goal_with_other_points(state, context), context.plan.n_points + 1)
+    if (explanation := explained_early(state, context)) is not None:
+        context.status = ServoStatus.NO_PROGRESS
+        return Phase.REST, replace(state, explanation=explanation), None
     if state.search.rung + 1 < len(options.ladder):
         # Swapped points did not make E small, so they are swapped back, and the ladder begins again without them.
         return Phase.PLAN, on_rung(state, context, 0 if state.swaps.pairs else state.search.rung + 1), None

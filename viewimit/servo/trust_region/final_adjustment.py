@@ -129,8 +129,25 @@ def estimate_posture(
     """
     if observation.demo is None:
         return None
-    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], observation.noise_px)
+    found = fit_same_body(kinematics, visits, observation.demo, observation.noise_px, theta, options)
+    return None if found is None else found[0].estimate(found[1], observation.demo)
+
+
+def fit_same_body(
+    kinematics: ProjectiveKinematics,
+    visits: tuple[Visit, ...],
+    demo: Array,
+    noise_px: float,
+    theta: Array,
+    options: TrustRegionOptions,
+) -> tuple[FinalAdjustment, PairFit] | None:
+    """Fit a demonstrator like the own body, from a posture near its own; None if too few points are visible.
+
+    demo: (N, 4) px in [l, r], NaN where hidden; noise_px: of an image coordinate; theta: (m,) rad. The rest is as of
+    `estimate_posture`.
+    """
+    adjustment = FinalAdjustment.of(kinematics, visits, demo[None], noise_px)
     if adjustment is None:
         return None
     found = adjustment.best_fit(adjustment.problem.starts(kinematics, theta), options.max_body_sigmas)
-    return None if found is None else adjustment.estimate(found, observation.demo)
+    return None if found is None else (adjustment, found)

@@ -1,8 +1,9 @@
 """Name the reason why a demonstrator is no body like the own one: another body, moved points, another head, and so on.
 
-Every reason is a small model on the final adjustment, with a few unknowns more. Of k unknowns that raise the cost of
-the own images to C (in variances of the noise), the best model has the least C + k ln n, the Bayesian information
-criterion, n the number of image coordinates. The best is named if noise explains what it leaves.
+Every reason is a small model on the final adjustment, with a few unknowns more. A lens bends the own images, too. Of k
+unknowns that raise the cost of the own images to C (in variances of the noise), the best model has the least
+C + k ln n, the Bayesian information criterion, n the number of image coordinates. The best is named if noise explains
+what it leaves.
 
 Which reasons cannot be distinguished: within a rigid group of points, a longer link, a fixed joint turned, and points
 moved on it; a home offset of a joint and its angle; a body larger as a whole and one farther away.
@@ -21,10 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX
+from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography
 from ..observation import Observation, Visit
-from .final_adjustment import FinalAdjustment, PairFit, PostureEstimate
+from .final_adjustment import FinalAdjustment, PairFit, PostureEstimate, fit_same_body
+from .image_models import observations_of
 from .motions import posture_grid
 from .options import TrustRegionOptions
 
@@ -49,6 +52,8 @@ class MisfitKind(str, Enum):
     """Other cameras see the demonstrator than the own body."""
     MIRRORED = "mirrored"
     """The demonstrator is the mirror image of the own body."""
+    LENS = "lens"
+    """A lens bends the images."""
     ARM = "arm"
     """The arm is not where it was sent."""
     NONE = "none"
@@ -73,6 +78,12 @@ class Misfit:
     kind: MisfitKind
     points: tuple[int, ...] = ()  # indices of the points concerned
     links: tuple[LinkChange, ...] = ()  # of another body
+    amount: float | None = None  # of a lens: by how many px it bends the images at most; of an arm: the share of each
+    # motion by which it stops short, negative if it goes too far; None if unknown
+
+    def per_pixel(self, unit_px: float) -> "Misfit":
+        """Convert images from image units of unit_px pixels to px."""
+        return replace(self, amount=self.amount * unit_px) if self.kind is MisfitKind.LENS and self.amount else self
 
     def describe(self, joints: Sequence[int] = ()) -> str:
         """Say it in words. joints: numbers of the moving joints, by default from 1."""
@@ -91,9 +102,17 @@ class Misfit:
             MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up, and are put right",
             MisfitKind.TWO_HEADS: "other cameras see the demonstrator than the own body",
             MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
-            MisfitKind.ARM: "the arm is not where it was sent",
+            MisfitKind.LENS: f"a lens bends the images, by up to {self.amount or 0:.2g} px",
+            MisfitKind.ARM: _of_arm(self.amount),
             MisfitKind.NONE: "the demonstrator is no body like the own one, for none of the known reasons",
         }[self.kind]
+
+
+def _of_arm(share: float | None) -> str:
+    """share: of each motion that it misses; None if that differs."""
+    if share is None:
+        return "the arm is not where it was sent"
+    return f"the arm {'stops short' if share > 0 else 'goes too far'}, by {abs(share):.1%} of each motion"
 
 
 @dataclass(frozen=True)
@@ -102,7 +121,11 @@ class Explanation:
 
     misfit: Misfit
     estimate: PostureEstimate
-    is_clear: bool  # whether no other reason is nearly as good
+    margin: float  # by which the criterion of the next best reason is larger; 0 if none explains the images
+
+    def is_convincing(self, max_sigmas: float, margin: float) -> bool:
+        """Whether the images contradict it by less than so many standard deviations, and no other is nearly as good."""
+        return self.estimate.sigmas < max_sigmas and self.margin > margin
 
 
 @dataclass(frozen=True)
@@ -110,9 +133,11 @@ class _Candidate:
     """A fitted reason."""
 
     kind: MisfitKind
+    adjustment: FinalAdjustment
     fit: PairFit
     criterion: float
     points: tuple[int, ...] = ()
+    amount: float | None = None
 
 
 def _criterion(candidate: _Candidate) -> float:
@@ -147,21 +172,18 @@ def explain(
     if observation.demo is None:
         return None
     noise_px = max(observation.noise_px, NOISE_FLOOR_PX)
-    adjustment = FinalAdjustment.of(kinematics, visits, observation.demo[None], noise_px)
-    if adjustment is None:
+    like_own = fit_same_body(kinematics, visits, observation.demo, noise_px, theta, options)
+    if like_own is None or like_own[1].sigmas < options.max_body_sigmas:
         return None
-    same = adjustment.best_fit(adjustment.problem.starts(kinematics, theta), options.max_body_sigmas)
-    if same is None or same.sigmas < options.max_body_sigmas:
-        return None
-    reasons = _Reasons(adjustment, same, observation, options)
+    reasons = _Reasons(*like_own, visits, replace(observation, noise_px=noise_px), theta, options)
     found = sorted(reasons.all(), key=_criterion)
     best = found[0]
-    estimate = adjustment.estimate(best.fit, observation.demo)
+    estimate = best.adjustment.estimate(best.fit, observation.demo)
     if best.fit.sigmas >= options.max_reason_sigmas:
-        return Explanation(Misfit(MisfitKind.NONE), estimate, False)
-    is_clear = all(one.criterion > best.criterion + options.clear_criterion for one in found[1:])
-    links = link_changes(adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
-    return Explanation(Misfit(best.kind, best.points, links), estimate, is_clear)
+        return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0)
+    margin = min((one.criterion - best.criterion for one in found[1:]), default=np.inf)
+    links = link_changes(best.adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
+    return Explanation(Misfit(best.kind, best.points, links, best.amount), estimate, float(margin))
 
 
 @dataclass(frozen=True)
@@ -170,7 +192,9 @@ class _Reasons:
 
     adjustment: FinalAdjustment
     same: PairFit  # a body like the own one
+    visits: tuple[Visit, ...]
     observation: Observation
+    theta: Array  # (m,) rad, near the demonstrator's posture
     options: TrustRegionOptions
 
     def all(self) -> Iterator[_Candidate]:
@@ -181,15 +205,21 @@ class _Reasons:
         mirrored = self._mirrored()
         if mirrored is not None:
             yield self._candidate(MisfitKind.MIRRORED, mirrored)
+        if (lens := self._lens()) is not None:
+            yield lens
 
     def _candidate(self, kind: MisfitKind, fit: PairFit, points: tuple[int, ...] = (), choices: int = 1) -> _Candidate:
         """Compute the criterion. choices: number of such reasons, of which this one is the best."""
-        problem, pair = self.adjustment.problem, fit.pair
-        coordinates = (
-            problem.degrees_of_freedom + problem.own.degrees_of_freedom + pair.parameters.size + pair.points.size
-        )
-        unknowns = sum(pair.difference.sizes(pair.n_joints))
-        return _Candidate(kind, fit, fit.raised + unknowns * np.log(coordinates) + 2 * np.log(choices), points)
+        unknowns = sum(fit.pair.difference.sizes(fit.pair.n_joints))
+        criterion = fit.raised + unknowns * self._log_coordinates + 2 * np.log(choices)
+        return _Candidate(kind, self.adjustment, fit, criterion, points)
+
+    @property
+    def _log_coordinates(self) -> float:
+        """Logarithm of the number of image coordinates."""
+        problem, pair = self.adjustment.problem, self.same.pair
+        freedom = problem.degrees_of_freedom + problem.own.degrees_of_freedom
+        return float(np.log(freedom + pair.parameters.size + pair.points.size))
 
     def _freed(self, start: BodyPair, difference: Difference, max_iter: int = MAX_ITER) -> PairFit:
         return self.adjustment.fit(start.with_difference(difference), max_iter)
@@ -239,6 +269,24 @@ class _Reasons:
             return None
         theta = postures[np.where(reflects, cost, np.inf).argmin()]
         return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), options.max_body_sigmas)
+
+    def _lens(self) -> _Candidate | None:
+        """Fit a body like the own one to images that a lens bends, which also changes the cost of the own images."""
+        demo, noise_px = self.observation.demo, self.observation.noise_px
+        seen = observations_of(self.visits)
+        found = fit_lens(seen, noise_px, self.adjustment.kinematics.rectification)
+        if found is None or demo is None:
+            return None
+        kinematics, lens = found
+        own, straight = lens.straightened(seen.images), lens.straightened(demo[None])[0]
+        visits = tuple(replace(visit, own=images) for visit, images in zip(self.visits, own))
+        like_own = fit_same_body(kinematics, visits, straight, noise_px, self.theta, self.options)
+        if like_own is None:
+            return None
+        adjustment, fit = like_own
+        raised = fit.raised + (adjustment.own_cost - self.adjustment.own_cost) / self.adjustment.variance
+        bent = float(np.nanmax(np.abs([*(own - seen.images), straight - demo])))
+        return _Candidate(MisfitKind.LENS, adjustment, fit, raised + N_LENS * self._log_coordinates, amount=bent)
 
 
 def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:

@@ -20,7 +20,7 @@ from .correspondences import find_swaps, swapped, transpositions, with_swaps
 from .final_adjustment import estimate_posture
 from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
-from .misfit import MisfitKind, explain
+from .misfit import Explanation, MisfitKind, explain
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .naming import find_naming, review_naming
 from .options import TrustRegionOptions
@@ -306,27 +306,45 @@ def with_final_adjustment(state: TrustRegionState, context: StepContext) -> Trus
     return replace(state, estimate=estimate, certificate=certificate.with_std_error(estimate.std_error))
 
 
+def find_explanation(state: TrustRegionState, context: StepContext) -> Explanation | None:
+    """Return the reason why no posture explains the demonstrator's images; None if there is none to find."""
+    if state.explanation is not None or state.kinematics is None:
+        return state.explanation
+    found = explain(state.kinematics, state.known, context.observation, context.place, context.options)
+    return None if found is None else replace(found, misfit=found.misfit.per_pixel(state.unit_px))
+
+
+def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
+    """Return a reason that spares the search for a smaller E elsewhere; None without.
+
+    It is looked for before every other search, as that is costly.
+    """
+    search, options = state.search, context.options
+    if search.rung or search.min_points or search.n_restarts % 2:
+        return None
+    found = find_explanation(state, context)
+    convinces = found is not None and found.is_convincing(options.max_body_sigmas, options.early_criterion)
+    return found if convinces else None
+
+
 def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Find out why no posture explains the demonstrator's images; imitate the joint angles of another body.
 
-    A claim about another body rests on the adjustment alone: noise explains what it leaves, no other reason is nearly
-    as good, and the expected error is small. Other cameras leave E as it is, so with them E must allow the claim, too.
+    A claim about another body, or by images that a lens bends, rests on the adjustment alone: noise explains what it
+    leaves, no other reason is nearly as good, and the expected error is small. Other cameras leave E as it is, so with
+    them E must allow the claim, too.
     """
     observation, options = context.observation, context.options
-    if context.status is not ServoStatus.NO_PROGRESS or state.kinematics is None:
-        return state
-    found = state.explanation
-    if found is None:
-        found = explain(state.kinematics, state.known, observation, context.place, options)
+    found = find_explanation(state, context) if context.status is ServoStatus.NO_PROGRESS else None
     if found is None:
         return state
     state, kind, estimate = replace(state, explanation=found), found.misfit.kind, found.estimate
     place = np.clip(estimate.theta, observation.lower, observation.upper)
-    explained = found.is_clear and estimate.sigmas < options.max_body_sigmas
     exact = estimate.std_error.max() < options.max_claimed_std
     inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
-    claimable = kind is MisfitKind.ANOTHER_BODY or (kind is MisfitKind.TWO_HEADS and context.certified)
-    if claimable and explained and exact and inside:
+    by_adjustment = kind in (MisfitKind.ANOTHER_BODY, MisfitKind.LENS)
+    claimable = by_adjustment or (kind is MisfitKind.TWO_HEADS and context.certified)
+    if claimable and found.is_convincing(options.max_body_sigmas, options.clear_criterion) and exact and inside:
         context.place = place
         certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
         context.status = status_at_rest(certificate.status, state)

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import Pairs
 from ...geometry.kinematics.adjustment import fit_kinematics
+from ...geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..observation import Observation, Visit
 from ..status import ServoStatus
@@ -19,6 +21,7 @@ from .misfit import Explanation, Misfit, MisfitKind
 from .naming import Naming
 from .options import TrustRegionOptions
 
+T = TypeVar("T")
 MAX_SWAPPED = 2  # points of a single pair, which is no misfit
 
 
@@ -101,7 +104,9 @@ class TrustRegionState:
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
-    # with backlash, steps or an obstacle; None: it is where it was sent
+    # with backlash, steps or an obstacle; None: it is where it was sent, or `shortfall` says where it is
+    shortfall: Shortfall | None = None  # by which it stops short of where it is sent; None: no sign of that
+    sent: tuple[NDArray[np.float64], ...] = ()  # (m,) rad, where it was sent at each visit, with a shortfall
 
     @property
     def probe(self) -> bool:
@@ -120,6 +125,8 @@ class TrustRegionState:
             return self.explanation.misfit
         if len(mixed_up := {point for pair in self.swaps.pairs for point in pair}) > MAX_SWAPPED:
             return Misfit(MisfitKind.MIXED_UP, tuple(sorted(mixed_up)))
+        if self.shortfall is not None:
+            return Misfit(MisfitKind.ARM, amount=self.shortfall.share)
         return None if self.mismatch is None else Misfit(MisfitKind.ARM)
 
     @property
@@ -185,14 +192,24 @@ def record_visit(
     state, here = replace(state, target_moved=(False, state.target_moved[0])), visit_of(observation)
     if state.mismatch is not None:
         return _localise_from_images(state, state.mismatch, observation, options)
-    again = np.array_equal(state.visits[-1].displacement, observation.displacement)
-    after = replace(state, visits=(*state.visits[: -1 if again else None], here)[-options.max_visits :])
+    before, sent = state.visits[-1].displacement, observation.displacement
+    again = np.array_equal(before if state.shortfall is None else state.sent[-1], sent)
+    if state.shortfall is not None:
+        there = before if again else state.shortfall.next(before, sent)
+        observation = replace(observation, displacement=there)
+        here, state = replace(here, displacement=there), replace(state, sent=_last(state.sent, sent, again, options))
+    after = replace(state, visits=_last(state.visits, here, again, options))
     if again and len(after.visits) > 1:
         return after, observation
     after = _with_kinematics(after, observation, options)
     if not again and after.kinematics is None and contradicts_command(state.known, here, observation.noise_px):
         return _on_mismatch(state, here, options), observation
-    return after, observation
+    return after, replace(observation, displacement=after.visits[-1].displacement)
+
+
+def _last(before: tuple[T, ...], one: T, again: bool, options: TrustRegionOptions) -> tuple[T, ...]:
+    """Add what a visit shows, in place of the last one if the arm has not moved, and forget the oldest."""
+    return (*before[: -1 if again else None], one)[-options.max_visits :]
 
 
 def _with_kinematics(
@@ -202,10 +219,27 @@ def _with_kinematics(
     since = len(state.visits) - (0 if state.calibration else len(observation.displacement))
     if state.kinematics is None and since not in options.fit_kinematics_at:
         return state
-    found = fit_kinematics(
-        observations_of(state.known), observation.noise_px, observation.rectification, state.kinematics
+    if state.shortfall is None:
+        found = fit_kinematics(
+            observations_of(state.known), observation.noise_px, observation.rectification, state.kinematics
+        )
+        if found is not None or state.calibration:
+            return replace(state, kinematics=found)
+    return _with_shortfall(state, observation)
+
+
+def _with_shortfall(state: TrustRegionState, observation: Observation) -> TrustRegionState:
+    """Fit kinematics of an arm that stops short; without any, it counts as where it was sent."""
+    sent = tuple(visit.displacement for visit in state.visits) if state.shortfall is None else state.sent
+    of_visits = replace(observations_of(state.visits), displacement=np.array(sent))
+    previous = None if state.shortfall is None or state.kinematics is None else (state.kinematics, state.shortfall)
+    found = fit_shortfall(of_visits, observation.noise_px, observation.rectification, previous)
+    kinematics, shortfall = (None, None) if found is None else found
+    reached = sent if shortfall is None else shortfall.reached(np.array(sent))
+    visits = tuple(replace(visit, displacement=there) for visit, there in zip(state.visits, reached))
+    return replace(
+        state, visits=visits, kinematics=kinematics, shortfall=shortfall, sent=sent if shortfall is not None else ()
     )
-    return replace(state, kinematics=found)
 
 
 def _on_mismatch(state: TrustRegionState, here: Visit, options: TrustRegionOptions) -> TrustRegionState:

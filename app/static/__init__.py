@@ -21,7 +21,7 @@ MARKED = re.compile(r'(?<![\w.$])_\(("(?:[^"\\]|\\.)*")\)')
 
 
 def translated(script: str) -> str:
-    """Replace the texts that a script marks by their translations."""
+    """Replace the marked texts of a script by their translations."""
     return MARKED.sub(lambda found: json.dumps(_(json.loads(found[1]))).replace("</", "<\\/"), script)
 
 

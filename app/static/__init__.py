@@ -21,7 +21,7 @@ MARKED = re.compile(r'(?<![\w.$])_\(("(?:[^"\\]|\\.)*")\)')
 
 
 def translated(script: str) -> str:
-    """Put translations into a script, in place of what it marks."""
+    """Replace the marked texts of a script by their translations."""
     return MARKED.sub(lambda found: json.dumps(_(json.loads(found[1]))).replace("</", "<\\/"), script)
 
 

@@ -50,7 +50,7 @@ class Shortfall:
 
     def reached(self, sent: Array) -> Array:
         """Return where the arm is after each motion, (K, m) rad, of where it was sent, (K, m) rad."""
-        return _reached(sent, np.float64(self.share))
+        return _reached(sent, np.asarray(self.share))
 
     def next(self, here: Array, sent: Array) -> Array:
         """Return where it comes from a posture, (m,) rad, if it is sent to another one."""

@@ -22,8 +22,8 @@ from .model.page_model import PageModel
 from .model.queue import CommandQueue
 from .model.services import LoadShedding, Redraw, Services
 from .panels.images import images
-from .panels.landscape import landscape
 from .panels.panel import Drawing, Layout
+from .panels.plots import landscape
 from .panels.status import status
 from .quiet_client import quiet_client
 from .scene.scene3d import Scene3D

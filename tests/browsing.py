@@ -1,6 +1,7 @@
 """The page in a browser: how a visitor opens it, what one does with it, and what one sees."""
 
 import io
+import itertools
 import re
 from pathlib import Path
 
@@ -273,8 +274,14 @@ def canvas_colours(page) -> int:
     """How many there are where the 3-D scene is, with all of it drawn."""
     page.evaluate("window.drawsTriangles = true")
     box = page.locator("canvas").first.bounding_box()
-    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])  # viser draws a frame when it moves
-    page.wait_for_function("window.holds", polling=50, timeout=PATIENCE_MS)
+    places = itertools.cycle((0.3, 0.31))  # viser draws a frame when the pointer moves
+
+    def holds():
+        place = next(places)
+        page.mouse.move(box["x"] + place * box["width"], box["y"] + place * box["height"])
+        return page.evaluate("window.holds")
+
+    wait(page, holds)
     picture = Image.open(io.BytesIO(page.screenshot(clip=box, timeout=PATIENCE_MS))).convert("RGB")
     page.evaluate("window.goOn()")
     return len(picture.getcolors(picture.width * picture.height))

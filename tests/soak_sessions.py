@@ -25,7 +25,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
 STAYS_S = 20.0  # on average, before a visitor reloads the page
-BACK_WITHIN_S = 240.0  # on a machine with much other work; `longest` says how long it took
+BACK_WITHIN_S = 90.0
 
 
 class Visitor(threading.Thread):
@@ -88,7 +88,7 @@ class Visitor(threading.Thread):
                 return
             what = self._random.random()
             if what < 0.5:
-                client.press("Step: one motion")
+                client.press("Make one step")
                 self.motions += 1
             elif what < 0.9:
                 client.put("θ₂", self._random.randint(20, 140) / 2)

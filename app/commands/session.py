@@ -64,10 +64,10 @@ def undo(model: PageModel, *, now: float) -> None:
         model.player.undo(now)
     else:
         model.undoable.bring_back(left)
-        told = [left.preset.name, count_motions(left.motions)]
+        parts = [left.preset.name, count_motions(left.motions)]
         if model.points.on:
-            told.append(count_points(len(model.session.world.body)))
-        model.say(_("Back is what was here before: {what}.").format(what=", ".join(told)), now + MESSAGE_S)
+            parts.append(count_points(len(model.session.world.body)))
+        model.say(_("Back is what was here before: {what}.").format(what=", ".join(parts)), now + MESSAGE_S)
 
 
 @command("reset", moves=True)

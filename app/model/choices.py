@@ -169,7 +169,7 @@ class Preset:
     key: str = ""
 
 
-PRESETS = (
+PRESETS = [
     Preset(
         _("Paper, Section 5.3"),
         Settings.paper(),
@@ -287,7 +287,7 @@ PRESETS = (
         _("Rendered pictures. Only coloured balls that are detected in them count."),
         "images",
     ),
-)
+]
 
 AS_STARTED = _("As started")
 

@@ -88,7 +88,7 @@ class PageModel:
 
     @property
     def snapshot(self) -> Snapshot:
-        """The session's, as it is displayed."""
+        """Return the moment of the session that figures describe."""
         return self.displayed.present
 
     @property

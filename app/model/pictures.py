@@ -148,11 +148,11 @@ def _curves(model: PageModel) -> Picture:
 
 def _equations(model: PageModel) -> Picture:
     require_typesetter()
-    told, motion = equations_of(model.snapshot, model.view.chosen), model.snapshot.motion
+    text, motion = equations_of(model.snapshot, model.view.chosen), model.snapshot.motion
     title = ngettext(
         "The equations with their numbers after {n} step", "The equations with their numbers after {n} steps", motion
     )
-    return Picture(partial(typeset_equations, told, title.format(n=motion)))
+    return Picture(partial(typeset_equations, text, title.format(n=motion)))
 
 
 def _duel(model: PageModel) -> Picture:

@@ -169,7 +169,7 @@ def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Set
         raise _impossible(error) from None
 
 
-def _impossible(error: ValueError) -> ValueError:
+def _impossible(error: Exception) -> ValueError:
     return ValueError(_("the link cannot be: {why}").format(why=" ".join(str(error).split())[:200]))
 
 

@@ -71,7 +71,7 @@ class Redraw:
     def due(self, what: Hashable, now: float, period: float) -> bool:
         """Return whether a period, s, has passed since this was last due.
 
-        A call that is late by less than a period does not delay those after it.
+        A call late by less than a period does not delay those after it.
         """
         at = self._at.get(what, -np.inf)
         if now - at < EARLY * period:

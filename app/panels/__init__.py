@@ -12,10 +12,9 @@ from .duel import duel
 from .experiments import experiments, motions
 from .guide import glossary, keys, lessons
 from .images import images
-from .landscape import landscape
 from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
 from .panel import Layout
-from .plots import curves, equations
+from .plots import curves, equations, landscape
 from .share import save, share
 from .status import status
 

@@ -11,7 +11,7 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
 from viewimit.language import _
 
-from ..drawing.glossary import asks
+from ..drawing.overlays import asks
 from ..jobs.experiments import Run
 from ..model.computed import titles
 from ..model.motions import NAMES
@@ -151,7 +151,7 @@ def motions(layout: Layout, model: PageModel) -> None:
             layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
-            _("Time s"),
+            _("Time (s)"),
             0.0,
             1.0,
             0.05,

@@ -12,8 +12,8 @@ from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
 
-from ..drawing.glossary import beside
 from ..drawing.joint_bars import draw_learner
+from ..drawing.overlays import beside
 from ..model.choices import (
     FRAMES,
     OF_ARMS,
@@ -117,7 +117,7 @@ HINT = ngettext(
 
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
-    """First of what stays in sight on every window: in a folder without a frame, which `playback.copy` goes on with."""
+    """First of what stays in sight on every window: in a folder without a frame, which `copy` goes on with."""
     layout.named["tray"] = layout.gui.add_folder(_("Pose and play"))
     with layout.named["tray"]:
         layout.gui.add_html(f'<h3 class="vi-part vi-tray"><b>1</b> {_("Pose the demonstrator")}</h3>')

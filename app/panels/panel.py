@@ -28,7 +28,7 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
-NAME = _("{name}: {chosen}")  # of a folder, with what is chosen in it
+NAME = _("{name}: {chosen}")  # of a folder, with the choice in it
 
 
 class ClientInfo(NamedTuple):

@@ -1,17 +1,107 @@
-"""E and the joint errors, motion by motion; and the paper's equations with their present numbers."""
+"""Plots in the lower panel: E over the postures with the learner's path, or of all transfers; curves; equations."""
+
+from functools import partial
+from typing import Any
+
+from viser import Icon
 
 from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
+from viewimit.drawing.export.panels import MadeLandscape
+from viewimit.drawing.glossary import ask
 from viewimit.language import _
 
-from ..drawing.glossary import asks
-from ..drawing.overlays import hide_later_motions, motion_links
+from ..drawing.overlays import asks, draw_see_through, hide_later_motions, motion_links, posture_links
 from ..model.page_model import PageModel
-from .panel import SLOW, SLOWEST, Layout, put_html
+from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
+
+COMPARE, ALONE = (_("Compare all transfers"), Icon.LAYOUT_GRID), (_("This transfer alone"), Icon.SQUARE)
+WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
+FROM_STARTS = _("Try 20 starts"), Icon.CHART_DOTS
+CANCEL, HIDE = (_("Cancel"), Icon.PLAYER_STOP), (_("Hide the starts"), Icon.EYE_OFF)
+STARTS = _(
+    "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
+)
+WAITING = f'<div class="vi-basin">{_("Twenty learners set out …")}</div>'
+LOOK_ONLY = _("Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there.")
+
+
+def landscape(layout: Layout, model: PageModel) -> None:
+    """A click chooses a posture."""
+    gui = layout.gui
+    with layout.tab(_("Landscape")):
+        ground, path = gui.add_html(""), gui.add_html("")
+        preview, links = gui.add_html(""), gui.add_html("")
+        cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
+        basin = layout.html(_draw_basin)
+        layout.html(lambda model: model.comparison.html or "", visible=_compares)
+        layout.html(WORDS, visible=_compares)
+        with layout.row(quiet=True):
+            layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
+            layout.button(_starts_look, "starts", hint=STARTS)
+            layout.checkbox(
+                _("Preview the posture"), lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+            )
+        for over in (ground, path, preview, links, cost, basin):
+            layout.bind(lambda model: not _compares(model), partial(put_visible, over))
+        own = OwnPath(ground, path)
+        layout.drawing(own.key, own.draw, own.period)
+        layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
+        layout.drawing(lambda model: (model.generation,), partial(_draw_links, links))
+
+
+class OwnPath:
+    """The landscape of the session's own transfer, and the learner's path on it."""
+
+    def __init__(self, ground: Any, path: Any):
+        self._ground, self._path = ground, path
+        self._drawn: MadeLandscape | None = None
+
+    def key(self, model: PageModel) -> tuple:
+        on_its_way = model.displayed.interpolated_theta
+        theta = model.snapshot.theta if on_its_way is None else on_its_way
+        return model.landscape.made, model.snapshot, theta.tobytes()
+
+    def period(self, model: PageModel) -> float:
+        """Return 0 s, as for the images, while the arm moves or after a new landscape; else the period of plots."""
+        at_once = model.displayed.interpolated_theta is not None or model.landscape.made is not self._drawn
+        return 0.0 if at_once else SLOW
+
+    def draw(self, model: PageModel) -> None:
+        self._drawn = made = model.landscape.made
+        if made is not None:
+            session = model.session
+            put_html(self._ground, made.picture.html)
+            on_its_way = model.displayed.interpolated_theta
+            put_html(self._path, made.picture.draw_path(session.history, session.cursor, on_its_way))
+
+
+def _compares(model: PageModel) -> bool:
+    """Whether the landscapes of all transfers are shown."""
+    return model.comparison.html is not None
+
+
+def _draw_preview(preview: Any, model: PageModel) -> None:
+    moment = model.displayed.preview
+    put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
+
+
+def _draw_links(links: Any, model: PageModel) -> None:
+    put_html(links, posture_links(model.session.scene))
+
+
+def _draw_basin(model: PageModel) -> str:
+    run = model.basins.run
+    return "" if run is None else run.figure or WAITING
+
+
+def _starts_look(model: PageModel) -> tuple:
+    run = model.basins.run
+    return FROM_STARTS if run is None or model.comparison.on else CANCEL if run.goes_on else HIDE
 
 
 def curves(layout: Layout, model: PageModel) -> None:
-    """Each motion is touched there."""
+    """E and the joint errors of each motion. A click goes to a motion."""
     with layout.tab(_("Curves")):
         shown, over = layout.gui.add_html(""), layout.gui.add_html("")
 
@@ -33,6 +123,7 @@ def curves(layout: Layout, model: PageModel) -> None:
 
 
 def equations(layout: Layout, model: PageModel) -> None:
+    """The paper's equations with their present numbers."""
     with layout.tab(_("Equations")):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))

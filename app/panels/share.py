@@ -140,6 +140,6 @@ def draw_qr(address: str, name: str, error: str = "m", width: int = 0) -> str:
     """
     code = segno.make(address, error=error, micro=False)
     drawn = code.svg_inline(border=BORDER, dark="#000", light="#fff", omitsize=True)
-    modules = code.symbol_size(1, BORDER)[0]
+    modules = int(code.symbol_size(1, BORDER)[0])
     width = modules * max(SCALE, width // modules)
     return f'<div class="vi-qr" role="img" aria-label="{name}" style="width:{width}px">{drawn}</div>'

@@ -22,7 +22,7 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = _("Starting the camera images … All that is grey is still of the moment before.")
+STARTS_PICTURES = _("Starting the camera images … Grey parts still show the moment before.")
 FOLLOWS = _("Computing what the link holds: Esc lets it go.")
 RESTORES = _("Computing this tab’s session again: Esc starts again.")
 UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")

@@ -32,7 +32,7 @@ from drawn import (
     path,
     used,
 )
-from viewimit.app.drawing.glossary import current_values
+from viewimit.app.drawing.overlays import current_values
 from viewimit.app.static import LAYOUT_CSS, stylesheet
 from viewimit.assets import ROOT
 

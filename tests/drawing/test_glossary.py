@@ -8,7 +8,7 @@ from drawn import SCALE_OF_MORE, parsed
 from page_fakes import call
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.drawing.glossary import asks, beside, current_values, listed
+from viewimit.app.drawing.overlays import asks, beside, current_values, listed
 from viewimit.app.model.keeping import saved_page
 from viewimit.app.panels.guide import help_html, numbers_now
 

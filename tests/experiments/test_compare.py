@@ -8,14 +8,34 @@ import numpy as np
 import pytest
 
 from viewimit.experiments.bench import compare
-from viewimit.experiments.bench.benchmark import of_median, of_percentile, paired_difference, wilson
+from viewimit.experiments.bench.benchmark import (
+    Context,
+    OptionError,
+    of_median,
+    of_percentile,
+    paired_difference,
+    wilson,
+)
 from viewimit.experiments.bench.calibrated import ORACLES
-from viewimit.experiments.bench.compare import CASES, Row, compared, compared_table, read, run_draw, write
+from viewimit.experiments.bench.compare import (
+    CASES,
+    LITERATURE,
+    MARKS,
+    CompareBenchmark,
+    Row,
+    compared,
+    compared_table,
+    read,
+    run_draw,
+    write,
+)
+from viewimit.experiments.bench.restarts import Restarts
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import RunResult
 from viewimit.servo import SERVOS, ServoStatus
 
+LAWS = [*SERVOS, *LITERATURE]
 DOCS = Path(__file__).parents[2] / "docs"
 SETTINGS = Settings.paper(transfer="projective")
 
@@ -26,15 +46,17 @@ def rows_of(servo, errors, motions=9, status="settled", case="a"):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_law_begins_with_the_same_bodies_images_and_noise(case, monkeypatch):
-    begun = []
+    begun, laws = [], []
 
     def run(self, *_):
         begun.append(self.snapshot)
+        servo = self.snapshot.servo.servo
+        laws.append(servo.method.servo if isinstance(servo, Restarts) else servo)
         return RunResult(0, 0.0, np.zeros(2), self.snapshot)
 
     monkeypatch.setattr(Session, "run", run)
-    run_draw(SETTINGS, case, list(SERVOS), [3, 1], 5)
-    assert [moment.settings.servo for moment in begun] == list(SERVOS)
+    run_draw(SETTINGS, case, LAWS, [3, 1], 5)
+    assert laws == [(LITERATURE | SERVOS)[name].servo for name in LAWS]
     for moment in begun[1:]:
         assert replace_servo(moment) == replace_servo(begun[0])
         for name in ("own", "demo", "visible"):
@@ -47,6 +69,30 @@ def test_every_law_begins_with_the_same_bodies_images_and_noise(case, monkeypatc
 
 def replace_servo(moment):
     return compare.msgspec.structs.replace(moment.settings, servo="broyden")
+
+
+def test_every_law_but_the_trust_region_begins_again_at_the_same_starts_and_that_one_does_as_often(monkeypatch):
+    given = []
+
+    def run(self, *_):
+        seen, servo = self.observation(self.snapshot), self.snapshot.servo.servo
+        given.append(servo.start(seen).starts if isinstance(servo, Restarts) else seen.max_restarts)
+        return RunResult(0, 0.0, np.zeros(2), self.snapshot)
+
+    monkeypatch.setattr(Session, "run", run)
+    run_draw(SETTINGS, CASES[0], LAWS, [3, 1], 5)
+    assert given.pop(LAWS.index("trust-region")) == len(given[0]) == 4
+    for starts in given:
+        np.testing.assert_array_equal(starts, given[0])
+
+
+@pytest.mark.parametrize("servo, draw", [("broyden", 55), ("kalman", 107), ("gauss-newton", 64)])
+def test_a_law_that_rests_far_off_comes_near_when_it_begins_again(servo, draw, monkeypatch):
+    (row,) = run_draw(SETTINGS, CASES[0], [servo], [0, draw], 200)
+    monkeypatch.setattr(compare, "Restarts", lambda *given: Restarts(*given, 0))
+    (once,) = run_draw(SETTINGS, CASES[0], [servo], [0, draw], 200)
+    assert once.error_deg > 10 and once.status == "no-progress" and once.motions < row.motions
+    assert row.error_deg < 0.5 and row.status == "settled"
 
 
 def test_a_run_does_not_depend_on_which_laws_came_before():
@@ -64,6 +110,10 @@ def test_shares_errors_and_differences_are_counted():
     assert law.gained.value == 0.25 and law.error_median.value == pytest.approx(0.65)
     assert law.error_less.value == pytest.approx(np.median([0.1, 4.6, 6.1, -21.0])) and law.motions_less.value == 191
     assert same.gained is None and same.within[0.5].count == 1 and same.claimed.count == 0
+    *_, claims, no_claims = compared_table([law, same]).splitlines()
+    assert (
+        re.search(r"100 % \(51–100\) +25 % \(4–70\)", claims) and no_claims.count("none") == 2 and "none" not in claims
+    )
     with pytest.raises(ValueError, match="a: broyden and gradient have not the same runs"):
         compared([*other[:3], *paper])
 
@@ -114,19 +164,42 @@ def test_runs_are_read_as_they_were_written_and_what_is_no_run_is_named(tmp_path
 def test_the_documentation_shows_the_table_of_the_runs_that_are_kept_beside_it():
     text = (DOCS / "comparison.md").read_text()
     found = compared(read(DOCS / "comparison.csv"))
-    assert compared_table(found) in text
-    assert {cell.servo for cell in found} == {*SERVOS, *ORACLES} and [*dict.fromkeys(c.case for c in found)] == [
+    assert f"{MARKS[0]}\n\n```text\n{compared_table(found)}\n```\n\n{MARKS[1]}" in text
+    assert {cell.servo for cell in found} == {*LAWS, *ORACLES} and [*dict.fromkeys(c.case for c in found)] == [
         case.name for case in CASES
     ]
 
 
-@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton", "oracle-ibvs", "oracle-pbvs-1deg"])
+def test_one_command_writes_the_runs_and_the_table_between_the_marks_and_nothing_else(tmp_path):
+    page = tmp_path / "comparison.md"
+    page.write_text(f"before\n{MARKS[0]}\nold\n{MARKS[1]}\nafter\n")
+    benchmark = CompareBenchmark(servo="broyden", runs=2, max_motions=4, case="seven", docs=tmp_path)
+    _, shown = benchmark.run(Context.in_processes(1))
+    table = compared_table(compared(read(tmp_path / "comparison.csv")))
+    assert page.read_text() == f"before\n{MARKS[0]}\n\n```text\n{table}\n```\n\n{MARKS[1]}\nafter\n"
+    assert shown.endswith(table)
+    first = page.read_text()
+    CompareBenchmark(path=tmp_path / "comparison.csv", docs=tmp_path).run(Context())
+    assert page.read_text() == first
+    page.write_text("no marks")
+    with pytest.raises(OptionError, match=r"--docs: .*comparison.md: lacks the marks <!-- begin"):
+        CompareBenchmark(path=tmp_path / "comparison.csv", docs=tmp_path).run(Context())
+
+
+def test_a_case_may_have_fewer_runs():
+    rows = compare.run(
+        SETTINGS, ["gradient"], 3, 0, 0, [replace(CASES[0], max_runs=2), CASES[2]], Context.in_processes(1)
+    )
+    assert [row.run for row in rows] == [0, 1, 0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    "servo", ["broyden", "kalman", "gauss-newton", "generative", "oracle-ibvs", "oracle-pbvs-1deg"]
+)
 def test_runs_that_are_kept_in_the_documentation_are_repeated(servo):
     kept = [row for row in read(DOCS / "comparison.csv") if row.servo == servo and row.case == CASES[0].name]
-    most, seed = (
-        int(re.search(rf"{word} (\d+)", (DOCS / "comparison.md").read_text())[1]) for word in ("motions", "seed")
-    )
+    command = CompareBenchmark()  # the documentation has it without options that change a run
     for row in kept[:3]:
-        (again,) = run_draw(SETTINGS, CASES[0], [servo], [seed, row.run], most)
+        (again,) = run_draw(SETTINGS, CASES[0], [servo], [command.seed, row.run], command.max_motions)
         assert (again.motions, again.status) == (row.motions, row.status)
         assert again.error_deg == pytest.approx(row.error_deg, rel=1e-3, abs=1e-3)

@@ -32,7 +32,7 @@ class End:
         return float(self.off_deg[-1])
 
 
-LESSONS: dict[str, Callable[[End], bool]] = {
+ENDS: dict[str, Callable[[End], bool]] = {
     "Beyond the paper": lambda end: end.off < 0.1 and end.last.motion <= 12,
     "Paper, Section 5.3": lambda end: end.off < 3 and end.known.at_local_minimum,
     "The paper's own law": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
@@ -57,10 +57,11 @@ LESSONS: dict[str, Callable[[End], bool]] = {
 
 @pytest.mark.parametrize("preset", [p for p in PRESETS if p.settings.sensor == "projected"], ids=lambda p: p.name)
 def test_a_lesson_comes_true(preset):
+    assert preset.name in ENDS, "say there how a run ends that keeps what the preset's sentence promises"
     session = Session(preset.settings)
     last = session.run(MOTIONS, PATIENCE).last
     off = [np.degrees(np.abs(moment.theta - moment.theta_demo).max()) for moment in session.history]
-    assert LESSONS[preset.name](End(last, np.array(off), assess(session), session.history[0].E)), (
+    assert ENDS[preset.name](End(last, np.array(off), assess(session), session.history[0].E)), (
         last.status,
         last.motion,
         off[-1],

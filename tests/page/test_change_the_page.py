@@ -3,25 +3,28 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.model import choices
+from viewimit.app.model.readable_link import write_link
 from viewimit.app.panels import PANELS
+from viewimit.app.panels.guide import KEYS
 
-PAGE = Path(__file__).parent.parent.parent / "docs/how-to/page.md"
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs/how-to/page.md"
 
 
 @pytest.fixture
-def extended(monkeypatch):
+def extended():
     """A page with what the blocks add."""
-    monkeypatch.setattr(choices, "PRESETS", choices.PRESETS)
-    before, panels = dict(COMMANDS), list(PANELS)
+    before, panels, presets = dict(COMMANDS), list(PANELS), list(choices.PRESETS)
     for block in re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.S):
         exec(compile(block, str(PAGE), "exec"), {})
     yield QuietPage()
     COMMANDS.clear(), COMMANDS.update(before)
-    PANELS[:] = panels
+    PANELS[:], choices.PRESETS[:] = panels, presets
 
 
 def test_the_blocks_of_the_documentation_add_a_command_a_panel_and_a_preset(extended):
@@ -30,6 +33,21 @@ def test_the_blocks_of_the_documentation_add_a_command_a_panel_and_a_preset(exte
     extended.tick(1.0)
     last = len(extended.page.model.session.world.body) - 1
     assert extended.page.model.view.chosen == last and f"Point {last} is chosen." in extended.shown
+    assert "Mean residual: " in extended.shown
+    extended.page.queue.call("step")
+    extended.tick(1.0)
+    extended.page.queue.call("demonstrator_to_learner")
+    extended.tick(1.0)
+    snapshot = extended.page.model.snapshot
+    assert np.allclose(snapshot.theta, snapshot.theta_demo) and snapshot.theta.any()
     extended.choose("Preset", "Three pixels")
     extended.tick(1.0)
     assert extended.page.model.settings.noise_px == 3.0 and "how well can it tell?" in extended.shown
+    assert write_link(extended.page.model).startswith("preset=three")
+
+
+def test_no_two_keys_do_different_things_and_none_is_one_that_the_script_takes():
+    keys = [str(key.hotkey).upper() for key in KEYS]
+    assert len(set(keys)) == len(keys) and not {"P", "T"} & set(keys)
+    script = (ROOT / "app/static/page.js").read_text("utf-8")
+    assert re.search(r'key === "p" \|\| key === "P"', script) and re.search(r'key !== "t" && key !== "T"', script)

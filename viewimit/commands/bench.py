@@ -31,7 +31,7 @@ ALL = "all"
 PARTS = {name: (name,) for name in BENCHMARKS} | {ALL: ("speed", "success")}
 OLD_NAMES = {"claims": "calibration", "following": "tracking"}  # read for one more version
 FLAGS = {"--json", "--full-loop"}  # options without a value
-WITHOUT_EFFECT = {"path", "csv"}  # options that change no result of a study
+WITHOUT_EFFECT = {"path", "csv", "docs"}  # options that change no result of a study
 EXCLUSIVE = {"runs", "grid"}  # options of which only one can be given
 MILLION, CORES = 1_000_000, 64
 

@@ -122,7 +122,7 @@ def describe_entry(entry: Entry) -> str:
     parts = [f"<p><b>{svg.escape(entry.symbol)}</b> <em>{svg.escape(entry.name)}</em></p>"]
     parts.append(f"<p>{svg.escape(entry.sentence)}</p>")
     if entry.formula:
-        parts.append(f'<p class="vi-formula">{mathml(entry.formula)}</p>')
+        parts.append(f'<p class="vi-formula" tabindex="0">{mathml(entry.formula)}</p>')
     if entry.scale is not None:
         parts.append(_scale(entry.scale))
     levels = (("good", _("good"), entry.good), ("bad", _("bad"), entry.bad))

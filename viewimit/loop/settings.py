@@ -53,7 +53,7 @@ class Setting:
     unit: str = ""  # of the value, such as deg: the placeholder on the command line
     bounds: tuple[float, float] | None = None  # lowest and highest value
     choices: Collection[str] = ()  # the names that are allowed
-    label: str = ""  # of its slider on the page, "" for none
+    label: str = ""  # on the page, where a panel has a widget for it
     slider_range: tuple[float, float, float] = (0, 1, 1)  # lowest, highest, step
 
 
@@ -155,7 +155,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             description=_("images averaged at each posture; outliers among them are dropped"),
             unit="N",
             bounds=(1, 1_000),
-            label=_("Frames"),
+            label=_("Images averaged"),
             slider_range=(1, 50, 1),
         ),
     ] = 25

@@ -71,7 +71,7 @@ export class Card {
     const {text} = judged(this.stage, headline.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
       ?? ["", text, ""];
     const note = headline.note ? `<small>${inline(fill(headline.note, this.stage), this.glossary)}</small>` : "";
-    const isDegrees = unit.startsWith("°"), suffix = headline.measure.endsWith(" apart")
+    const isDegrees = unit.startsWith("°"), suffix = headline.measure.startsWith("distance in ")
       ? `${isDegrees ? "" : `${unit} `}apart` : isDegrees ? "" : unit;
     return `<span>${inline(fill(headline.label, this.stage))}</span><strong>${number}${isDegrees ? "°" : ""}<i>${suffix}</i></strong>${note}`;
   }

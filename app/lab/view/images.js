@@ -19,7 +19,7 @@
  * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
  */
 import {projectPoint, transform} from "../engine/engine.js";
-import {add, drawingUnit, px, set} from "./svg.js";
+import {add, drawingSize, drawingUnit, px, set} from "./svg.js";
 
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const MARGIN_PX = 13, MAX_SCALE = 4, NEAREST_M = 0.05, MAX_BEYOND = 0.3, TOUCH_PX = 18, MAX_HALF_AXIS = 400;
@@ -107,8 +107,8 @@ export class Images {
   measure() {
     this.unit = drawingUnit();
     for (const view of this.views) {
-      view.width = Math.max(view.box.clientWidth, 40) / this.unit;
-      view.height = Math.max(view.box.clientHeight, 40) / this.unit;
+      const {width, height} = drawingSize(view.box);
+      Object.assign(view, {width, height});
       set(view.svg, {viewBox: `0 0 ${view.width} ${view.height}`});
       set(view.plane, {width: view.width - 1, height: view.height - 1});
     }

@@ -14,7 +14,7 @@
  */
 import {backProject, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
-import {add, drawingUnit, px, set} from "./svg.js";
+import {add, drawingSize, px, set} from "./svg.js";
 
 const MARGIN_PX = 26;
 const LENS_M = 0.16, LENS_SHARE = 0.42; // from a camera to its image plate, and how much of that is drawn
@@ -41,9 +41,7 @@ export class Outside {
 
   /** The size of the drawing is that of its box. */
   measure() {
-    this.unit = drawingUnit();
-    this.width = Math.max(this.box.clientWidth, 40) / this.unit;
-    this.height = Math.max(this.box.clientHeight, 40) / this.unit;
+    Object.assign(this, drawingSize(this.box));
     set(this.svg, {viewBox: `0 0 ${px(this.width)} ${px(this.height)}`});
     set(this.plane, {width: px(this.width - 1), height: px(this.height - 1)});
   }

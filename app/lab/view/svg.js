@@ -39,5 +39,16 @@ export const px = value => value.toFixed(1);
 /** How many px a drawing's unit is: its marks and letters grow with the page's own. */
 export const drawingUnit = () => Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
 
+/**
+ * The size of a drawing that fills its box.
+ *
+ * @param {{clientWidth: number, clientHeight: number}} box
+ * @returns {{unit: number, width: number, height: number}} px of a unit; units
+ */
+export function drawingSize({clientWidth, clientHeight}) {
+  const unit = drawingUnit();
+  return {unit, width: Math.max(clientWidth, 40) / unit, height: Math.max(clientHeight, 40) / unit};
+}
+
 /** The share of a way that begins and ends at rest (smoothstep). @param {number} share of the time */
 export const smoothstep = share => share * share * (3 - 2 * share);

@@ -85,7 +85,7 @@ def find_swaps(
         E that needs no explanation [px²].
     options : TrustRegionOptions, optional
     name_all : callable, optional
-        Names all points and returns the swaps that this takes, none if it finds nothing. It is asked where points
+        Names all points again and returns the swaps that this takes, none if it finds nothing. It is asked where points
         are mixed up, and no single pair explains how: what seem to be two pairs may be a part of it.
 
     Returns

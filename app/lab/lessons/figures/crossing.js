@@ -93,7 +93,7 @@ function drawn({width, height}, stage, layers, found) {
   const rows = [];
   if (layers.has("lines")) rows.push([path("vi-line lesson-line", "M0 0h30"), "line from l"],
     [path("vi-line lesson-line vi-from-right", "M0 0h30"), "line from r"]);
-  if (layers.has("moved line")) rows.push([path("lesson-line-moved", "M0 0h30"), "line from r, one pixel aside"]);
+  if (layers.has("moved line")) rows.push([path("lesson-line-moved", "M0 0h30"), "line from r, moved by one pixel"]);
   rows.push([path("vi-found", diamonds([[15, 0]], 6)), "crossing"]);
   if (layers.has("ellipse")) rows.push([drawnEllipse([15, 0], [14, 5.5], 0), "transferred point, 19 times of 20"]);
   rows.push([path("lesson-pixels lesson-pixel", "M9-6h12v12h-12z"), "one pixel"]);
@@ -149,7 +149,7 @@ function pixels(at, scale, size, middle) {
 function described(found, layers) {
   const words = [`Image L, enlarged: the lines from l and from r cross at ${fixed(angleOf(found))}°`];
   if (layers.has("moved line"))
-    words.push(`with the line from r one pixel aside, the crossing is ${fixed(shiftOf(found))} px away`);
+    words.push(`with the line from r moved by one pixel, the crossing is ${fixed(shiftOf(found))} px away`);
   if (layers.has("ellipse")) words.push("an ellipse along both lines holds the transferred point, 19 times of 20");
   return `${words.join("; ")}.`;
 }

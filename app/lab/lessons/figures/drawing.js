@@ -4,7 +4,7 @@
  * @typedef {[number, number]} Place in units of a drawing
  * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing
  */
-import {add, drawingUnit, px, set} from "../../view/svg.js";
+import {add, drawingSize, px, set} from "../../view/svg.js";
 
 const LETTER_PX = 12.5; // size of letters, in units
 const PILL_HIGH = 21;
@@ -41,9 +41,7 @@ export class Drawing {
 
   /** The drawing takes the size of its box. */
   measure() {
-    this.unit = drawingUnit();
-    this.width = Math.max(this.box.clientWidth, 40) / this.unit;
-    this.height = Math.max(this.box.clientHeight, 40) / this.unit;
+    Object.assign(this, drawingSize(this.box));
     set(this.svg, {viewBox: `0 0 ${px(this.width)} ${px(this.height)}`});
   }
 

@@ -5,7 +5,7 @@
  * @typedef {{x: number, y: number, scale: number}} Window what lies at the drawing's corner, and drawing units per unit
  * @typedef {[number, number, number, number]} Box left, top, right, bottom
  */
-import {add, drawingUnit, px, set} from "../../view/svg.js";
+import {add, drawingSize, px, set} from "../../view/svg.js";
 
 const GLIDE = 0.16; // share of its way that a window goes in a frame
 const STILL = 0.3; // drawing units from where a window has arrived
@@ -34,8 +34,7 @@ export class Plane {
 
   /** The drawing is as large as its box. Returns whether that has changed. */
   measure() {
-    const unit = drawingUnit(), width = Math.max(this.box.clientWidth, 40) / unit;
-    const height = Math.max(this.box.clientHeight, 40) / unit;
+    const {unit, width, height} = drawingSize(this.box);
     if (unit === this.unit && width === this.width && height === this.height) return false;
     Object.assign(this, {unit, width, height});
     set(this.svg, {viewBox: `0 0 ${width} ${height}`});

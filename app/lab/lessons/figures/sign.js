@@ -34,7 +34,7 @@ export const CLAIM = {
   layers: ["learner knows", "truth"],
   title: "",
   aspect: 1.2,
-  create: written("lesson-claim", "The claim of a run, and what is known of it", claimed),
+  create: written("lesson-claim", "The claim of a run, and the facts about it", claimed),
 };
 
 /** @type {FigureKind} */

@@ -23,7 +23,7 @@ export const VERDICT = {
   layers: ["learner", "truth"],
   title: "What the learner says",
   aspect: 4,
-  create: written("lesson-verdict", "What the learner says of itself, and what is true", drawn),
+  create: written("lesson-verdict", "The learner's words about itself, and the truth", drawn),
 };
 
 /** @param {Stage} stage @param {Set<string>} layers */

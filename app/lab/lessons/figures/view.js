@@ -6,7 +6,7 @@
  * @typedef {import("./view-layers.js").Layer} Layer
  */
 import {Outlines} from "../../view/images.js";
-import {add, drawingUnit, set} from "../../view/svg.js";
+import {add, drawingSize, set} from "../../view/svg.js";
 import {LIMITS_LAYERS} from "./limits-layers.js";
 import {draggedIn} from "./dragging.js";
 import {TOUR_LAYERS_ABOVE, TOUR_LAYERS_BELOW, TOUR_LEGEND} from "./tour-layers.js";
@@ -99,8 +99,8 @@ class View {
    * @param {Set<string>} layers
    */
   #fit(stage, layers) {
-    const {world, step, moment} = stage, {k} = this, side = k & 1, {clientWidth, clientHeight} = this.box;
-    const key = `${step.id} ${stage.seed} ${world.scene.cameras[k].centre} ${layers.has("recovered points")} ${clientWidth} ${clientHeight} ${drawingUnit()}`;
+    const {world, step, moment} = stage, {k} = this, side = k & 1, {unit, width, height} = drawingSize(this.box);
+    const key = `${step.id} ${stage.seed} ${world.scene.cameras[k].centre} ${layers.has("recovered points")} ${unit} ${width} ${height}`;
     const who = k < 2 ? "demonstrator" : "learner", isNew = key !== this.fitted, span = isNew
       ? [Infinity, Infinity, -Infinity, -Infinity] : [...this.span];
     const hold = (/** @type {ArrayLike<number>} */ p) => {
@@ -127,7 +127,6 @@ class View {
     if (!isNew && span.every((v, i) => Math.abs(v - this.span[i]) < .5)) return;
     this.fitted = key;
     this.span = span;
-    const unit = drawingUnit(), width = Math.max(40, clientWidth) / unit, height = Math.max(40, clientHeight) / unit;
     const scale = Math.min((width - 2 * MARGIN) / Math.max(span[2] - span[0], 1),
       (height - 2 * MARGIN) / Math.max(span[3] - span[1], 1));
     this.window = {x: (span[0] + span[2]) / 2 - width / scale / 2, y: (span[1] + span[3]) / 2 - height / scale / 2,

@@ -1,0 +1,151 @@
+"""A law that ends where E is large begins again from the same starts as all others, and returns to its best end."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+from viewimit.experiments.bench.restarts import Restarts, RestartState, far_postures, is_small_E
+from viewimit.servo import Observation, ServoMethod, ServoStatus
+
+LIMIT = np.radians([90.0, 60.0])
+
+
+def observation(theta, E, motion, noise_px=0.0):
+    return Observation(np.zeros((5, 4)), np.ones((5, 2), bool), E, theta, -LIMIT, LIMIT, motion, noise_px)
+
+
+@dataclass
+class State:
+    left: int
+    status: ServoStatus = ServoStatus.MOVING
+    probe: bool = False
+    learned: int = 0
+
+
+@dataclass
+class Descends:
+    """Makes a number of motions of 1° in each descent, and then rests."""
+
+    motions: int = 2
+    at_rest: ServoStatus = ServoStatus.SETTLED
+    begun: list = field(default_factory=list)
+
+    def start(self, seen):
+        self.begun.append(seen.displacement)
+        return State(self.motions)
+
+    def step(self, state, seen, residuals):
+        assert np.isfinite(seen.E)
+        step = np.radians([1.0, 0.0]) if state.left else np.zeros(2)
+        status = ServoStatus.MOVING if state.left else self.at_rest
+        return State(state.left - 1, status, state.left == self.motions, state.learned + 1), step
+
+
+def driven(law, E_at, max_motions=100, noise_px=0.0, seed=(0, 1), **given):
+    """Ends as the loop does: postures, and the last state."""
+    servo = Restarts(ServoMethod(servo=law), seed, max_motions, **given)
+    theta, state, been = np.zeros(2), None, [np.zeros(2)]
+    for motion in range(max_motions):
+        seen = observation(theta, E_at(theta), motion, noise_px)
+        state = servo.start(seen) if state is None else state
+        state, step = servo.step(state, seen, None)
+        if not step.any():
+            break
+        theta = theta + step
+        assert (np.abs(theta) <= LIMIT + 0.1).all()
+        been.append(theta)
+    return been, state
+
+
+def test_where_e_is_small_it_ends_as_the_law_does():
+    law = Descends()
+    been, state = driven(law, lambda theta: 0.001)
+    assert len(been) == 3 and state.status == "settled" and len(law.begun) == 1
+
+
+@pytest.mark.parametrize("status", ["settled", "no-progress", "unobservable"])
+def test_where_e_stays_large_it_begins_at_every_start_and_returns_to_the_end_with_the_smallest_e(status):
+    aim = np.radians([40.0, -30.0])
+    law, E_at = Descends(at_rest=ServoStatus(status)), lambda theta: 1.0 + np.degrees(np.abs(theta - aim)).sum()
+    been, state = driven(law, E_at)
+    starts = far_postures(observation(np.zeros(2), 1.0, 0), 4, np.random.default_rng([0, 1, 2]))
+    np.testing.assert_allclose(law.begun[1:], starts)
+    ends = [np.add(begun, np.radians([2.0, 0.0])) for begun in law.begun]
+    assert len(law.begun) == 5 and state.status == "no-progress" and not state.probe
+    np.testing.assert_allclose(been[-1], min(ends, key=E_at))
+    # two motions each descent, one to each start, and one back unless the last end is the best
+    assert len(been) - 1 == 5 * 2 + 4 + (min(ends, key=E_at) is not ends[-1])
+
+
+def test_it_ends_at_the_first_end_with_a_small_e():
+    law = Descends()
+    starts = far_postures(observation(np.zeros(2), 1.0, 0), 4, np.random.default_rng([0, 1, 2]))
+    good = starts[1] + np.radians([2.0, 0.0])
+    been, state = driven(law, lambda theta: 0.0 if np.abs(theta - good).max() < 1e-9 else 9.0)
+    assert len(law.begun) == 3 and state.status == "settled"
+    np.testing.assert_allclose(been[-1], good)
+
+
+def test_a_law_that_moves_on_without_progress_has_ended():
+    class Wanders(Descends):
+        def step(self, state, seen, residuals):
+            return replace(state, status=ServoStatus.NO_PROGRESS), np.radians([0.5, 0.0])
+
+    law = Wanders()
+    been, state = driven(law, lambda theta: 5.0)
+    assert len(law.begun) == 5 and state.status == "no-progress"
+
+
+def test_too_few_points_end_a_descent_too_but_not_of_a_law_that_predicts():
+    law, E_at = Descends(), lambda theta: np.nan if theta[0] == np.radians(2.0) else 3.0
+    been, state = driven(law, E_at)
+    assert len(law.begun) == 5 and np.isfinite(E_at(been[-1]))
+
+    class Predicts(Descends):
+        def step(self, state, seen, residuals):
+            return State(0, ServoStatus.SETTLED), np.zeros(2)
+
+    law = Predicts()
+    servo = Restarts(ServoMethod(servo=law, predicts=True), (0,), 100, 0)
+    state, step = servo.step(
+        servo.start(observation(np.zeros(2), np.nan, 0)), observation(np.zeros(2), np.nan, 0), None
+    )
+    assert len(law.begun) == 1 and not step.any() and state.status == "no-progress"
+
+
+@pytest.mark.parametrize("max_motions", [7, 8, 9])  # at a start, in a descent, at its end
+def test_the_last_motion_of_a_run_is_the_return(max_motions):
+    E_at = lambda theta: 1.0 + float(np.abs(theta).max())  # smallest at the first end
+    been, state = driven(Descends(), E_at, max_motions)
+    assert len(been) == max_motions + 1
+    np.testing.assert_allclose(been[-1], np.radians([2.0, 0.0]))
+
+
+def test_a_law_that_can_begin_again_keeps_what_it_has_learned():
+    class Learns(Descends):
+        def restart(self, state, seen):
+            return replace(state, left=self.motions)
+
+    law = Learns()
+    _, state = driven(law, lambda theta: 5.0)
+    assert len(law.begun) == 1 and state.law.learned == 15  # three steps of each of five descents
+
+
+def test_starts_are_the_same_for_all_laws_and_far_from_each_other():
+    seen = observation(np.radians([80.0, 50.0]), 1.0, 0)
+    first = Restarts(ServoMethod(servo=Descends()), (4, 7), 50).start(seen)
+    other = Restarts(ServoMethod(servo=Descends(9)), (4, 7), 99).start(seen)
+    np.testing.assert_array_equal(first.starts, other.starts)
+    assert (np.array(Restarts(ServoMethod(servo=Descends()), (4, 8), 50).start(seen).starts) != first.starts).any()
+    among = np.array([seen.displacement, *first.starts])
+    apart = np.abs(among[:, None] - among).max(-1)[np.triu_indices(5, 1)]
+    assert (np.abs(among) <= LIMIT).all() and apart.min() > np.radians(30.0)
+    assert isinstance(first, RestartState) and len(first.starts) == 4
+
+
+def test_an_e_that_noise_explains_is_small():
+    """With noise σ in own and recovered images, E = Σ e²/(2N) over 4N coordinates of variance 2σ² is about 4σ²."""
+    rng, sigma = np.random.default_rng(0), 0.1
+    E = (rng.normal(0, np.sqrt(2) * sigma, (1000, 10, 4)) ** 2).sum((1, 2)) / 20
+    assert is_small_E(E.max(), sigma) and not is_small_E(E.max(), 0.0) and not is_small_E(100 * sigma**2, sigma)

@@ -5,6 +5,7 @@
 Run it again after any change of a text. It needs Babel, of the group `test`.
 """
 
+import ast
 import io
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from pathlib import Path
 from babel.messages.catalog import Catalog
 from babel.messages.extract import extract_from_file
 from babel.messages.pofile import write_po
+from viewimit.app.static import CONTENT
 from viewimit.assets import ROOT
 
 from viewimit.drawing import glossary
@@ -20,32 +22,49 @@ from viewimit.language import DOMAIN
 
 CODE = ROOT.parent
 FOLDERS = ("viewimit", "app")
-EXTRACTORS = {".py": "python", ".js": "javascript"}
+STYLES = ("app/static", "viewimit/drawing/styles")
+MARKS = {"_": 1, "ngettext": 2}  # functions, and how many texts each takes
 CHANGING = ("POT-Creation-Date", "PO-Revision-Date", "Generated-By")  # of the header, at each run or by Babel's version
 
 
-def sources() -> list[Path]:
-    """Return the files that may hold marked texts."""
-    found = (path for folder in FOLDERS for path in (CODE / folder).rglob("*"))
-    return sorted(path for path in found if path.suffix in EXTRACTORS)
+def sources(suffix: str) -> list[Path]:
+    """Return the files that may hold marked texts, by the end of their names."""
+    return sorted(path for folder in FOLDERS for path in (CODE / folder).rglob(f"*{suffix}"))
 
 
-def texts() -> Iterator[tuple[Path, int, str | tuple[str, ...]]]:
-    """Return the file, line and text of every place; of a text with a plural, both forms."""
-    for path in sources():
-        for line, text, _comments, _context in extract_from_file(EXTRACTORS[path.suffix], path):
-            yield path, line, text
+def texts() -> Iterator[tuple[Path, str | tuple[str, ...]]]:
+    """Return the file and text of every place; of a text with a plural, both forms."""
+    for path in sources(".py"):
+        for text in sorted(marked(path.read_text("utf-8")), key=str):
+            yield path, text
+    for path in sources(".js"):
+        for _line, text, _comments, _context in extract_from_file("javascript", path):
+            yield path, text
+    for folder in STYLES:
+        for path in sorted((CODE / folder).glob("*.css")):
+            for text in CONTENT.findall(path.read_text("utf-8")):
+                yield path, text
     for entry in glossary.load().values():
         for text in glossary.texts(entry):
-            yield glossary.FILE, 0, text
+            yield glossary.FILE, text
+
+
+def marked(code: str) -> Iterator[str | tuple[str, ...]]:
+    """Return the texts that Python code marks, also in f-strings, where Babel finds none."""
+    calls = (node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Call))
+    found = [(call, call.func.id) for call in calls if isinstance(call.func, ast.Name) and call.func.id in MARKS]
+    for call, name in found:
+        forms = [text.value for text in call.args[: MARKS[name]] if isinstance(text, ast.Constant)]
+        if forms:
+            yield forms[0] if len(forms) == 1 else tuple(forms)
 
 
 def catalog() -> Catalog:
     """Collect all texts, in the order of their files."""
     made = Catalog(domain=DOMAIN, project="viewimit", copyright_holder="The viewimit authors", fuzzy=False)
     made.header_comment = "# Texts of viewimit, written by build_catalog.py."
-    for path, line, text in texts():
-        made.add(text, locations=[(path.relative_to(CODE).as_posix(), line)])
+    for path, text in texts():
+        made.add(text, locations=[(path.relative_to(CODE).as_posix(), 0)])
     return made
 
 

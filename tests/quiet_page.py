@@ -85,9 +85,10 @@ class QuietPage:
         shared=None,
         scripts=None,
         experiments=None,
+        gui=None,
     ):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
-        self.client.gui = self.gui = Gui()
+        self.client.gui = self.gui = gui or Gui()
         camera, shedding = CameraProcess(), LoadShedding(TICK)
         workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), camera
         clock = lambda: self.now

@@ -87,7 +87,7 @@ class Visitor(threading.Thread):
                 return
             what = self._random.random()
             if what < 0.5:
-                client.press("Step: one motion")
+                client.press("Make one step")
                 self.motions += 1
             elif what < 0.9:
                 client.put("θ₂", self._random.randint(20, 140) / 2)

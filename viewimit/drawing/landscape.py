@@ -161,7 +161,7 @@ class LandscapePicture:
         landscape: Landscape | None,
         scene: Scene,
         snapshot: Snapshot,
-        problem: str = "computing …",
+        problem: str = _("computing …"),
         std_per_px: NDArray[np.float64] | None = None,
         contours: str | None = None,
     ):
@@ -235,9 +235,12 @@ class LandscapePicture:
             )
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
-        named = (("demonstrator", demo, "vi-lead-demo"), ("smallest E", lowest, "vi-lead"))
-        for k, (name, posture, kind) in enumerate(named):
-            words = f"{name} ({svg.number(posture[0], 0)}°, {svg.number(posture[1], 0)}°)"
+        named = (
+            (_("demonstrator ({up}°, {across}°)"), demo, "vi-lead-demo"),
+            (_("smallest E ({up}°, {across}°)"), lowest, "vi-lead"),
+        )
+        for k, (text, posture, kind) in enumerate(named):
+            words = text.format(up=svg.number(posture[0], 0), across=svg.number(posture[1], 0))
             x, y = marks[k].tolist()
             self._labels.append(led(x, y, words, kind, (k == 0) == left_first))
         self._labels += relief.level_labels(grid, landscape.E, labels.bounds, marks[1])

@@ -251,7 +251,7 @@ def style_of(name: str, names: Iterable[str]) -> Style:
 
 def figure(settings: Settings | None, inside: str, extra: str = "", height: float = HEIGHT) -> str:
     """Wrap a drawing in an `<svg>` with a caption of its settings. extra: further words of the caption; height: px."""
-    words = _caption(describe_settings(settings) + extra) if settings else ""
+    words = _caption(" · ".join(filter(None, (describe_settings(settings), extra)))) if settings else ""
     return f'<svg class="vi vi-figure" viewBox="0 0 {WIDTH} {height:g}">{words}{inside}</svg>'
 
 

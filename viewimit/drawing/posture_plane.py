@@ -308,7 +308,7 @@ class PathLabels:
         line, (x, y) = self._plane.labels.copy(), points[0].tolist()
         line.take_line(points, CLEARANCE)
         line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
-        labels = beside(x, y, "start", "vi-2nd vi-halo", 8), *self._labels
+        labels = beside(x, y, _("start"), "vi-2nd vi-halo", 8), *self._labels
         return self._place([PlacedLabel(label) for label in labels], line, history, cursor, cursor)
 
     def _place(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from ..estimation.residuals import ResidualFunction
-from ..language import _, ngettext
+from ..language import _, ngettext, sentences
 from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
@@ -106,6 +106,7 @@ class Servos(UserDict[str, ServoMethod]):
         super().__setitem__(name, servo_method(given))
 
 
+NO_STEP = _("no step yet")
 _GRADIENT_LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
 _BROYDEN_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 _KALMAN_LAW, _KALMAN_FILTER = r"𝐮=-g\,\hat{𝐉}_e^{+}𝐞", r"𝐤=\frac{𝐏𝐡}{r+𝐡^{\top}𝐏𝐡}"
@@ -118,17 +119,22 @@ def _gradient_equations(
 ) -> tuple[Equation, ...]:
     if state is None:
         first = tuple(number(value) for value in options.jacobian)
-        return (Equation("(13), (14)", "no motion yet", rf"{_GRADIENT_LAW},\quad\hat{{𝐉}}_0={row(len(first))}", first),)
+        return (Equation("(13), (14)", NO_STEP, rf"{_GRADIENT_LAW},\quad\hat{{𝐉}}_0={row(len(first))}", first),)
     u = -options.gain * state.jacobian * state.E
     m = len(u)
-    note = "Ĵ learned from own motions, px² a degree; K fixed."
+    note = _("Ĵ is learned from the learner's own steps, in px² per degree; K is fixed.")
     if np.any(np.abs(np.degrees(motion.moved) - u) > 0.005):
-        bound = f"bound {options.max_step_deg:g}°" if np.isfinite(options.max_step_deg) else "limits"
-        note = f"Ĵ learned, K fixed. Made ({angles(motion.moved)}): {bound}{', dither' if options.dither_deg else ''}."
+        if not np.isfinite(options.max_step_deg):
+            made = _("Ĵ is learned, K is fixed. Limits changed the step to ({step}).")
+        elif options.dither_deg:
+            made = _("Ĵ is learned, K is fixed. The bound of {bound}° and dither changed the step to ({step}).")
+        else:
+            made = _("Ĵ is learned, K is fixed. The bound of {bound}° changed the step to ({step}).")
+        note = made.format(bound=f"{options.max_step_deg:g}", step=angles(motion.moved))
     latex = rf"{_GRADIENT_LAW}=-{HOLE}\cdot{column(m)}\cdot{HOLE}={column(m)}"
     requested = (angle + "°" for angle in each(u, 2))
     numbers = (f"{options.gain:g}", *each(state.jacobian, 2), short(state.E), *requested)
-    return (Equation("(13)", "this motion", latex, numbers, note, wide=True),)
+    return (Equation("(13)", _("this step"), latex, numbers, note, wide=True),)
 
 
 def _describe_gradient(state: GradientState, status: ServoStatus) -> str:
@@ -145,12 +151,12 @@ def _next_is_small() -> str:
 
 def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[Equation, ...]:
     if state is None:
-        return (Equation("", "no motion yet", _BROYDEN_LAW, wide=True),)
+        return (Equation("", NO_STEP, _BROYDEN_LAW, wide=True),)
     if state.probe:
-        note = f"This motion, ({angles(motion.moved)}), is a probe: it teaches a first column of J."
+        note = _probe_note(motion, "J")
     else:
-        note = f"D = {np.degrees(state.radius):.3g}°. {_broyden_outcome(state, motion)}"
-    return (Equation("", "servo: the images are learned, not E", _BROYDEN_LAW, note=note),)
+        note = sentences(f"D = {np.degrees(state.radius):.3g}°", _broyden_outcome(state, motion))
+    return (Equation("", _("servo: the images are learned, not E"), _BROYDEN_LAW, note=note),)
 
 
 def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
@@ -160,17 +166,22 @@ def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
     on points known at both ends.
     """
     if motion.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
-        return f"The next step would be below {np.degrees(MIN_STEP_RAD):g}°: the servo rests."
+        return _("The next step would be under {angle}: the servo rests.").format(
+            angle=f"{np.degrees(MIN_STEP_RAD):g}°"
+        )
     if state.predicted_reduction is None or state.best_E is None or not np.isfinite(motion.E):
         return ""
-    made = f"θ* − c = ({angles(motion.displacement - state.best.displacement)}). "
-    predicted = f"E was to fall by <b>{short(state.predicted_reduction)}</b>"
+    made = f"θ* − c = ({angles(motion.displacement - state.best.displacement)})."
+    predicted = short(state.predicted_reduction)
     if motion.seen.all() and state.best.seen.all():
-        return f"{made}{predicted}, and fell by <b>{short(state.best_E - motion.E)}</b> px²."
+        text = _("E was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px².")
+        return sentences(made, text.format(predicted=predicted, actual=short(state.best_E - motion.E)))
+    text = _("E was to fall by <b>{predicted}</b> px².").format(predicted=predicted)
     if state.reductions is None:
-        return f"{made}{predicted} px²."
-    before = " Before: to fall by <b>{}</b>, fell by <b>{}</b> px²."
-    return f"{made}{predicted} px².{before.format(*map(short, state.reductions))}"
+        return sentences(made, text)
+    expected, found = map(short, state.reductions)
+    before = _("Before, it was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px².")
+    return sentences(made, text, before.format(predicted=expected, actual=found))
 
 
 def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
@@ -179,19 +190,20 @@ def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
     return _next_is_small() if status == ServoStatus.SETTLED else ""
 
 
-def _probe_note(motion: LastMotion) -> str:
-    return f"This motion, ({angles(motion.moved)}), is a probe: it teaches a first column of Ĵ."
+def _probe_note(motion: LastMotion, jacobian: str = "Ĵ") -> str:
+    text = _("This step, ({step}), is a test move: it teaches a first column of {jacobian}.")
+    return text.format(step=angles(motion.moved), jacobian=jacobian)
 
 
 def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple[Equation, ...]:
     if state is None:
         return (
-            Equation("", "no motion yet", _KALMAN_LAW),
-            Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
+            Equation("", NO_STEP, _KALMAN_LAW),
+            Equation("", _("filter of the image Jacobian"), _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
-    title = "servo: a share of the residual a motion"
+    share = Equation("", _("filter: share of the image change that it believes"), latex, numbers)
+    title = _("servo: a share of the residual in each step")
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
     latex = rf"{_KALMAN_LAW}={column(len(state.requested))},\quad g={HOLE}"
@@ -200,10 +212,10 @@ def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple
 
 
 def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) -> tuple[Equation, ...]:
-    fit = Equation("", "Jacobian: least squares with forgetting", _WEIGHTED_LEAST_SQUARES, wide=True)
-    title = "servo: damped Gauss-Newton"
+    fit = Equation("", _("Jacobian: least squares with forgetting"), _WEIGHTED_LEAST_SQUARES, wide=True)
+    title = _("servo: damped Gauss-Newton")
     if state is None:
-        return (Equation("", "no motion yet", _GAUSS_NEWTON_LAW, wide=True), fit)
+        return (Equation("", NO_STEP, _GAUSS_NEWTON_LAW, wide=True), fit)
     if state.probe:
         return (Equation("", title, _GAUSS_NEWTON_LAW, note=_probe_note(motion), wide=True), fit)
     requested = tuple(angle + "°" for angle in each(np.degrees(state.requested), 2))

@@ -237,7 +237,7 @@ def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
     """Write the chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
-    words = f"point {chosen}: {svg.number(math.hypot(*e.tolist()))} px"
+    words = _("point {point}: {length} px").format(point=chosen, length=svg.number(math.hypot(*e.tolist())))
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
     width = READOUT_LETTER * len(words) + 6
     left = x - 3 if window.readout_left else x + 3 - width

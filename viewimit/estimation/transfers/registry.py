@@ -113,7 +113,7 @@ def _epipolar_equations(
     return (
         Equation(
             "(4)",
-            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
+            _("point {point} recovered, px about the centroids: so f₃₃ = 0").format(point=name),
             rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
             (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
             wide=True,
@@ -131,7 +131,7 @@ def _affine_equations(
     return (
         Equation(
             "",
-            f"replaces (4), point {name}: centroid + map · (c − its centroid), px",
+            _("replaces (4), point {point}: centroid + map · (c − its centroid), px").format(point=name),
             rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{matrix(4, 4)}{column(4)}={column(4)}",
             (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
             wide=True,
@@ -151,12 +151,13 @@ def _projective_equations(
     )
     depth = number(float(1 + u @ fitted.p), 3)
     numbers = (name, name, name, *each(fitted.own_mean, 0), *each(shape, 1), depth, *each(recovered, 1))
-    return (Equation("", f"replaces (4), point {name}: one depth for L and R, px", latex, numbers, wide=True),)
+    title = _("replaces (4), point {point}: one depth for L and R, px").format(point=name)
+    return (Equation("", title, latex, numbers, wide=True),)
 
 
 def _rank3_conflict(E: float) -> Equation:
     latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
-    return Equation("", "replaces (6): what all four images leave beyond rank 3", latex, (short(E),))
+    return Equation("", _("replaces (6): what all four images leave beyond rank 3"), latex, (short(E),))
 
 
 TRANSFERS = Transfers(

@@ -15,6 +15,7 @@ References
 ----------
 Gothoskar, Lázaro-Gredilla, Bekiroglu, Agarwal and George, "Learning a generative model for robot control using visual
 feedback", ICRA 2020, arXiv:2003.04474.
+Tomasi and Kanade, "Shape and motion from image streams under orthography", IJCV 9(2), 1992.
 Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, chapter 3: products of exponentials.
 """
 
@@ -40,7 +41,8 @@ START_STD = 0.5  # of their random part, in the standard deviations of the point
 MAX_ITER, FTOL = 60, 1e-4  # of a fit
 FLOOR_PX, SLACK = 0.02, 1.5  # rms residual that is accepted without noise, and times the noise
 MOVED_PX, MOVED_SIGMAS = 0.3, 6.0  # a probe that moves a point by more than both moves its link
-N_ROUNDS = 3  # of fits and new links
+N_ROUNDS, N_PLACEMENTS = 3, 3  # of fits and new links; steps that place a point on another link
+FD_STEP, REGULARISATION, MAX_MOVE = 1e-6, 1e-9, 1.0  # of these steps: finite differences, share of the trace, length
 N_SAMPLES, N_BEST = 256, 3  # postures at which inference begins, and the best of them that are refined
 MIN_POINTS, MIN_SINGULAR = 3, 1e-3  # of an initial axis; relative to the largest singular value
 UNKNOWN_AXIS = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])  # where no points tell more
@@ -164,7 +166,7 @@ def _with_best_links(model: GenerativeModel, visits: Visits) -> GenerativeModel:
     trials = []
     for link in range(1 + visits.displacement.shape[1]):
         trial = replace(model, link=np.full_like(model.link, link))
-        for _ in range(3):
+        for _ in range(N_PLACEMENTS):
             trial = _with_points_placed(trial, visits)
         trials.append(trial)
     squares = np.array([(visits.residuals(trial) ** 2).sum((0, 2)) for trial in trials])
@@ -173,17 +175,17 @@ def _with_best_links(model: GenerativeModel, visits: Visits) -> GenerativeModel:
     return replace(model, link=best, points=points)
 
 
-def _with_points_placed(model: GenerativeModel, visits: Visits, step: float = 1e-6) -> GenerativeModel:
+def _with_points_placed(model: GenerativeModel, visits: Visits) -> GenerativeModel:
     """Place each point by a Gauss-Newton step, with cameras and joints as they are."""
     e = visits.residuals(model)
-    stepped = replace(model, points=model.points + step * np.eye(3)[:, None])
+    stepped = replace(model, points=model.points + FD_STEP * np.eye(3)[:, None])
     parameters = np.broadcast_to(model.parameters, (3, len(model.parameters)))
-    J = (visits.residuals(replace(stepped, parameters=parameters)) - e) / step
+    J = (visits.residuals(replace(stepped, parameters=parameters)) - e) / FD_STEP
     normal = np.einsum("akni,bkni->nab", J, J)
-    trace = np.einsum("naa->n", normal) + 1e-12
-    normal = normal + 1e-9 * trace[:, None, None] * np.eye(3)
+    trace = np.einsum("naa->n", normal) + MIN_SCALE
+    normal = normal + REGULARISATION * trace[:, None, None] * np.eye(3)
     move = np.linalg.solve(normal, np.einsum("akni,kni->na", J, e)[..., None])[..., 0]
-    return replace(model, points=model.points - np.clip(move, -1.0, 1.0))
+    return replace(model, points=model.points - np.clip(move, -MAX_MOVE, MAX_MOVE))
 
 
 def initial_models(visits: Visits, noise: float, rng: np.random.Generator) -> Iterator[GenerativeModel]:
@@ -253,8 +255,6 @@ class Generative:
     def restart(self, state: GenerativeState, observation: Observation) -> GenerativeState:
         """Return the state for another descent, from here: visits and model stay."""
         return replace(state, best_E=np.inf, n_since_best=0)
-
-    retarget = restart
 
     def step(
         self, state: GenerativeState, observation: Observation, residuals: ResidualFunction

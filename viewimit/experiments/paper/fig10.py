@@ -14,6 +14,7 @@ from ...analysis.trajectory import MOTIONS, Imitation, Motion, Trajectory, follo
 from ...drawing import svg
 from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...estimation.transfers import FittedTransfer
+from ...language import _
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
@@ -28,14 +29,15 @@ RUNS = {
     BEFORE: "the hand's points, transfer fitted before convergence",
     SAME: "the hand's points, transfer fitted in the demonstrator's own posture",
 }
+NAMES = {CONVERGED: _("converged"), BODY: _("all points"), BEFORE: _("before"), SAME: _("same posture")}
+MEASURES = {"image": _("image"), "joints": _("joints"), "hand": _("hand")}
 MAX_MOTIONS = 3_000  # until the servo must rest
 CONVERGENCE_SHARE = 0.3  # of the progress bar
 
-SENTENCE = (
-    "The transfer found at convergence is frozen; the demonstrator moves,",
-    "and the learner follows it in its own views.",
-)
-TITLES = {CONVERGED: "transfer as converged", BEFORE: "transfer fitted before"}
+SENTENCE = _(
+    "The transfer found at convergence is frozen; the demonstrator moves,\nand the learner follows it in its own views."
+).split("\n")
+TITLES = {CONVERGED: _("transfer as converged"), BEFORE: _("transfer fitted before")}
 PANEL, PANEL_TOP, PANEL_BOTTOM = 102, 30, 114  # px
 PANELS = ((CONVERGED, (0, 105)), (BEFORE, (217, 322)))  # left ends
 PANELS_WIDTH = PANELS[-1][1][-1] + PANEL
@@ -65,23 +67,26 @@ class Fig10:
     @property
     def claims(self) -> Claims:
         """What the paper says beside the result."""
-        claims = Claims(self.settings, "a recorded motion may be as rough as it likes" if self.recorded else "")
+        claims = Claims(self.settings, _("a recorded motion may be as rough as it likes") if self.recorded else "")
         for name, followed in self.runs.items():
             for what, paper, unit, values in (
-                ("image", "almost overlap", " px", followed.image_px),
+                ("image", _("almost overlap"), " px", followed.image_px),
                 ("joints", "–", "°", followed.joint_deg),
                 ("hand", "–", " mm", 1e3 * followed.hand_m),
             ):
                 median = float(np.median(values))
-                here, line = f"median {median:.3g}{unit}, most {values.max():.3g}{unit}", f"Fig. 10: {name}, {what}"
+                line = _("Fig. 10: {run}, {measure}").format(run=NAMES[name], measure=MEASURES[what])
+                here = _("median {median}, most {most}").format(
+                    median=f"{median:.3g}{unit}", most=f"{values.max():.3g}{unit}"
+                )
                 if name == CONVERGED:
-                    claims.judge(line, paper, here, what, median, f"median ≤ {{:g}}{unit}")
+                    claims.judge(line, paper, here, what, median, _("median ≤ {bound}").format(bound=f"{{:g}}{unit}"))
                 else:
                     claims.add(line, "–", here)
         if BEFORE in self.runs:
             times = float(np.median(self.runs[BEFORE].hand_m) / np.median(self.runs[CONVERGED].hand_m))
-            line = "Fig. 10: before against converged, hand"
-            claims.judge(line, "worse", f"{times:.0f} times", "before", times, "≥ {:g} times")
+            line = _("Fig. 10: before against converged, hand")
+            claims.judge(line, _("worse"), _("{n:.0f} times").format(n=times), "before", times, _("≥ {:g} times"))
         return claims
 
     @property
@@ -133,9 +138,9 @@ def run(
     played = MOTIONS[motion](session.world, last.theta_demo) if isinstance(motion, str) else motion
     hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
-    if last.transfer is None or any(moment.transfer is None for moment, _ in asked.values()):
-        raise ValueError("too few points are seen in all four images to fit a transfer")
-    fitted = {name: np.degrees(moment.theta) for name, (moment, _) in asked.items()}
+    if last.transfer is None or any(moment.transfer is None for moment, __ in asked.values()):
+        raise ValueError(_("too few points are seen in all four images to fit a transfer"))
+    fitted = {name: np.degrees(moment.theta) for name, (moment, __) in asked.items()}
     scene = session.scene
     made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
     found = Fig10(*made, fitted, last.transfer, {})
@@ -162,7 +167,7 @@ def draw(scene: Scene, found: Fig10 | None = None) -> str:
     parts = [_panels(runs), _errors(found), _legend()]
     if found is None:
         return figure(None, "".join(parts) + sentence(SENTENCE, 212, 66))
-    return figure(found.settings, "".join(parts), f" · {found.motion.name}")
+    return figure(found.settings, "".join(parts), found.motion.name)
 
 
 def _panels(runs: dict[str, Trajectory]) -> str:
@@ -171,7 +176,7 @@ def _panels(runs: dict[str, Trajectory]) -> str:
         parts.append(svg.text(lefts[0], PANEL_TOP - 6, TITLES[name], "vi-b"))
         drawn = _pair(runs[name]) if name in runs else ("", "")
         parts += [_panel(left, view, inside) for left, view, inside in zip(lefts, "LR", drawn)]
-    note = svg.text(PANELS_WIDTH, PANEL_TOP - 6, "dashed = true", "vi-of-demo vi-end")
+    note = svg.text(PANELS_WIDTH, PANEL_TOP - 6, _("dashed = true"), "vi-of-demo vi-end")
     return "".join(parts) + note
 
 
@@ -227,8 +232,8 @@ def _errors(found: Fig10 | None) -> str:
     runs = found.runs if found else {}
     seconds, step_s = (found.motion.seconds, found.motion.step_s) if found else (6.0, 0.0)
     plots = (
-        ("Joints off by", "°", 34, 200, DEGREES, {name: run.joint_deg for name, run in runs.items()}),
-        ("Hand off by", "mm", 256, 422, MILLIMETRES, {name: 1e3 * run.hand_m for name, run in runs.items()}),
+        (_("Joints off by"), "°", 34, 200, DEGREES, {name: run.joint_deg for name, run in runs.items()}),
+        (_("Hand off by"), "mm", 256, 422, MILLIMETRES, {name: 1e3 * run.hand_m for name, run in runs.items()}),
     )
     parts = []
     for title, unit, left, right, least, values in plots:
@@ -236,8 +241,8 @@ def _errors(found: Fig10 | None) -> str:
         y = decades(np.concatenate([*values.values(), np.empty(0)]), *least)
         plot = Axes((left, PLOT_TOP, right, PLOT_BOTTOM), (0.0, max(seconds, 1e-3)), y, up=log10)
         ticks = [(time, f"{time:g}") for time in (0, float(f"{seconds / 2:.1g}"))]
-        parts.append(plot.frame(title, f"{unit}, log", ticks, decade_ticks(*y, 3)))
-        parts.append(svg.text(right, PLOT_BOTTOM + 13, f"{seconds:.3g} s", "vi-2nd vi-end"))
+        parts.append(plot.frame(title, _("{unit}, log").format(unit=unit), ticks, decade_ticks(*y, 3)))
+        parts.append(svg.text(right, PLOT_BOTTOM + 13, _("{time:.3g} s").format(time=seconds), "vi-2nd vi-end"))
         for name, errors in reversed(values.items()):
             kept = svg.thinned(len(errors), VERTICES)
             time = step_s * np.array(kept)
@@ -249,5 +254,5 @@ def _legend() -> str:
     parts = []
     for k, name in enumerate(RUNS):
         x = (0, 106, 202, 296)[k % 4]
-        parts.append(style_of(name, RUNS).sample(x, 206) + svg.text(x + 27, 210, name, "vi-2nd"))
+        parts.append(style_of(name, RUNS).sample(x, 206) + svg.text(x + 27, 210, NAMES[name], "vi-2nd"))
     return "".join(parts)

@@ -23,15 +23,24 @@ AT_JOINT_LIMIT = _("A joint was sent to its limit. If the arm moves less than co
 def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equation, ...]:
     """Return the law with the numbers of a motion, as `ServoMethod.equations`."""
     if state is None:
-        return (Equation("", "no motion yet", _LAW, wide=True),)
-    several = "s" if len(state.visits) > 1 else ""
-    known = f"The images are predicted from {len(state.visits)} posture{several} visited"
+        return (Equation("", _("no step yet"), _LAW, wide=True),)
+    n = len(state.visits)
     if state.kinematics is None:
-        law, known = _LAW, f"{known}; D = {np.degrees(state.region.radius):.3g}°"
+        law, radius = _LAW, f"{np.degrees(state.region.radius):.3g}°"
+        known = ngettext(
+            "The images are predicted from {n} posture visited; D = {radius}.",
+            "The images are predicted from {n} postures visited; D = {radius}.",
+            n,
+        ).format(n=n, radius=radius)
     else:
-        law, known = _BY_KINEMATICS, f"{known}, which show how each joint turns the points"
-    note = f"{known}. {_outcome(state, motion)}"
-    return (Equation("", "servo: the images are predicted, and E is minimised", law, note=note, wide=True),)
+        law = _BY_KINEMATICS
+        known = ngettext(
+            "The images are predicted from {n} posture visited, which shows how each joint turns the points.",
+            "The images are predicted from {n} postures visited, which show how each joint turns the points.",
+            n,
+        ).format(n=n)
+    note = sentences(known, _outcome(state, motion))
+    return (Equation("", _("servo: the images are predicted, and E is minimised"), law, note=note, wide=True),)
 
 
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
@@ -81,17 +90,20 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
 
 def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
     """Return what the last motion was for, or why there is none."""
-    made = f"This motion, ({angles(motion.moved)}), "
     if motion.status == ServoStatus.CONVERGED:
-        return "E leaves no room for a displacement worth a motion: the servo rests."
+        return _("A displacement worth a step would show in E: the servo rests.")
     if motion.status == ServoStatus.NO_PROGRESS:
-        return "Neither another transfer nor a restart led further: the servo rests."
+        return _("Neither another transfer nor a restart led further: the servo rests.")
+    reduction = state.region.predicted_reduction
     if state.phase is Phase.PROBE:
-        return f"{made}is a probe: it shows how the joint moves the images."
-    if state.phase is Phase.MATCH:
-        return f"{made}is to predict images better: the demonstrator's points could not be named yet."
-    if state.phase is Phase.VERIFY:
-        return f"{made}is a verification: it tests whether E rises where no visit shows that."
-    if state.region.predicted_reduction is not None:
-        return f"{made}was to lower E by <b>{short(state.region.predicted_reduction * state.unit_px**2)}</b> px²."
-    return ""
+        text = _("This step, ({step}), is a test move: it shows how the joint moves the images.")
+    elif state.phase is Phase.MATCH:
+        text = _("This step, ({step}), helps to predict images: the demonstrator's points could not be named yet.")
+    elif state.phase is Phase.VERIFY:
+        text = _("This step, ({step}), is a check: it tests whether E rises where no visit shows that.")
+    elif reduction is not None:
+        text = _("This step, ({step}), was to lower E by <b>{reduction}</b> px².")
+    else:
+        return ""
+    lower = "" if reduction is None else short(reduction * state.unit_px**2)
+    return text.format(step=angles(motion.moved), reduction=lower)

@@ -72,9 +72,8 @@ class Visitor(threading.Thread):
         cursor = kept.present.runs[0].cursor
         wanted = kept.settings.demonstrator_deg[0]
         try:
-            wait_until(
-                lambda: (client.value("History"), client.value("θ₂")) == (cursor, round(wanted, 1)), BACK_WITHIN_S
-            )
+            is_back = lambda: (client.value("History"), client.value("θ₂")) == (cursor, round(wanted, 1))
+            wait_until(lambda: client.closed(0) is not None or is_back(), BACK_WITHIN_S)
         except AssertionError:
             if client.closed(0) is None:
                 found = client.value("History"), client.value("θ₂"), client.status

@@ -151,7 +151,7 @@ def motions(layout: Layout, model: PageModel) -> None:
             layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
-            _("Time s"),
+            _("Time (s)"),
             0.0,
             1.0,
             0.05,

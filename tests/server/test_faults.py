@@ -32,7 +32,20 @@ def here():
 
 def what_a_visitor_sees(client: Client) -> dict:
     """Everything that must be as it was."""
-    shown = ("θ₂", "θ₄", "Preset", "Speed", "Transfer", "Servo", "Noise px", "Seed", "History", "Point", "Rays", "Dark")
+    shown = (
+        "θ₂",
+        "θ₄",
+        "Preset",
+        "Speed",
+        "Transfer",
+        "Servo",
+        "Pixel noise (px)",
+        "Seed",
+        "History",
+        "Point",
+        "Rays",
+        "Dark",
+    )
     return {label: client.value(label) for label in shown} | {"learner": learner_of(client), "status": client.status}
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.drawing.export.panels import compute_landscape
+from viewimit.language import _
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
 
@@ -160,10 +161,10 @@ class ScriptPlayer:
         """Play on for a turn. Return whether it is whole, or what has failed."""
         began = self._clock()
         try:
-            for _ in job.passes:
+            for __ in job.passes:
                 spent = self._clock() - began
                 if job.spent_s + spent > MAX_CPU_S:
-                    return ValueError(f"it takes more than {MAX_CPU_S:g} s to compute")
+                    return ValueError(_("it takes more than {time:g} s to compute").format(time=MAX_CPU_S))
                 if spent > TURN_S:
                     job.spent_s += spent
                     return False

@@ -92,7 +92,7 @@ class Visitor(threading.Thread):
             elif what < 0.9:
                 client.put("θ₂", self._random.randint(20, 140) / 2)
             elif what < 0.97:
-                client.press("Undo: one motion back; at a start, what was before it")
+                client.press("Undo one step; at a start, go back to what was before it")
             else:
                 client.press("Reset to the start")
             time.sleep(self._random.uniform(0.1, 0.5))

@@ -92,7 +92,7 @@ class Scene3D:
     def key(self, model: PageModel) -> tuple:
         """What `show` depends on; of snapshots their identity counts."""
         shown = model.displayed
-        posed = model.snapshot.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.astray
+        posed = model.snapshot.theta_demo.tobytes(), self._gizmo.drops, self._view.aspect, self._view.camera_is_default
         return model.generation, shown.scene_snapshot, model.view, model.points.shown, *posed, *shown.pictures.values()
 
     def show(self, model: PageModel) -> None:
@@ -211,18 +211,18 @@ class DefaultView:
         self._places.append(position)
 
     @property
-    def astray(self) -> bool:
+    def camera_is_default(self) -> bool:
         """Whether the browser reports viser's own place for a camera that was put elsewhere: it had no camera yet."""
         return self._aspect is not None and self._at(BEFORE)
 
     def follow(self, landmarks: Callable[[], NDArray]) -> None:
-        """Fit a camera that is where the page put it to a canvas of another shape than before, or one that went
-        astray."""
-        aspect, astray = self.aspect, self.astray
-        if aspect is None or (same_shape(aspect, self._aspect) and not astray):
+        """Fit a camera that is where the page put it to a canvas of another shape than before, or one that is
+        at viser's default place."""
+        aspect, is_default = self.aspect, self.camera_is_default
+        if aspect is None or (same_shape(aspect, self._aspect) and not is_default):
             return
         self._aspect = aspect
-        if astray or self._at((*BEFORE, *self._places)):
+        if is_default or self._at((*BEFORE, *self._places)):
             self.fit(landmarks())
 
     def forget(self) -> None:

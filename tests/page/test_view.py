@@ -122,13 +122,13 @@ def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_te
     view.follow(lambda: LANDMARKS)
     put = camera.position
     np.testing.assert_allclose(put, fit_view(LANDMARKS, 552 / 720, BELOW)[0])
-    assert not view.astray
+    assert not view.camera_is_default
     camera.position = np.array(before)  # the browser had no camera yet that could be put there
-    assert view.astray
+    assert view.camera_is_default
     view.follow(lambda: LANDMARKS)
     np.testing.assert_allclose(camera.position, put)
     camera.position = put + 0.1
-    assert not view.astray
+    assert not view.camera_is_default
     view.follow(lambda: LANDMARKS)
     np.testing.assert_allclose(camera.position, put + 0.1)
 

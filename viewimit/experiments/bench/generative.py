@@ -13,8 +13,7 @@ learn from. It settles where the inferred posture is the present one.
 
 References
 ----------
-Gothoskar, Lázaro-Gredilla, Bekiroglu, Agarwal and George, "Learning a generative model for robot control using visual
-feedback", ICRA 2020, arXiv:2003.04474.
+Gothoskar et al., "Learning a generative model for robot control using visual feedback", 2020, arXiv:2003.04474.
 Tomasi and Kanade, "Shape and motion from image streams under orthography", IJCV 9(2), 1992.
 Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, chapter 3: products of exponentials.
 """

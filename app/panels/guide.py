@@ -121,7 +121,7 @@ PARAGRAPHS = (
       " <code>viewimit class</code>."),
     _("<b>Repeat the paper.</b> The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, compares them"
       " with the paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab"
-      " Motions; See it shows both arms as it was imitated."),
+      " Follow; See it shows both arms as it was imitated."),
 )  # fmt: skip
 NOTE = _(
     "Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the simulation's truth, for the"

@@ -99,7 +99,7 @@ def test_a_new_visitor_sees_everything(used_page):
     names = page.locator(VIEW_NAME).all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    tabs = ["Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
+    tabs = ["Landscape", "Curves", "Equations", "Duel", "Experiments", "Follow"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
     assert page.get_by_text("Method: epipolar, Broyden", exact=True).is_visible()
     fold(page, "Method")
@@ -481,7 +481,7 @@ def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(sessio
 
 def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_path):
     page = session
-    page.get_by_role("tab", name="Motions").click()
+    page.get_by_role("tab", name="Follow").click()
     choose(page, "Chosen motion", "recorded")
     wait_for_status(page, "nothing is recorded yet")
     click(page, "Record")

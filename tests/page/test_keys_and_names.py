@@ -20,7 +20,7 @@ from browsing import (
 )
 
 pytestmark = pytest.mark.browser
-TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
+TABS = ("Curves", "Equations", "Duel", "Experiments", "Follow", "Landscape")
 FOLDERS = ("Start", "Method", "Disturbances", "Actuator errors, random seed", "Points", "Display", "Save")
 ROLES = "button|checkbox|combobox|link|radio|slider|spinbutton|switch|tab|textbox"
 UNNAMED = re.compile(rf"- (?:{ROLES})\b(?! \")[^\n]*")

@@ -14,6 +14,7 @@ from pathlib import Path
 from babel.messages.catalog import Catalog
 from babel.messages.extract import extract_from_file
 from babel.messages.pofile import write_po
+from viewimit.app.static import CONTENT
 from viewimit.assets import ROOT
 
 from viewimit.drawing import glossary
@@ -21,6 +22,7 @@ from viewimit.language import DOMAIN
 
 CODE = ROOT.parent
 FOLDERS = ("viewimit", "app")
+STYLES = ("app/static", "viewimit/drawing/styles")
 MARKS = {"_": 1, "ngettext": 2}  # functions, and how many texts each takes
 CHANGING = ("POT-Creation-Date", "PO-Revision-Date", "Generated-By")  # of the header, at each run or by Babel's version
 
@@ -38,6 +40,10 @@ def texts() -> Iterator[tuple[Path, str | tuple[str, ...]]]:
     for path in sources(".js"):
         for _line, text, _comments, _context in extract_from_file("javascript", path):
             yield path, text
+    for folder in STYLES:
+        for path in sorted((CODE / folder).glob("*.css")):
+            for text in CONTENT.findall(path.read_text("utf-8")):
+                yield path, text
     for entry in glossary.load().values():
         for text in glossary.texts(entry):
             yield glossary.FILE, text

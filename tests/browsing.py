@@ -272,6 +272,9 @@ def wait_for_progress(page, pattern: str, seconds: float = PATIENCE_S) -> None:
 
 def canvas_colours(page) -> int:
     """How many there are where the 3-D scene is, with all of it drawn."""
+    if page.locator(".vi-flat").count():  # a busy machine was slow, so the page has put a still picture there
+        page.evaluate("act('flat', 0)")
+        wait_for_count(page, ".vi-flat", 0, exactly=True)
     page.evaluate("window.drawsTriangles = true")
     box = page.locator("canvas").first.bounding_box()
     places = itertools.cycle((0.3, 0.31))  # viser draws a frame when the pointer moves

@@ -22,7 +22,7 @@ from protocol import Client
 from serving import Server
 
 WARM_UP_S = 15.0
-CLOSED = "Curves,Equations,Duel,Experiments,Motions"  # as a page begins; "none" draws all
+CLOSED = "Curves,Equations,Duel,Experiments,Follow"  # as a page begins; "none" draws all
 PERIOD_S = 1.0  # of the slider
 SMALL = {"width": 640, "height": 400}  # of browsers, which render on the same cores
 PASSES = 100_000

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 from quiet_page import Gui, QuietPage, Widget
 from viewimit.app.model.choices import PRESETS
-from viewimit.app.static import MARKED, PAGE_JS
+from viewimit.app.static import CONTENT, MARKED, PAGE_JS, stylesheet
 
 from viewimit.loop.settings import Settings
 
@@ -152,7 +152,7 @@ def main():
     assert not MARKED.search(PAGE_JS) and OPEN.encode("unicode_escape").decode() in PAGE_JS, "the script"
     Visit().go_through()
     assert len(SEEN) > 200, "too few texts were seen"
-    found = set()
+    found = {words for words in CONTENT.findall(stylesheet()) if foreign(words)}
     for text in SEEN:
         read = Read(text)
         found |= {line.strip() for line in outside(read.said).split("\n") if foreign(line)}

@@ -72,9 +72,8 @@ class Visitor(threading.Thread):
         cursor = kept.present.runs[0].cursor
         wanted = kept.settings.demonstrator_deg[0]
         try:
-            wait_until(
-                lambda: (client.value("History"), client.value("θ₂")) == (cursor, round(wanted, 1)), BACK_WITHIN_S
-            )
+            is_back = lambda: (client.value("History"), client.value("θ₂")) == (cursor, round(wanted, 1))
+            wait_until(lambda: client.closed(0) is not None or is_back(), BACK_WITHIN_S)
         except AssertionError:
             if client.closed(0) is None:
                 found = client.value("History"), client.value("θ₂"), client.status
@@ -88,12 +87,12 @@ class Visitor(threading.Thread):
                 return
             what = self._random.random()
             if what < 0.5:
-                client.press("Step: one motion")
+                client.press("Make one step")
                 self.motions += 1
             elif what < 0.9:
                 client.put("θ₂", self._random.randint(20, 140) / 2)
             elif what < 0.97:
-                client.press("Undo: one motion back; at a start, what was before it")
+                client.press("Undo one step; at a start, go back to what was before it")
             else:
                 client.press("Reset to the start")
             time.sleep(self._random.uniform(0.1, 0.5))

@@ -46,7 +46,10 @@ def test_the_catalog_is_up_to_date():
 # attribute that is read aloud: two words or a field and a word, or a word with a capital letter.
 
 PAGE = (
-    *(f"app/{room}" for room in ("commands", "drawing", "model", "page", "panels", "scene", "static")),
+    *(
+        f"app/{room}"
+        for room in ("commands", "drawing", "jobs", "model", "page", "panels", "scene", "sessions", "static")
+    ),
     "viewimit/drawing",
     "viewimit/experiments/paper",
     "viewimit/servo/registry.py",

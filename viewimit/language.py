@@ -9,7 +9,7 @@ Mark whole sentences, with named fields: `_("Point {name} is hidden.").format(na
 
 import gettext
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 from .assets import ROOT
 
@@ -33,6 +33,8 @@ def listed(words: Sequence[str]) -> str:
     return _("{first} and {last}").format(first=", ".join(words[:-1]), last=words[-1])
 
 
-def either(words: Iterable[str]) -> str:
-    """Join words as "a or b or c"."""
-    return _(" or ").join(words)
+def either(words: Sequence[str]) -> str:
+    """Join words as "a, b or c"."""
+    if len(words) < 2:
+        return "".join(words)
+    return _("{first} or {last}").format(first=", ".join(words[:-1]), last=words[-1])

@@ -13,6 +13,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from viewimit.language import _
+
 from .child import stand_back
 
 NICENESS = 10  # sessions go first
@@ -82,7 +84,8 @@ def _zipped(paths: list[Path]) -> bytes:
         for path in paths:
             archive.write(path, path.name)
     if buffer.tell() > MOST_BYTES:
-        raise ValueError(f"the files take {buffer.tell() >> 20} MB, more than the {MOST_BYTES >> 20} MB a page is sent")
+        refusal = _("the files take {size} MB, more than the {most} MB a page is sent")
+        raise ValueError(refusal.format(size=buffer.tell() >> 20, most=MOST_BYTES >> 20))
     return buffer.getvalue()
 
 

@@ -441,4 +441,4 @@ def require_use(servo: str) -> None:
 
 def _able() -> str:
     """The servos that make use of it, by their titles."""
-    return either(servo.title for servo in SERVOS.values() if servo.predicts)
+    return either([servo.title for servo in SERVOS.values() if servo.predicts])

@@ -134,7 +134,7 @@ def _row(claim: Claim) -> str:
     return f"<tr>{cells}<td>{MARKS[claim.holds]}</td></tr>"
 
 
-# The tab Motions: record the demonstrator's motion, replay it, go through it, keep it in a file.
+# The tab Follow: record the demonstrator's motion, replay it, go through it, keep it in a file.
 
 ABOUT = _(
     "Here the demonstrator moves along a path: choose one, record your own while you move it, or load one from a file."
@@ -144,14 +144,14 @@ RECORD, REPLAY = (_("Record"), Icon.PLAYER_RECORD), (_("Move the demonstrator"),
 
 
 def motions(layout: Layout, model: PageModel) -> None:
-    with layout.tab(_("Motions")):
+    with layout.tab(_("Follow")):
         layout.gui.add_html(f'<div class="vi-about">{ABOUT}</div>')
         with layout.row():
             layout.dropdown(_("Chosen motion"), list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
             layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
-            _("Time s"),
+            _("Time (s)"),
             0.0,
             1.0,
             0.05,

@@ -102,9 +102,9 @@ PARAGRAPHS = (
     _("<b>The conflict drives the arm.</b> Press Play. The learner moves, learns what that changes in its images, and"
       " goes where E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch"
       " yourself first: it goes through 12 postures with nobody to imitate, and needs no test steps then."),
-    _("<b>Touch it.</b> Click the landscape: the learner starts there. With Look only, a ghost arm shows the posture,"
-      " and nothing moves. Try 20 starts sends twenty learners. Click a curve: back to that moment. Undo takes back"
-      " resets and presets, too."),
+    _("<b>Touch it.</b> Click the landscape: the learner starts there. With Preview the posture, a ghost arm goes there"
+      " instead, and nothing moves. Try 20 starts sends twenty learners. Click a curve: back to that moment. Undo takes"
+      " back resets and presets, too."),
     _("<b>Disturb it.</b> Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take"
       " a preset that breaks the method. The strip under the scene says what the learner itself knows, and beneath it"
       " what is true. A ? says what a number means."),
@@ -121,7 +121,7 @@ PARAGRAPHS = (
       " <code>viewimit class</code>."),
     _("<b>Repeat the paper.</b> The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, compares them"
       " with the paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab"
-      " Motions; See it shows both arms as it was imitated."),
+      " Follow; See it shows both arms as it was imitated."),
 )  # fmt: skip
 NOTE = _(
     "Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the simulation's truth, for the"

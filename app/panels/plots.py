@@ -39,7 +39,9 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            layout.checkbox(_("Look only"), lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY)
+            layout.checkbox(
+                _("Preview the posture"), lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+            )
         for over in (ground, path, preview, links, cost, basin):
             layout.bind(lambda model: not _compares(model), partial(put_visible, over))
         own = OwnPath(ground, path)

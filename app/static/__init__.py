@@ -2,7 +2,8 @@
 which names for keys, screen readers and the stylesheet what viser leaves without a name. Markup is
 beside the drawings.
 
-`_("…")` in the script marks a text, as in Python: the script is sent with that text in the language of the process.
+`_("…")` in the script marks a text, as in Python, and so does `content:"…"` in the stylesheet, where it holds words:
+both are sent with these texts in the language of the process.
 """
 
 import json
@@ -18,6 +19,7 @@ PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS = (
 
 SCRIPTS = ("limits.js", "session.js", "page.js")
 MARKED = re.compile(r'(?<![\w.$])_\(("(?:[^"\\]|\\.)*")\)')
+CONTENT = re.compile(r'(?<=content:")[^"]*[A-Za-z]{2}[^"]*(?=")')
 
 
 def translated(script: str) -> str:
@@ -31,4 +33,5 @@ PAGE_JS = translated("".join(Path(__file__).with_name(name).read_text("utf-8") f
 def stylesheet() -> str:
     """All of the page's CSS, for both colour schemes."""
     schemes = f':root{{{variables(False)}}}:root[data-mantine-color-scheme="dark"]{{{variables(True)}}}'
-    return "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS, DRAWING_CSS))
+    css = "\n".join((schemes, font_faces(), WORDS_CSS, PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS, DRAWING_CSS))
+    return CONTENT.sub(lambda found: _(found[0]).replace('"', r"\""), css)

@@ -212,10 +212,10 @@ STATEMENTS: Statements = {
         "bad": {"One near 0: a valley": lambda: failures.unobservable_answer() == 0},
     },
     "glossary/rho": {
-        "sentence": {"at 0.95 what was learned 14 motions ago counts half": lambda: abs(0.95**AT_ONCE - 0.5) < 0.02},
+        "sentence": {"at 0.95 what was learned 14 steps ago counts half": lambda: abs(0.95**AT_ONCE - 0.5) < 0.02},
         "good": {"0.95, as printed": lambda: PAPER.forgetting == 0.95},
         "bad": {
-            "Where motions shrink with E, nothing new is learned": lambda: servoing.printed_gain_never_arrives() > 0.7
+            "Where steps shrink with E, nothing new is learned": lambda: servoing.printed_gain_never_arrives() > 0.7
         },
     },
     "glossary/D": {
@@ -245,9 +245,9 @@ STATEMENTS: Statements = {
         "bad": {"affine transfers with a head that looks inwards": lambda: records.bias_deg(verged()) > 4},
     },
     "glossary/servo": {
-        "sentence": {"It knows its own motions and images": lambda: failures.learner_sees_images_only("motion/alike")},
-        "good": {"A handful of motions": lambda: servoing.medians()[1] < 8},
-        "bad": {"mostly without arriving": lambda: servoing.printed_gain_never_arrives() > 0.7},
+        "sentence": {"It knows its own steps and images": lambda: failures.learner_sees_images_only("motion/alike")},
+        "good": {"A handful of steps": lambda: servoing.medians()[1] < 8},
+        "bad": {"mostly without converging": lambda: servoing.printed_gain_never_arrives() > 0.7},
     },
     "glossary/probe": {
         "sentence": DEFINITION,
@@ -263,7 +263,7 @@ STATEMENTS: Statements = {
         "bad": {"it is not said": lambda: status_of("arrived") != "converged"},
     },
     "glossary/least": {
-        "sentence": {"No motion nearby would lower E, yet it is not 0": least_is_not_zero},
+        "sentence": {"No step nearby would lower E, yet it is not 0": least_is_not_zero},
         "good": DEFINITION,
         "bad": {
             "it may be 20° off, and not know": lambda: (

@@ -2,6 +2,7 @@
 
 import base64
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import zstandard
 from drawn import QR_CODE
 from quiet_page import QuietPage
+from viewimit.app.jobs import threads
 from viewimit.app.jobs.threads import ScriptPlayer
 from viewimit.app.model.choices import AS_STARTED, PRESETS
 from viewimit.app.model.keeping import saved_page
@@ -78,6 +80,25 @@ def test_a_script_has_only_so_much_time():
     player.play(0, Turns().passes(), done.append)
     wait_until(lambda: done)
     assert "more than 30 s" in str(done[0]) and isinstance(done[0], ValueError)
+    player.stop()
+
+
+def test_a_script_pauses_as_long_as_it_computed_and_not_as_long_as_it_waited(monkeypatch):
+    """On a busy machine a turn of 0.03 s of processor time takes a second."""
+    computed, wall, pauses, done = [0.0], [0.0], [], []
+    clocks = SimpleNamespace(thread_time=lambda: computed[0], monotonic=lambda: wall[0], sleep=pauses.append)
+    monkeypatch.setattr(threads, "time", clocks)
+
+    def passes():
+        for _ in range(5):
+            computed[0] += 0.03
+            wall[0] += 1.0
+            yield
+
+    player = ScriptPlayer(clocks.thread_time)
+    player.play(0, passes(), done.append)
+    wait_until(lambda: done)
+    assert pauses[:5] == pytest.approx([0.03] * 5)
     player.stop()
 
 

@@ -177,13 +177,13 @@ def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():
     """As when a server has much to do: to the page nothing has changed, but a browser shows what was put into it."""
     page = QuietPage(SETTINGS)
     page.tick(1.0)
-    preset, noise = page.widget("Preset"), page.widget("Noise px")
+    preset, noise = page.widget("Preset"), page.widget("Pixel noise (px)")
     before = preset.value, noise.value
     page.change("Preset", PRESETS[1].name)
     page.page.queue.call("undo")
     page.tick(1.0)
     assert (preset.value, noise.value) == before
-    page.change("Noise px", 0.5)
+    page.change("Pixel noise (px)", 0.5)
     page.change("Preset", AS_STARTED)
     page.tick(1.0)
     assert (preset.value, noise.value) == before

@@ -149,7 +149,7 @@ def test_a_moment_of_the_curves_is_gone_to(visit):
 
 def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
     page = QuietPage(Settings.paper(start_deg=(25, -45)))
-    page.choose("Look only", True)
+    page.choose("Preview the posture", True)
     page.act("posture", "20,-60")
     page.tick(0.5)
     assert "The arm has not moved" in page.shown and 'data-do="start/0"' in page.shown

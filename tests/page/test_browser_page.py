@@ -99,7 +99,7 @@ def test_a_new_visitor_sees_everything(used_page):
     names = page.locator(VIEW_NAME).all_text_contents()
     assert sorted(names) == sorted(["l", "r", "L", "R"])
     assert posture(page) == [25, -25]
-    tabs = ["Landscape", "Curves", "Equations", "Duel", "Experiments", "Motions"]
+    tabs = ["Landscape", "Curves", "Equations", "Duel", "Experiments", "Follow"]
     assert page.get_by_role("tab").all_inner_texts() == tabs
     assert page.get_by_text("Method: epipolar, Broyden", exact=True).is_visible()
     fold(page, "Method")
@@ -179,14 +179,14 @@ def test_every_method_can_be_chosen(session):
 
 def test_too_few_points_hold_the_arm_still_and_say_so(session):
     page = session
-    set_number(page, "Frames", 1)  # of 25, one or another shows each point
-    set_number(page, "Missing %", 50)
+    set_number(page, "Images averaged", 1)  # of 25, one or another shows each point
+    set_number(page, "Points lost (%)", 50)
     wait_for_status(page, "Too few points · All four images show (only|no)")
     before = posture(page)
     press(page, "ArrowRight")
     page.wait_for_timeout(700)
     assert posture(page) == before
-    set_number(page, "Missing %", 0)
+    set_number(page, "Points lost (%)", 0)
     wait_for_status(page, "Ready|Moving|Paused")
 
 
@@ -199,18 +199,18 @@ def test_noise_and_seed_repeat(session):
         wait(page, lambda: page.text_content(CONFLICT) != before)
         return page.text_content(CONFLICT)
 
-    noisy = changed_E("Noise px", 0.5)
+    noisy = changed_E("Pixel noise (px)", 0.5)
     fold(page, "Actuator errors, random seed")
     other = changed_E("Seed", 8)
     assert changed_E("Seed", 7) == noisy != other
-    changed_E("Wrong %", 20)
-    changed_E("Frames", 50)  # sets them aside, and averages the noise
-    set_number(page, "Noise px", 0)
-    set_number(page, "Wrong %", 0)
-    set_number(page, "Gain err. %", 20)
+    changed_E("Points misplaced (%)", 20)
+    changed_E("Images averaged", 50)  # sets them aside, and averages the noise
+    set_number(page, "Pixel noise (px)", 0)
+    set_number(page, "Points misplaced (%)", 0)
+    set_number(page, "Arm overshoot (%)", 20)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page) == [43, -25])  # the first probe of 15°
-    set_number(page, "Steps °", 2)
+    set_number(page, "Arm resolution (°)", 2)
     press(page, "ArrowRight")
     wait(page, lambda: posture(page)[1] == -8)
     fold(page, "Actuator errors, random seed")
@@ -481,7 +481,7 @@ def test_an_experiment_can_be_cancelled_and_the_session_goes_on_meanwhile(sessio
 
 def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_path):
     page = session
-    page.get_by_role("tab", name="Motions").click()
+    page.get_by_role("tab", name="Follow").click()
     choose(page, "Chosen motion", "recorded")
     wait_for_status(page, "nothing is recorded yet")
     click(page, "Record")
@@ -494,7 +494,7 @@ def test_a_motion_is_recorded_replayed_scrubbed_saved_and_followed(session, tmp_
     wait_for_status(page, "Moving the demonstrator · recorded")
     wait(page, lambda: demonstrator(page) in (50, 55, 60))
     wait(page, lambda: demonstrator(page) == 65 and "Moving the demonstrator" not in status(page))
-    set_number(page, "Time s", 0)
+    set_number(page, "Time (s)", 0)
     wait(page, lambda: demonstrator(page) == 45)
     with page.expect_download() as download:
         page.get_by_role("button", name="Save", exact=True).last.click()  # below the folder of that name

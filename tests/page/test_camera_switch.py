@@ -60,7 +60,7 @@ def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
         switch_on(client)
         assert client.value("Layout") == "36 markers" and "Ready" in client.status
         before = photographs(client)
-        client.press("Step: one motion")
+        client.press("Make one step")
         wait_until(lambda: len(photographs(client) - before) == 2)  # those of the arm that moved
         client.put("Camera images", False)
         wait_until(lambda: not photographs(client))
@@ -80,7 +80,7 @@ def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
         switch_on(client)
         (process,) = (child for child in multiprocessing.active_children() if child.name == "viewimit-camera")
         process.kill()
-        client.press("Step: one motion")
+        client.press("Make one step")
         wait_until(lambda: "back to projected points" in client.status)
         wait_until(lambda: not photographs(client) and client.value("Camera images") is False)
         switch_on(client)
@@ -90,7 +90,7 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
     with Client(here.url).ready() as client:
         switch_on(client)
         before = photographs(client)
-        client.press("Step: one motion")
+        client.press("Make one step")
         wait_until(lambda: len(photographs(client) - before) == 2)
         seen, tab = photographs(client), client.keep()
     with Client(here.url, tab=tab).ready() as client:

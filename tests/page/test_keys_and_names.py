@@ -20,7 +20,7 @@ from browsing import (
 )
 
 pytestmark = pytest.mark.browser
-TABS = ("Curves", "Equations", "Duel", "Experiments", "Motions", "Landscape")
+TABS = ("Curves", "Equations", "Duel", "Experiments", "Follow", "Landscape")
 FOLDERS = ("Start", "Method", "Disturbances", "Actuator errors, random seed", "Points", "Display", "Save")
 ROLES = "button|checkbox|combobox|link|radio|slider|spinbutton|switch|tab|textbox"
 UNNAMED = re.compile(rf"- (?:{ROLES})\b(?! \")[^\n]*")
@@ -125,7 +125,7 @@ def test_arrows_move_the_slider_or_the_tab_that_has_the_focus_and_nothing_else(p
     press(page, "r")
     wait_for_status(page, "Ready")
     stands = posture(page)
-    noise = row(page, "Noise px").locator("[role=slider]")
+    noise = row(page, "Pixel noise (px)").locator("[role=slider]")
     for key, more in (("ArrowRight", 1), ("ArrowRight", 1), ("ArrowLeft", -1), ("ArrowLeft", -1)):
         before = float(noise.get_attribute("aria-valuenow"))
         noise.press(key)
@@ -234,7 +234,7 @@ def test_an_entry_of_the_glossary_shows_itself_and_undo_takes_it_back(page):
 
 
 def test_no_hint_is_seen_while_a_slider_is_dragged(page):
-    thumb = uncovered_row(page, "Noise px").get_by_role("slider")  # a small window has closed the folders
+    thumb = uncovered_row(page, "Pixel noise (px)").get_by_role("slider")  # a small window has closed the folders
     box, hint = thumb.bounding_box(), page.locator(".mantine-Tooltip-tooltip")
     page.mouse.move(box["x"] + 3, box["y"] + 4)
     hint.wait_for()

@@ -241,7 +241,7 @@ def test_on_narrow_phones_words_are_whole_and_all_tabs_are_in_one_line(page, wid
     show(page, "images")
     assert page.evaluate(CUT) == []
     show(page, "landscape")
-    tabs = [page.get_by_role("tab", name=name).bounding_box() for name in ("Landscape", "Experiments", "Motions")]
+    tabs = [page.get_by_role("tab", name=name).bounding_box() for name in ("Landscape", "Experiments", "Follow")]
     resize(page, 1280, 720)
     assert len({tab["y"] for tab in tabs}) == 1 and tabs[-1]["x"] + tabs[-1]["width"] <= width
 

@@ -90,7 +90,7 @@ def test_a_click_on_the_landscape_is_exact_at_every_size(page):
 
 def test_a_look_moves_nothing_until_the_learner_starts_there(page):
     start = posture(page)
-    switch(page, "Look only")
+    switch(page, "Preview the posture")
     touch(page, "a[data-do='posture/45,-60'] path")
     wait_for_status(page, r"Ghost arm · At \(45\.0°, −60\.0°\) E would be [\d.]+ px²\. The arm has not moved\.")
     assert posture(page) == start
@@ -100,7 +100,7 @@ def test_a_look_moves_nothing_until_the_learner_starts_there(page):
     wait_for_status(page, "Ghost arm")
     page.get_by_role("link", name="Start here").click()
     wait(page, lambda: posture(page) == [45, -45])
-    switch(page, "Look only")
+    switch(page, "Preview the posture")
 
 
 def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(page):

@@ -129,7 +129,7 @@ def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_s
 @pytest.mark.browser
 def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(at_the_start):
     page = at_the_start
-    told = lambda: page.evaluate("unseenTold")
+    told = lambda: page.evaluate("sentUnseen")
     cursor = lambda: page.locator(CURVES).first.evaluate("e => e.closest('svg').parentElement.innerHTML")
     page.get_by_role("tab", name="Curves").click()
     wait(page, lambda: "Landscape" in told() and "Curves" not in told())

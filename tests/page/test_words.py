@@ -63,12 +63,12 @@ def test_history_shows_which_of_how_many():
 
 def test_a_motions_time_is_in_seconds():
     page = QuietPage(Settings())
-    slider = page.widget("Time s")
+    slider = page.widget("Time (s)")
     page.tick(1.0)
     assert (slider.min, slider.max, slider.step) == (0, 5.95, 0.05)
     assert page.widget("Chosen motion").options == tuple(NAMES.values())
     before = page.page.model.session.snapshot.theta_demo
-    page.choose("Time s", 1.5)
+    page.choose("Time (s)", 1.5)
     page.tick_until(lambda: (page.page.model.session.snapshot.theta_demo != before).any())
     assert page.page.model.motions.moment == (1.5, 5.95)
     page.tick(1.0)

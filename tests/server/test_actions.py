@@ -96,7 +96,7 @@ def test_a_value_that_cannot_be_is_refused_on_the_page_as_a_sliders_is(tab):
         tab.act("point", value)
         wait_until(lambda value=value: value in tab.status and "is not a number" in tab.status)
     tab.act("nothing")
-    wait_until(lambda: "no 'nothing'" in tab.status.replace("&#x27;", "'"))
+    wait_until(lambda: "no control 'nothing'" in tab.status.replace("&#x27;", "'"))
 
 
 REFUSED = {

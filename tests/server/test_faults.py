@@ -32,7 +32,20 @@ def here():
 
 def what_a_visitor_sees(client: Client) -> dict:
     """Everything that must be as it was."""
-    shown = ("θ₂", "θ₄", "Preset", "Speed", "Transfer", "Servo", "Noise px", "Seed", "History", "Point", "Rays", "Dark")
+    shown = (
+        "θ₂",
+        "θ₄",
+        "Preset",
+        "Speed",
+        "Transfer",
+        "Servo",
+        "Pixel noise (px)",
+        "Seed",
+        "History",
+        "Point",
+        "Rays",
+        "Dark",
+    )
     return {label: client.value(label) for label in shown} | {"learner": learner_of(client), "status": client.status}
 
 
@@ -265,7 +278,7 @@ def test_who_comes_and_goes_leaves_no_memory_behind(visits, bound_mb):
         if visit == 10:  # what the first visitors bring in stays: the scene's meshes, code, caches
             before = server.memory
         with Client(server.url).ready() as client:
-            client.press("Step: one motion")
+            client.press("Make one step")
     wait_until(lambda: server.seated == 0)
     grown = server.memory - before
     server.stop()

@@ -168,7 +168,7 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
     angles = 20.0, 30.0, 40.0, 50.0
     for client, angle in zip(clients, angles):
         client.put("θ₂", angle)
-        client.press("Step: one motion")
+        client.press("Make one step")
     wait_until(lambda: all(client.value("History") == 1 for client in clients))
     tabs = [client.keep() for client in clients]
     seen = [what_a_visitor_sees(client) | {"θ₂": angle} for client, angle in zip(clients, angles)]
@@ -182,7 +182,7 @@ def test_when_a_worker_is_killed_its_visitors_go_on_in_another_and_the_others_no
                 wait_until(lambda again=again, before=before: what_a_visitor_sees(again) == before)
     left = [client for client, was_there in zip(clients, gone) if not was_there]
     for client in left:
-        client.press("Step: one motion")
+        client.press("Make one step")
     wait_until(lambda: all(client.value("History") == 2 for client in left))
     assert server.stop() == 0
 

@@ -24,7 +24,7 @@ from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
 from ..simulation.camera import undistort_points
-from . import BadInput, evaluate_report, evaluate_unmatched
+from . import BadInput, evaluate_body, evaluate_report
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -73,7 +73,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
     )
-    evaluate_unmatched.add_options(parser)
+    evaluate_body.add_options(parser)
     add_json_option(parser)
 
 
@@ -81,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             evaluate_report.require_format(args.out)
-    evaluate_unmatched.require_options(args)
+    evaluate_body.require_options(args)
     tracked = _read(args)
     if lost := tracked.n_missing(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
@@ -93,8 +93,13 @@ def run(args: argparse.Namespace) -> int:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
     views, points, named = _pinhole(args, images), tracked.points, None
-    if args.unmatched:
-        views, points, named = evaluate_unmatched.named(args, tracked.frames, points, views)
+    body = evaluate_body.learn_body(args, tracked.frames, views)
+    if body is not None and args.unmatched:
+        views, points, named = evaluate_body.named(body, tracked.frames, points, views)
+    elif body is not None:
+        own = body.points
+        views = FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
+        points = tuple(points[k] for k in own.tolist())
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = find_outliers(views, rounding_px=views_rounding_std(images))
     without = found.corrected(views)
@@ -109,6 +114,7 @@ def run(args: argparse.Namespace) -> int:
         "rectification": rectified,
         "points": points,
         **({} if named is None else {"naming": named}),
+        **({} if body is None else {"misfit": evaluate_body.misfit_of(body, tracked.frames, points, views)}),
         "removed_by_confidence": removed,
         "leave_one_out": evaluate_report.transfers_json(compared),
         "suspects": evaluate_report.suspects_json(found, points, tracked.frames),

@@ -225,6 +225,8 @@ def print_report(result: dict) -> None:
         if named["accepted"]:
             print(f"  {', '.join(f'{own} = {demo}' for own, demo in named['names'].items() if demo is not None)}")
             print(f"  the demonstrator of frame {named['frame']} is at {posture(named['posture_deg'])}")
+    if misfit := result.get("misfit"):
+        print(f"misfit: {misfit['text']} (frame {misfit['frame']})")
     print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
     for frame in result["frames"]:
         numbers = [

@@ -3,7 +3,6 @@
 import argparse
 import csv
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..loop.session import Session
 from ..loop.settings import SAFETY, Settings
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS, Misfit
+from ..servo import SERVOS
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -29,6 +28,7 @@ from .options import (
     add_unmatched_option,
     between,
     figure,
+    misfit_json,
     naming,
     naming_json,
     naming_words,
@@ -168,18 +168,6 @@ def _observable(known: Assessment | None, joint: int) -> tuple[bool | None, str 
     return None, "needs-more-data" if known.certificate.needs_more_data else "unexplored-direction"
 
 
-def _misfit(misfit: Misfit | None, joints: Sequence[int]) -> dict | None:
-    """The JSON object of a misfit; joints: numbers of the moving joints."""
-    if misfit is None:
-        return None
-    links = [
-        {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
-        for link in misfit.links
-    ]
-    said = {"kind": misfit.kind, "points": misfit.points, "links": links, "amount": misfit.amount}
-    return said | {"text": misfit.describe(joints)}
-
-
 def outcome(session: Session, ended: RunResult) -> dict:
     """The JSON object of a run.
 
@@ -207,7 +195,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
             for k, joint in enumerate(session.scene.moving_joints)
         ],
         "exchanged": last.exchanged,
-        "misfit": _misfit(last.misfit, session.scene.moving_joints),
+        "misfit": misfit_json(last.misfit, session.scene.moving_joints),
         "E": last.E,
         "motions": last.motion,
         "travel_deg": ended.travel_deg,

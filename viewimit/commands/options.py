@@ -4,7 +4,7 @@ import argparse
 import contextlib
 import dataclasses
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -18,7 +18,7 @@ from ..loop.embodiment import require_in_workspace, workspace
 from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.renamed import current_settings
-from ..servo import Naming
+from ..servo import Misfit, Naming
 from ..simulation.arms import require_arm
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from ..simulation.eyes import require_eyes
@@ -166,6 +166,19 @@ def naming_json(naming: Naming | None) -> dict | None:
         "E": naming.E,
         "E_noise": naming.E_noise,
     }
+
+
+def misfit_json(misfit: Misfit | None, joints: Sequence[int], names: Sequence[str] = ()) -> dict | None:
+    """Why a demonstrator is no body like the learner's, as JSON. joints: their numbers; names: of points."""
+    if misfit is None:
+        return None
+    links = [
+        {"joints": [joints[joint] for joint in link.joints], "change": link.change, "std": link.std}
+        for link in misfit.links
+    ]
+    points = [names[point] for point in misfit.points] if names else misfit.points
+    said = {"kind": misfit.kind, "points": points, "links": links, "amount": misfit.amount}
+    return said | {"text": misfit.describe(joints, names)}
 
 
 def naming_words(naming: dict) -> str:

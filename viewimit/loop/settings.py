@@ -155,7 +155,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             description=_("images averaged at each posture; outliers among them are dropped"),
             unit="N",
             bounds=(1, 1_000),
-            label=_("Frames"),
+            label=_("Images averaged"),
             slider_range=(1, 50, 1),
         ),
     ] = 25

@@ -271,7 +271,7 @@ SERVOS = Servos(
             Gradient(RETUNED),
             title=_("Gradient, retuned"),
             assumes=_("The same, with a larger gain, bounded steps and small random moves."),
-            limitations=_("It takes hundreds of steps. It never stands still, so it never claims to have arrived."),
+            limitations=_("It takes hundreds of steps. It never stands still, so it never claims to have converged."),
         ),
         "broyden": ServoMethod(
             servo=Broyden(),

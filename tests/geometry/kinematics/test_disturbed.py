@@ -51,7 +51,7 @@ def test_how_short_an_arm_stops_is_found_and_its_images_predicted_where_it_is(sh
 
 def test_an_arm_sent_far_enough_arrives():
     here, target, short = np.array([0.3, -0.2]), np.array([-0.5, 0.9]), Shortfall(0.25)
-    np.testing.assert_allclose(short.next(here, short.to_reach(here, target)), target)
+    np.testing.assert_allclose(short.reached(np.array([here, short.to_reach(here, target)]))[-1], target)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -98,3 +98,10 @@ def test_images_that_a_lens_bends_are_straight_where_the_kinematics_predict_them
 def test_a_lens_that_bends_nothing_leaves_images_as_they_are():
     images = np.random.default_rng(0).normal(size=(3, 5, 4))
     np.testing.assert_array_equal(Lens(np.zeros(()), np.ones(4), np.zeros(4), 1.0).straightened(images), images)
+
+
+def test_an_arm_that_stands_still_has_no_shortfall():
+    rng = np.random.default_rng(0)
+    body = TurningBody(rng, ON, 2)
+    seen = body.observations(np.zeros((6, 2)))
+    assert fit_shortfall(replace(seen, displacement=sent_to(rng, body)[:6]), 0.0) is None

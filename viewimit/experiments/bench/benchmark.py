@@ -19,7 +19,8 @@ from ...simulation.scene import Scene, load_scene
 from ..executors import LocalPool, Study
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
-FALSE_DEG = 1.0  # a claim is false if it is farther off
+FALSE_DEG = 1.0  # a claim is false if it is farther off,
+N_SIGMA = 3.0  # and by more than this many times what the learner expects
 PATIENCE = 20  # looks in a row with too few points after which a run ends
 CONFIDENCE = 0.95
 RESAMPLES, BOOTSTRAP_SEED = 2000, 0
@@ -163,6 +164,11 @@ def error_deg(last: Snapshot) -> float:
 def expected_deg(last: Snapshot, unknown: float = np.nan) -> float:
     """Return the largest joint error that the learner itself expects, degrees."""
     return unknown if last.expected_error is None else float(np.degrees(last.expected_error))
+
+
+def is_false(error: float, expected: float) -> bool:
+    """Whether a claim with this error is false, degrees. expected: by the learner, NaN if it expects none."""
+    return error > FALSE_DEG and not error <= N_SIGMA * expected
 
 
 def rms(values: Any) -> float:

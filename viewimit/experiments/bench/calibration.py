@@ -19,6 +19,7 @@ from ...simulation.eyes import ProjectedEyes
 from ...simulation.scene import Scene, load_scene
 from .benchmark import (
     FALSE_DEG,
+    N_SIGMA,
     CaseOptions,
     Context,
     Rehearsed,
@@ -27,6 +28,7 @@ from .benchmark import (
     as_json,
     error_deg,
     expected_deg,
+    is_false,
     rms,
     run_cases,
     table,
@@ -43,7 +45,7 @@ from .draws import (
     surface_points,
 )
 
-N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # standard errors: beyond them a claim can be false; within them it is covered
+N_SIGMA_COVERED = 2.0  # standard errors within which a claim is covered
 NEAR_DEG = 0.5
 GRID_PER_JOINT = 9  # postures in which a learner may see a point of its own, evenly over the range
 MAX_MOTIONS, PATIENCE = 300, 5
@@ -111,7 +113,7 @@ class Ending:
 
     @property
     def false(self) -> bool:
-        return self.claimed and self.error > FALSE_DEG and not self.within(N_SIGMA)
+        return self.claimed and is_false(self.error, self.expected)
 
 
 @dataclass(frozen=True)

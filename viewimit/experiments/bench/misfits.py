@@ -27,7 +27,6 @@ from ...simulation.scene import Scene
 from ...simulation.world import World
 from ..experiment import write_csv
 from .benchmark import (
-    FALSE_DEG,
     PATIENCE,
     CaseOptions,
     Context,
@@ -36,17 +35,18 @@ from .benchmark import (
     as_json,
     error_deg,
     expected_deg,
+    is_false,
     option,
     run_cases,
     table,
 )
 from .bound import bound
+from .calibration import N_SIGMA_COVERED
 from .draws import draw_postures
 
 NOISE: dict[str, Any] = dict(noise_px=0.25, frames=25, points=16)
 MAX_MOTIONS = 80
 MEDIAN_OF_TWO = 1.0518  # median of the larger of two |x|, x standard normal: Φ(x) = (1 + √½) / 2
-N_SIGMA, N_SIGMA_COVERED = 3.0, 2.0  # as of the calibration of claims
 POINT_M, LINK_POINTS_M = (0.008, 0.020), 0.010  # displacement of one point; standard deviation of each of a link's
 MIXED_UP = 3, 6  # points, from and below
 FOCAL, BASELINE, CENTRE_PX = (0.85, 1.15), (0.8, 1.2), 30.0  # of another head, relative to the own one
@@ -220,7 +220,7 @@ class Row:
     @property
     def false(self) -> bool:
         """Whether it is a false claim."""
-        return self.claimed and self.error_deg > max(FALSE_DEG, N_SIGMA * self.expected_deg)
+        return self.claimed and is_false(self.error_deg, self.expected_deg)
 
 
 @dataclass(frozen=True)
@@ -232,7 +232,7 @@ class Outcome:
     right: Share | None  # of those that are noticed
     words: dict[str, int]  # how often each was said
     claimed: Share
-    false: Share  # more than FALSE_DEG and N_SIGMA expected errors off, of all runs
+    false: Share  # claims by `is_false`, of all runs
     covered: Share | None  # within N_SIGMA_COVERED expected errors, of claims
     error_deg: float  # median
     over_bound: float | None  # median error over the median of an estimate with the bound's standard deviation

@@ -18,6 +18,7 @@ from ...loop.settings import SENSORS, Settings
 from ...simulation.eyes import require_eyes
 from ...simulation.scene import load_scene
 from .benchmark import (
+    N_SIGMA,
     PATIENCE,
     WITHIN_DEG,
     CaseOptions,
@@ -39,7 +40,6 @@ from .benchmark import (
 from .draws import DEMO_DEG, draw_postures
 from .success import quick_servos
 
-N_SIGMA = 3.0  # a claim is false if its error exceeds WITHIN_DEG[0] and this many standard errors
 MAX_MOTIONS = 80
 SEVEN = tuple(range(1, 8))
 SEVEN_16, SEVEN_REHEARSED = {"joints": SEVEN, "points": 16}, 12

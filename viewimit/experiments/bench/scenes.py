@@ -25,6 +25,7 @@ from ...simulation.urdf.reference import parse_reference
 from ...simulation.urdf.tree import read_tree
 from .benchmark import (
     FALSE_DEG,
+    N_SIGMA,
     PATIENCE,
     WITHIN_DEG,
     CaseOptions,
@@ -45,7 +46,6 @@ from .benchmark import (
 from .bound import bound
 from .draws import DrawnScene, draw_scene, resize, write_scene
 
-N_SIGMA = 3.0  # a claim is false if it is FALSE_DEG off and this many standard errors
 PAIRS_PER_SCENE = 5  # of start and demonstrator
 
 

@@ -25,7 +25,6 @@ from ...simulation.robot import Angles
 from ...simulation.scene import Scene, load_scene
 from ..experiment import write_csv
 from .benchmark import (
-    FALSE_DEG,
     PATIENCE,
     WITHIN_DEG,
     CaseOptions,
@@ -36,6 +35,7 @@ from .benchmark import (
     as_json,
     error_deg,
     expected_deg,
+    is_false,
     option,
     run_cases,
     table,
@@ -43,7 +43,6 @@ from .benchmark import (
 from .draws import draw_marked_arm, draw_postures, draw_scene, resize
 from .scenes import scene_file
 
-N_SIGMA = 3.0  # expected errors beyond which a claim is false
 SAME_PX = 1.0  # distance of two points in both images, up to which their names mean the same
 ARRIVED_DEG = min(WITHIN_DEG)
 SCENES = "panda", "iiwa", "panda-toed", "panda-verged", "panda-facing"
@@ -112,8 +111,7 @@ class Row:
     @property
     def falsely(self) -> bool:
         """Whether the run ends with a false claim."""
-        limit = max(FALSE_DEG, N_SIGMA * self.expected_deg) if np.isfinite(self.expected_deg) else FALSE_DEG
-        return self.status.is_claim and self.error_deg > limit
+        return self.status.is_claim and is_false(self.error_deg, self.expected_deg)
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ class Fig9:
             runs, subject = self.of(law), SUBJECTS.get(law, law)
             counts = [run.motions_until(near) for run in runs]
             reached = [count for count in counts if count is not None]
-            text = _("{n} of {all} starts, median {steps:.0f} motions") if reached else _("{n} of {all} starts")
+            text = _("{n} of {all} starts, median {steps:.0f} steps") if reached else _("{n} of {all} starts")
             steps = float(np.median(reached)) if reached else np.nan
             here, share = text.format(n=len(reached), all=len(runs), steps=steps), len(reached) / len(runs)
             name, form = _("Fig. 9: {law}, came within {angle:g}°").format(law=law, angle=near), _("≥ {:.0%} of starts")
@@ -249,7 +249,7 @@ def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> s
     return (
         angles.frame(_("Joint angles"), dashed.format(joints=", ".join(names)), (), degrees)
         + conflict.frame(_("Conflict E"), _("px², log; dashed = in its posture"), TICKS, decade_ticks(*conflict.y, 3))
-        + svg.text(RIGHT + 20, CONFLICT[1] + 13, _("motions, log"), "vi-2nd")
+        + svg.text(RIGHT + 20, CONFLICT[1] + 13, _("steps, log"), "vi-2nd")
     )
 
 

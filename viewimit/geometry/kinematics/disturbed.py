@@ -33,7 +33,8 @@ from .model import ProjectiveKinematics, StereoFrame
 
 Array = NDArray[np.float64]
 FIRST_SHARES = 0.15, 0.3, -0.15  # that a fit begins from
-SHARES = 0.01, 0.5  # of a motion: an arm that misses less reaches where it is sent; one that misses more is broken
+SHARES = 0.01, 0.45  # of a motion: an arm that misses less reaches where it is sent; one that misses more is broken
+MAX_SHARE = 0.5  # that a fit tries
 MIN_SEEN = 0.5  # of the points, that all visits near the first one must show
 MOVED_SHARE = 0.1  # of the fastest point's motion with a joint, from which that joint is taken to move a point
 ROUNDS = 4  # of letting points be moved by other joints
@@ -50,11 +51,7 @@ class Shortfall:
 
     def reached(self, sent: Array) -> Array:
         """Return where the arm is after each motion, (K, m) rad, of where it was sent, (K, m) rad."""
-        return _reached(sent, np.float64(self.share))
-
-    def next(self, here: Array, sent: Array) -> Array:
-        """Return where it comes from a posture, (m,) rad, if it is sent to another one."""
-        return here + (1 - self.share) * (sent - here)
+        return _reached(sent, np.asarray(self.share))
 
     def to_reach(self, here: Array, target: Array) -> Array:
         """Return where to send it from a posture, (m,) rad, to reach another one."""
@@ -153,7 +150,7 @@ def fit_shortfall(
         kinematics, shortfall = replace(previous[0], rectification=rectification), previous[1]
         problem = BundleAdjustment(sent, kinematics.coordinates_of(images), noise_px).restricted_to_known(kinematics)
         found = _fit_shortfall(kinematics, shortfall.share, problem)
-        if found is not None:
+        if found is not None and SHARES[0] < abs(found[1].share) < SHARES[1]:
             return found
     images = images if rectification is None else rectification.apply(images)
     frame = StereoFrame.fit(images[sent.visible_in_both])
@@ -184,13 +181,19 @@ def _fit_shortfall(
     """Fit from initial kinematics, and let points that contradict be moved by other joints."""
     sent = problem.observations.displacement
 
-    def residuals(model: _Extended) -> Array:
-        return problem.residuals(model.body, _reached(sent, model.more[..., 0]))
+    def bounded(more: Array) -> Array:
+        """Shares of unbounded unknowns: a share of 2 or more would let the arm swing farther from motion to motion."""
+        return MAX_SHARE * np.tanh(more[..., 0])
 
+    def residuals(model: _Extended) -> Array:
+        return problem.residuals(model.body, _reached(sent, bounded(model.more)))
+
+    more = np.arctanh([share / MAX_SHARE])
     for _ in range(ROUNDS):
-        kinematics, more = _adjusted(kinematics, np.array([share]), residuals, problem, np.zeros(1))
-        share = float(more[0])
-        found = Shortfall(share)
+        if not kinematics.moved_by.any(0).all():  # A joint that moves no point has no kinematics.
+            break
+        kinematics, more = _adjusted(kinematics, more, residuals, problem, np.zeros(1))
+        found = Shortfall(float(bounded(more)))
         there = replace(problem, observations=replace(problem.observations, displacement=found.reached(sent)))
         if there.fits_noise(kinematics):
             return kinematics, found

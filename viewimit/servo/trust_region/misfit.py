@@ -85,10 +85,10 @@ class Misfit:
         """Convert images from image units of unit_px pixels to px."""
         return replace(self, amount=self.amount * unit_px) if self.kind is MisfitKind.LENS and self.amount else self
 
-    def describe(self, joints: Sequence[int] = ()) -> str:
-        """Say it in words. joints: numbers of the moving joints, by default from 1."""
+    def describe(self, joints: Sequence[int] = (), names: Sequence[str] = ()) -> str:
+        """Say it in words. joints: numbers of the moving joints, by default from 1; names: of the points."""
         number = lambda joint: joints[joint] if joints else joint + 1
-        points = ", ".join(map(str, self.points))
+        points = ", ".join(names[point] if names else str(point) for point in self.points)
         if self.kind is MisfitKind.ANOTHER_BODY:
             lengths = [
                 f"its link from joint {number(link.joints[0])} to {number(link.joints[1])} is "

@@ -40,11 +40,12 @@ from ...estimation.prediction import PredictedResiduals
 from ...estimation.rectification import fit_transfer
 from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
-from ...estimation.views import FourViews
+from ...estimation.views import FourViews, Pairs
 from ...geometry.assignment import assign, cheapest_pairs
 from ...geometry.kinematics.adjustment import with_likely_joints
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import minimise
+from .correspondences import transpositions
 from .image_models import KinematicImages
 from .options import DEFAULTS, TrustRegionOptions
 
@@ -126,6 +127,38 @@ def find_naming(
         if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
             best = found
     return best
+
+
+def mixed_up(
+    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
+) -> Pairs:
+    """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images.
+
+    Every point must have a partner. Parameters as of `find_naming`.
+    """
+    if not np.isfinite(demo).all():
+        return ()
+    found = find_naming(demo, model, lower, upper, replace(options, naming_left_out=0))
+    if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
+        return ()
+    return transpositions(found.names)
+
+
+def nearest_posture(
+    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
+) -> Array:
+    """Return the posture, (m,) rad, in which the own images have the least E.
+
+    Parameters as of `find_naming`, but with the demonstrator's points in the order of the own.
+    """
+    search = _Search.begin(demo, model, lower, upper, options)
+    order = np.flatnonzero(np.isin(search.placed, search.shown))
+    names = np.full(len(search.placed), -1)
+    names[order] = np.searchsorted(search.shown, search.placed[order])
+    residuals = search.residuals(names)
+    E = conflict(residuals(search.predict(search.postures)))
+    starts = search.postures[np.argsort(E)[: options.naming_starts]]
+    return minimise(lambda theta: residuals(search.predict(theta)), starts, lower, upper).theta
 
 
 def review_naming(
@@ -295,12 +328,15 @@ class _Search:
 
     def posture(self, names: Names, start: Array, reach: float) -> tuple[Array, float]:
         """Return the posture with the least E for these names, near the start, (m,) rad, and that E."""
-        residuals = PredictedResiduals(
-            self.views(names), METHOD, self.kinematics.rectification, noise_px=self.model.noise_px
-        )
+        residuals = self.residuals(names)
         low, high = np.maximum(self.lower, start - reach), np.minimum(self.upper, start + reach)
         at = minimise(lambda theta: residuals(self.predict(theta)), start[None], low, high)
         return at.theta, at.E
+
+    def residuals(self, names: Names) -> PredictedResiduals:
+        """Return the residuals of predicted own points under these names."""
+        rectification = self.kinematics.rectification
+        return PredictedResiduals(self.views(names), METHOD, rectification, noise_px=self.model.noise_px)
 
     def predict(self, theta: Array) -> Array:
         """Predict the own points, (..., N, 4) px."""

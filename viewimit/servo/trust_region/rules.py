@@ -16,13 +16,13 @@ from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX, PREDICTION_TOL_PX,
 from ..observation import Observation
 from ..status import ServoStatus
 from .convergence import Certificate, certificate_of
-from .correspondences import find_swaps, swapped, transpositions, with_swaps
+from .correspondences import find_swaps, swapped, with_swaps
 from .final_adjustment import estimate_posture
 from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
 from .misfit import Explanation, MisfitKind, explain
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
-from .naming import find_naming, review_naming
+from .naming import find_naming, mixed_up, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -214,13 +214,9 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
 def mixed_up_points(context: StepContext) -> Pairs:
     """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images."""
     model, observation = context.images.fit(), context.observation
-    if not isinstance(model, KinematicImages) or observation.demo is None or not np.isfinite(observation.demo).all():
+    if not isinstance(model, KinematicImages) or observation.demo is None:
         return ()
-    options = replace(context.options, naming_left_out=0)  # as every point is to have a partner
-    found = find_naming(observation.demo, model, observation.lower, observation.upper, options)
-    if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
-        return ()
-    return transpositions(found.names)
+    return mixed_up(observation.demo, model, observation.lower, observation.upper, context.options)
 
 
 def swap_points(context: StepContext, pairs: Pairs) -> None:

@@ -1,12 +1,13 @@
-"""viewimit evaluate --unmatched: name the demonstrator's points from several postures of the learner's own body.
+"""What `viewimit evaluate` tells with several postures of the learner's own body: names of points, and misfits.
 
 The learner's own images at known joint angles determine kinematics, which predict its images in the demonstrator's
-posture. The angles come from a calibration, or from a table beside the tracked points.
+posture. The angles come from a calibration, or from a table beside the tracked points. So the demonstrator's points are
+named (`--unmatched`), and it is said why the demonstrator is no body like the own one.
 """
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,20 +15,51 @@ from numpy.typing import NDArray
 
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.views import FourViews
-from ..geometry.affine import image_unit
+from ..geometry.affine import MIN_POINTS, image_unit
 from ..geometry.kinematics.adjustment import fit_kinematics
 from ..geometry.kinematics.clusters import Observations
+from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
+from ..geometry.kinematics.model import ProjectiveKinematics
 from ..geometry.rectification import fit_rectification
 from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
 from ..sensing.tracks.text import Table, column_names
+from ..servo import Misfit, MisfitKind, Observation
+from ..servo.observation import Visit
 from ..servo.trust_region.image_models import KinematicImages
-from ..servo.trust_region.naming import Naming, find_naming
+from ..servo.trust_region.misfit import explain
+from ..servo.trust_region.naming import Naming, find_naming, mixed_up, nearest_posture
+from ..servo.trust_region.options import DEFAULTS
 from . import BadInput
-from .options import naming, naming_json
+from .options import misfit_json, naming, naming_json
 
 MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
 N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is tried
 NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
+
+
+@dataclass(frozen=True)
+class OwnBody:
+    """The learner's own body, in image units."""
+
+    points: NDArray[np.int_]  # (N,): its points, among those tracked
+    seen: Observations  # in K postures
+    kinematics: ProjectiveKinematics  # that explain these images
+    shortfall: Shortfall | None  # of an arm that was not where the table says
+    noise_px: float
+    unit_px: float  # pixels of one unit
+    lower: NDArray[np.float64]  # (m,) rad, between which the demonstrator's posture is looked for
+    upper: NDArray[np.float64]
+
+    @property
+    def model(self) -> KinematicImages:
+        """Predicts its images."""
+        return KinematicImages(self.kinematics, self.seen.displacement[0], self.seen, self.noise_px, None)
+
+    @property
+    def visits(self) -> tuple[Visit, ...]:
+        seen = self.seen
+        rows = zip(seen.displacement, seen.images, np.repeat(seen.visible_in_both[..., None], 2, -1))
+        return tuple(Visit.of(*row) for row in rows)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -36,50 +68,34 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="names in l and r are not those in L and R: find out which point is which; needs one of the next two",
     )
-    parser.add_argument("--calibration", type=Path, metavar="FILE", help="the learner's body, by viewimit rehearse")
+    also = "it also shows why a demonstrator is no body like it"
+    parser.add_argument(
+        "--calibration", type=Path, metavar="FILE", help=f"the learner's body, by viewimit rehearse; {also}"
+    )
     parser.add_argument(
         "--postures",
         type=Path,
         metavar="FILE",
-        help="table of the learner's joint angles: frame, then a column of degrees for each joint",
+        help=f"table of the learner's joint angles: frame, then a column of degrees for each joint; {also}",
     )
 
 
 def require_options(args: argparse.Namespace) -> None:
     """Raise BadInput for options that do not go together."""
     given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
-    if given and not args.unmatched:
-        raise BadInput(f"--{given[0]}: only --unmatched needs it")
-    if args.unmatched and len(given) != 1:
+    if len(given) > 1:
+        raise BadInput("--calibration, --postures: both show the learner's body, give one")
+    if args.unmatched and not given:
         raise BadInput(f"--unmatched: needs {NEEDED}")
 
 
-def named(
-    args: argparse.Namespace, frames: Sequence[int], points: Sequence[str], views: FourViews
-) -> tuple[FourViews, tuple[str, ...], dict]:
-    """Put the demonstrator's points in the order of the learner's own.
+def learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews) -> OwnBody | None:
+    """Learn the own body from a table of joint angles or a calibration; None without either. views: T frames.
 
-    Parameters
-    ----------
-    args : Namespace
-        Options.
-    frames : sequence of int
-        T numbers.
-    points : sequence of str
-        P names, of both bodies.
-    views : FourViews
-        T frames, (T, P, …).
-
-    Returns
-    -------
-    views : FourViews
-        T frames of the learner's N points, (T, N, …); without any of the demonstrator's if no naming explains them.
-    points : tuple of str
-        Names of these points.
-    naming : dict
-        What was found, as JSON.
+    Raises BadInput.
     """
-    views = replace(views, matched=False)
+    if args.postures is None and args.calibration is None:
+        return None
     own = np.flatnonzero(views.visible[..., 2:].all(-1).any(0))
     matches, noise_px = select_matches(views), find_outliers(views).noise_px or 0.0
     rectification = None if args.rectify == "off" else fit_rectification(matches[:, :2], matches[:, 2:])
@@ -96,26 +112,110 @@ def named(
     unit_px = image_unit(seen.images[seen.visible_in_both])
     seen, noise = replace(seen, images=seen.images / unit_px), noise_px / unit_px
     rectified = None if rectification is None else rectification.in_units(unit_px)
-    kinematics = fit_kinematics(seen, noise, rectified)
+    kinematics, shortfall = fit_kinematics(seen, noise, rectified), None
+    if kinematics is None and (found := fit_shortfall(seen, noise, rectified)) is not None:
+        kinematics, shortfall = found
+        seen = replace(seen, displacement=shortfall.reached(seen.displacement))
     if kinematics is None:
         option = "--postures" if args.postures else "--calibration"
         wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
         raise BadInput(f"{option}: {len(seen.displacement)} postures do not show how the joints move points: {wanted}")
-    model = KinematicImages(kinematics, seen.displacement[0], seen, noise, None)
+    return OwnBody(own, seen, kinematics, shortfall, noise, unit_px, lower, upper)
+
+
+def find_misfit(body: OwnBody, frames: Sequence[int], views: FourViews) -> tuple[Misfit, int] | None:
+    """Find out why the demonstrator is no body like the own one, or the own arm not where it was sent.
+
+    Parameters
+    ----------
+    body : OwnBody
+    frames : sequence of int
+        T numbers.
+    views : FourViews
+        T frames of its points, (T, N, …).
+
+    Returns
+    -------
+    misfit, frame
+        The reason in px, and the number of the frame with the most points of the demonstrator, which shows it; None if
+        there is no sign of one.
+    """
+    shown = np.asarray(views.visible[..., :2].all(-1))
+    at = int(shown.sum(-1).argmax())
+    demo = np.where(shown[at, :, None], views.demo[at] / body.unit_px, np.nan)
+    if shown[at].sum() < MIN_POINTS:
+        return None
+    visits, last = body.visits, body.visits[-1]
+    observation = Observation(
+        last.own,
+        last.seen,
+        np.nan,
+        last.displacement,
+        body.lower,
+        body.upper,
+        0,
+        body.noise_px,
+        rectification=body.kinematics.rectification,
+        demo=demo,
+    )
+    theta = nearest_posture(demo, body.model, body.lower, body.upper)
+    explanation = explain(body.kinematics, visits, observation, theta, DEFAULTS)
+    if explanation is not None:
+        if swaps := mixed_up(demo, body.model, body.lower, body.upper):
+            return Misfit(MisfitKind.MIXED_UP, tuple(sorted({k for pair in swaps for k in pair}))), frames[at]
+        return explanation.misfit.per_pixel(body.unit_px), frames[at]
+    return None if body.shortfall is None else (Misfit(MisfitKind.ARM, amount=body.shortfall.share), frames[at])
+
+
+def misfit_of(body: OwnBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
+    """The misfit as JSON, with names of points and the frame that shows it. Parameters as of `find_misfit`."""
+    found = find_misfit(body, frames, views)
+    if found is None:
+        return None
+    said = misfit_json(found[0], range(1, 1 + len(body.lower)), points)
+    assert said is not None
+    return said | {"frame": found[1]}
+
+
+def named(
+    body: OwnBody, frames: Sequence[int], points: Sequence[str], views: FourViews
+) -> tuple[FourViews, tuple[str, ...], dict]:
+    """Put the demonstrator's points in the order of the learner's own.
+
+    Parameters
+    ----------
+    body : OwnBody
+    frames : sequence of int
+        T numbers.
+    points : sequence of str
+        P names, of both bodies.
+    views : FourViews
+        T frames, (T, P, …).
+
+    Returns
+    -------
+    views : FourViews
+        T frames of the learner's N points, (T, N, …); without any of the demonstrator's if no naming explains them.
+    points : tuple of str
+        Names of these points.
+    naming : dict
+        What was found, as JSON.
+    """
+    views, unit_px = replace(views, matched=False), body.unit_px
     shown = np.asarray(views.visible[..., :2].all(-1))
     found: Naming | None = None
     used = 0
     for frame in np.argsort(-shown.sum(-1), kind="stable")[:N_FRAMES].tolist():
         demo = np.where(shown[frame, :, None], views.demo[frame] / unit_px, np.nan)
-        tried = find_naming(demo, model, lower, upper)
+        tried = find_naming(demo, body.model, body.lower, body.upper)
         if tried is not None and (found is None or tried.accepted):
             found, used = tried, frame
         if found is not None and found.accepted:
             break
-    names = tuple(points[k] for k in own.tolist())
-    rows = found.names if found is not None and found.accepted else np.full(len(own), -1)
+    names = tuple(points[k] for k in body.points.tolist())
+    rows = found.names if found is not None and found.accepted else np.full(len(body.points), -1)
     demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
-    ordered = FourViews(demo, views.own[:, own], _visible(views, rows, own))
+    ordered = FourViews(demo, views.own[:, body.points], _visible(views, rows, body.points))
     return ordered, names, _json(found, frames[used], names, points, unit_px)
 
 

@@ -7,9 +7,9 @@ seen by the camera [A t; v 1] at
 
     y(θ) = (A x + t) / (1 + v·x),     x = T_1(θ_1) ... T_ℓ(θ_ℓ) X,     T_j a turn about the axis a_j through c_j.
 
-The law makes a probe of each joint. Then it fits the model by least squares, infers the
-posture whose predicted images agree best with the demonstrator, and goes there. What it sees there is another visit to
-learn from. It settles where the inferred posture is the present one.
+The law makes a probe of each joint. Then it fits the model by least squares, infers the posture whose predicted images
+agree best with the demonstrator, and goes there. What it sees there is another visit to learn from. It settles where
+the inferred posture is the present one.
 
 References
 ----------

@@ -51,7 +51,7 @@ def test_how_short_an_arm_stops_is_found_and_its_images_predicted_where_it_is(sh
 
 def test_an_arm_sent_far_enough_arrives():
     here, target, short = np.array([0.3, -0.2]), np.array([-0.5, 0.9]), Shortfall(0.25)
-    np.testing.assert_allclose(short.next(here, short.to_reach(here, target)), target)
+    np.testing.assert_allclose(short.reached(np.array([here, short.to_reach(here, target)]))[-1], target)
 
 
 @pytest.mark.parametrize("seed", range(3))

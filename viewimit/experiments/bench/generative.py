@@ -7,14 +7,13 @@ seen by the camera [A t; v 1] at
 
     y(θ) = (A x + t) / (1 + v·x),     x = T_1(θ_1) ... T_ℓ(θ_ℓ) X,     T_j a turn about the axis a_j through c_j.
 
-The law makes a probe of each joint. Then it fits the model by least squares, infers the
-posture whose predicted images agree best with the demonstrator, and goes there. What it sees there is another visit to
-learn from. It settles where the inferred posture is the present one.
+The law makes a probe of each joint. Then it fits the model by least squares, infers the posture whose predicted images
+agree best with the demonstrator, and goes there. What it sees there is another visit to learn from. It settles where
+the inferred posture is the present one.
 
 References
 ----------
-Gothoskar, Lázaro-Gredilla, Bekiroglu, Agarwal and George, "Learning a generative model for robot control using visual
-feedback", ICRA 2020, arXiv:2003.04474.
+Gothoskar et al., "Learning a generative model for robot control using visual feedback", 2020, arXiv:2003.04474.
 Tomasi and Kanade, "Shape and motion from image streams under orthography", IJCV 9(2), 1992.
 Murray, Li and Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, chapter 3: products of exponentials.
 """

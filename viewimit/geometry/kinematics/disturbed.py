@@ -53,10 +53,6 @@ class Shortfall:
         """Return where the arm is after each motion, (K, m) rad, of where it was sent, (K, m) rad."""
         return _reached(sent, np.asarray(self.share))
 
-    def next(self, here: Array, sent: Array) -> Array:
-        """Return where it comes from a posture, (m,) rad, if it is sent to another one."""
-        return here + (1 - self.share) * (sent - here)
-
     def to_reach(self, here: Array, target: Array) -> Array:
         """Return where to send it from a posture, (m,) rad, to reach another one."""
         return here + (target - here) / (1 - self.share)

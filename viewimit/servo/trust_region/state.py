@@ -195,7 +195,7 @@ def record_visit(
     before, sent = state.visits[-1].displacement, observation.displacement
     again = np.array_equal(before if state.shortfall is None else state.sent[-1], sent)
     if state.shortfall is not None:
-        there = before if again else state.shortfall.next(before, sent)
+        there = before if again else sent  # a fit will tell where the arm is
         observation = replace(observation, displacement=there)
         here, state = replace(here, displacement=there), replace(state, sent=_last(state.sent, sent, again, options))
     after = replace(state, visits=_last(state.visits, here, again, options))

@@ -5,6 +5,7 @@
 Run it again after any change of a text. It needs Babel, of the group `test`.
 """
 
+import argparse
 import ast
 import io
 import sys
@@ -81,9 +82,11 @@ def _changes(line: str) -> bool:
 
 
 def main() -> int:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     path = ROOT / "locale" / f"{DOMAIN}.pot"
     path.parent.mkdir(exist_ok=True)
     path.write_text(template(), "utf-8", newline="\n")
+    print(f"{len(catalog())} texts in {path}")
     return 0
 
 

@@ -70,7 +70,8 @@ def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Setting
 
 def _described(name: str, field: Setting | Disturbance) -> str:
     """A field's description, with the names that it can have."""
-    names = {"scene": scene_names, "robot": robot_names}.get(name)
+    shipped: dict[str, Callable[[], Sequence[str]]] = {"scene": scene_names, "robot": robot_names}
+    names = shipped.get(name)
     listed = list(names()) if names else list(field.choices) if isinstance(field, Setting) else []
     more = {"robot": " (also one of robot_descriptions)", "joints": ", or all"}.get(name, "")
     return field.description + more + (f": {', '.join(listed)}" if listed and name != "rectify" else "")

@@ -164,7 +164,7 @@ class Imitated:
 
 # How far the construction of the chosen point is built up, while it is shown step by step.
 
-STEP, STAYS = 0.5, 3.0  # s a step; s that the last one stays
+STEP, STAYS = 2.0, 5.0  # s a step, so that its sentence can be read; s that the last one stays
 
 
 class BuildingUp:

@@ -98,7 +98,8 @@ PARAGRAPHS = (
     _("<b>A wrong pose makes a conflict.</b> Where the poses differ, no lines can fit all points. The misfit that"
       " remains, the arrows e from diamonds to dots, is the conflict; E is their mean square. An arrow is a"
       " contradiction, not a signpost. The grey ghost in L and R is the goal, which the learner does not know:"
-      " only there do dots and diamonds meet. G hides it."),
+      " only there do dots and diamonds meet. With the paper's lines they miss each other even there by a pixel or two,"
+      " as these neglect that near things look larger. G hides it."),
     _("<b>The conflict drives the arm.</b> Press Play. The learner moves, learns what that changes in its images, and"
       " goes where E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch"
       " yourself first: it goes through 12 postures with nobody to imitate, and needs no test steps then."),

@@ -122,7 +122,7 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
     with layout.named["tray"]:
         layout.gui.add_html(f'<h3 class="vi-part vi-tray"><b>1</b> {_("Pose the demonstrator")}</h3>')
         inside = layout.gui.add_folder(None)
-        layout.gui.add_html(f'<div class="vi-or">{_("… or drag its hand in the scene")}</div>')
+        layout.gui.add_html(f'<div class="vi-or">{_("… or drag the arrows at its hand")}</div>')
     sliders = JointSliders(layout, inside, "{joint}", "pose_joint")
 
     def show(model: PageModel) -> None:

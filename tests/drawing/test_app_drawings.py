@@ -490,12 +490,12 @@ class TestStatus:
         "claimed, known, state, doubt",
         [
             ("converged", assessed(), "arrived", ""),
-            ("settled", assessed(room_deg=14), "least", "With E this large, it could be up to 14° off."),
-            ("settled", assessed(room_deg=0.34), "least", "With E this large, it could be up to 0.3° off."),
-            ("settled", assessed(room_deg=0.02), "least", "With E this large, it is less than 0.1° off."),
-            ("settled", assessed(room_deg=120), "least", "With E this large, it could be anywhere."),
+            ("settled", assessed(room_deg=14), "least", "By E alone, it could be up to 14° off."),
+            ("settled", assessed(room_deg=0.34), "least", "By E alone, it could be up to 0.3° off."),
+            ("settled", assessed(room_deg=0.02), "least", "By E alone, it is less than 0.1° off."),
+            ("settled", assessed(room_deg=120), "least", "By E alone, it could be anywhere."),
             ("settled", assessed(lower_deg=3), "settled", ""),
-            ("no-progress", assessed(room_deg=14), "least", "With E this large, it could be up to 14° off."),
+            ("no-progress", assessed(room_deg=14), "least", "By E alone, it could be up to 14° off."),
             ("no-progress", assessed(room_deg=14, lower_deg=3), "no-progress", ""),
             ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
             ("unobservable", assessed(told=(False, True)), "unobservable", ""),
@@ -507,7 +507,7 @@ class TestStatus:
                 "no-progress",
                 assessed((36.0, 3.0), room_deg=14, learnable=True),
                 "least",
-                "With E this large, it could be up to 14° off.",
+                "By E alone, it could be up to 14° off.",
             ),
         ],
     )
@@ -538,6 +538,19 @@ class TestStatus:
         E = (100.0, 50.0, 25.0)
         history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
         assert "falling by 50 % per step" in status.describe(history[-1], history[:-1]).sentence
+
+    def test_the_trend_is_of_one_posture_of_the_demonstrator(self):
+        """Moving the demonstrator raises E by itself, which is no step of the learner's."""
+        session = Session(Settings.paper())
+        session.run()
+        session.pose(np.radians([80.0, -60.0]))
+        moved = status.describe(session.snapshot, session.history[:-1]).sentence
+        assert "per step" not in moved and "E is " in moved
+        before = session.snapshot.E
+        for _ in range(4):
+            session.step()
+        assert session.snapshot.E < before
+        assert "falling by" in status.describe(session.snapshot, session.history[:-1]).sentence
 
     @pytest.mark.parametrize("E", [(100.0, 1e-9), (1e-9, 100.0), (0.0, 3.0), (np.nan, 3.0)])
     def test_there_is_no_trend_from_or_to_an_E_that_is_not_seen(self, session, E):

@@ -611,6 +611,23 @@ def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(ope
     assert page.get_attribute(".review a >> nth=0", "href") == "ray#lesson=ray&step=shadow"
 
 
+def test_links_to_other_lessons_keep_the_way_back_to_the_page(opened):
+    """A page's state has dots, which separate its parts."""
+    page = opened("choice&page=2.KLUv_Q-A.b")
+    page.evaluate("""() => {
+        const about = {about: "", minutes: 3, here: false};
+        lesson.data.catalogue.push({name: "ray", title: "The shadow of a ray", short: "The ray", ...about});
+        lesson.goTo("walk", "after-1");
+    }""")
+    settled(page)
+    press(page, "2", "s")
+    page.evaluate("lesson.goTo('walk', 'end')")
+    settled(page)
+    assert page.get_attribute("text=Next lesson: The shadow of a ray", "href") == "ray#page=2.KLUv_Q-A.b"
+    assert page.get_attribute(".review a >> nth=0", "href") == "ray#lesson=ray&step=shadow&page=2.KLUv_Q-A.b"
+    assert page.evaluate("location.hash").endswith("page=2.KLUv_Q-A.b")
+
+
 @pytest.mark.parametrize("size", ((1280, 720), (1440, 900)))
 def test_neither_head_nor_foot_sticks_out_of_the_card(opened, size):
     page = opened("choice", size=size)

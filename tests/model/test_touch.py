@@ -7,6 +7,7 @@ from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.model.choices import LARGE, NO_POINT
+from viewimit.app.model.displayed import STAYS, STEP
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -47,11 +48,12 @@ def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
     visitor.set("chosen", NO_POINT)
     call("construction").apply(model, 10.0)
     assert model.view.chosen is not None
-    stages = [model.refresh(10.0 + 0.25 + 0.5 * k).stage for k in range(6)]
-    assert stages == [0, 1, 2, 3, 4, 5] and model.refresh(14.0).stage == 5 and model.refresh(17.0).stage is None
-    call("construction").apply(model, 20.0)
-    call("construction").apply(model, 20.1)
-    assert model.refresh(20.2).stage is None
+    stages = [model.refresh(10.0 + STEP * (k + 0.5)).stage for k in range(6)]
+    end = 10.0 + 6 * STEP + STAYS
+    assert stages == [0, 1, 2, 3, 4, 5] and model.refresh(end - 0.1).stage == 5 and model.refresh(end).stage is None
+    call("construction").apply(model, 50.0)
+    call("construction").apply(model, 50.1)
+    assert model.refresh(50.2).stage is None
 
 
 @pytest.mark.parametrize("value, large", [(str(k), what) for k, what in enumerate(LARGE)])

@@ -133,7 +133,7 @@ CUT = """() => [...document.querySelectorAll(".vi-status p")].filter(p => p.scro
 
 def test_all_that_the_learner_says_and_what_is_true_is_read(page):
     """The doubt, too, in which its sentence ends."""
-    assert re.search(r"With E this large, it could be up to \d+° off\.$", status(page))
+    assert re.search(r"By E alone, it could be up to \d+° off\.$", status(page))
     for size in ALL_SIZES:
         resize(page, *size)
         assert page.evaluate(CUT) == [], size

@@ -20,6 +20,7 @@ from .glossary import ask, glossary
 from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
+MOVED_PX = 4.0  # by which a fifth of the demonstrator's coordinates differ: more than noise does
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
 COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
@@ -208,11 +209,11 @@ def _angle(rad: float) -> str:
 def _could_be_off(rad: float) -> str:
     """Say how far off a learner may be whose E is not 0."""
     if rad < EXACT:
-        return _("With E this large, it is less than 0.1° off.")
+        return _("By E alone, it is less than 0.1° off.")
     if rad >= ANY:
-        return _("With E this large, it could be anywhere.")
+        return _("By E alone, it could be anywhere.")
     angle = svg.degrees(rad, 0 if rad >= WHOLE else 1)
-    return _("With E this large, it could be up to {angle} off.").format(angle=angle)
+    return _("By E alone, it could be up to {angle} off.").format(angle=angle)
 
 
 def _too_few(used: int) -> str:
@@ -343,12 +344,21 @@ def _icon(shape: str) -> str:
 
 
 def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> float | None:
-    """Compute the relative change of E per step over the last steps without probes; None if E is too small to see."""
+    """Compute the relative change of E per step over the last steps without probes, since the demonstrator moved; None
+    without any, and if E is too small to see."""
     recent = [s for s in previous[-TREND:] if not s.probe and s.E >= svg.UNSEEN_E and s.motion < snapshot.motion]
+    recent = [s for s in recent if not _demonstrator_moved(s, snapshot)]
     if not recent or not snapshot.E >= svg.UNSEEN_E:
         return None
     first = recent[0]
     return (snapshot.E / first.E) ** (1 / (snapshot.motion - first.motion)) - 1
+
+
+def _demonstrator_moved(before: Snapshot, now: Snapshot) -> bool:
+    """Return whether the demonstrator's images show another posture."""
+    differences = np.abs(before.views.demo - now.views.demo).ravel()
+    most = int(0.8 * len(differences))
+    return bool(np.partition(differences, most)[most] > MOVED_PX)  # False where a fifth of the points is hidden
 
 
 def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:

@@ -78,7 +78,12 @@ function begin(data) {
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
-  const instrument = (new URLSearchParams(location.hash.slice(1)).get("page") ?? "").replace(/[^\w-]/g, "");
+  const instrument = (new URLSearchParams(location.hash.slice(1)).get("page") ?? "").replace(/[^\w.-]/g, "");
+  /** The address of another lesson, which leads back to the same state. @param {string} name @param {string[]} parts */
+  const beside = (name, ...parts) => {
+    const fragment = [...parts, ...instrument ? [`page=${instrument}`] : []].join("&");
+    return fragment ? `${name}#${fragment}` : name;
+  };
   /** Whether the lab stands beside this page. */
   const isServed = location.protocol !== "file:" && /\/lab\/[^/]+$/.test(location.pathname);
 
@@ -250,7 +255,7 @@ function begin(data) {
         store.forget(one.name);
         stages = new Map();
         show();
-      }, catalogue: (data.catalogue ?? []).filter(({here}) => !here),
+      }, catalogue: (data.catalogue ?? []).filter(({here}) => !here), beside,
     });
     document.title = `${stage ? stage.step.title : lesson.title} · ${lesson.short}`;
     draw();
@@ -290,7 +295,7 @@ function begin(data) {
       enter(found, {kind: "step", id})};
     const other = data.catalogue?.find(one => one.name === name && !one.here);
     const named = `${other?.short ?? name[0].toUpperCase() + name.slice(1)}: ${id.replaceAll("-", " ")}`;
-    return other ? {words: `${named} →`, href: `${name}#lesson=${name}&step=${id}`, go: null}
+    return other ? {words: `${named} →`, href: beside(name, `lesson=${name}`, `step=${id}`), go: null}
       : {words: named, href: null, go: null};
   }
 
@@ -300,7 +305,7 @@ function begin(data) {
     const next = all[all.findIndex(({name}) => name === lesson.name) + 1];
     if (!next || !all.some(({name}) => name === lesson.name)) return null;
     const found = data.lessons.find(({name}) => name === next.name);
-    return {words: `Next lesson: ${next.title} →`, href: found ? null : next.name, go: found ? () =>
+    return {words: `Next lesson: ${next.title} →`, href: found ? null : beside(next.name), go: found ? () =>
       enter(found, {kind: "home"}) : null};
   }
 

@@ -18,7 +18,7 @@ export class HomeScreen {
    * @param {(lesson: Lesson) => {words: string, done: number, isAsked: boolean}} stateOf
    * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
    *   void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void,
-   *   catalogue: {name: string, title: string, about: string, minutes: number}[]}} acts
+   *   catalogue: {name: string, title: string, about: string, minutes: number}[], beside: (name: string) => string}} acts
    */
   constructor(body, lessons, lesson, stateOf, acts) {
     this.start = () => acts.start(lesson);
@@ -44,7 +44,7 @@ export class HomeScreen {
           step.title)))));
     });
     const others = acts.catalogue.map(({name, title, about, minutes}) =>
-      make("a", {class: "other-lesson", href: name}, make("b", {}, title), make("span", {html: inline(about)}),
+      make("a", {class: "other-lesson", href: acts.beside(name)}, make("b", {}, title), make("span", {html: inline(about)}),
       make("small", {}, `${minutes} minutes`)));
     body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "",
       make("div", {class: "others"}, ...others));

@@ -229,7 +229,7 @@ def describe_construction(construction: Construction | None, point: int, stage: 
     left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
     angles = left if left == right else f"{left}, {right}"
     of_l, of_r = (svg.sample(line_sample(kind), 0, 20) for kind in list(LINE_NAMES)[:2])
-    text = _("Point {point}: its lines of l {line_l} and r {line_r} cross at {angles}")
+    text = _("Point {point}: its lines of l {line_l} and r {line_r} cross at angles of {angles}")
     return text.format(point=name, line_l=of_l, line_r=of_r, angles=angles)
 
 

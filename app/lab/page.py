@@ -1,15 +1,18 @@
-"""The one file of the lab: scenes, presets, meshes, styles and the modules, as a page that asks nobody for anything."""
+"""The one file of the lab: scenes, presets, meshes, styles and modules, as a page that asks nobody for anything."""
 
 from functools import cache
 from typing import Any
+from urllib.parse import urlencode
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 from viewimit.assets import ROOT
 
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
+from viewimit.loop.snapshot import Snapshot
 from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import Scene, extended, load_scene
 from viewimit.simulation.world import World
@@ -134,3 +137,38 @@ def served_page(name: str, robot: str | None) -> str:
         return lab_page(load_scene(name, robot), name)
     except ValueError:
         return lab_page()
+
+
+# The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
+
+TRANSFERS = ("epipolar", "linear", "projective")  # that the lab has
+SERVOS = ("broyden", "gradient", "gradient-retuned")
+DIGITS = 2  # of an angle in degrees
+
+
+def lab_address(now: Snapshot) -> str | None:
+    """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
+
+    A servo or a transfer that the lab does not have is left to its default there.
+    """
+    settings = now.settings
+    found = [preset for preset in presets() if (preset.scene or SHIPPED) == settings.scene and not preset.head]
+    own = settings.robot, settings.joints, settings.body_points
+    if not found or own != (None, None, None) or settings.sensor != "projected":
+        return None
+    fields = {
+        "preset": found[0].name,
+        "demo": _degrees(now.theta_demo),
+        "start": _degrees(now.theta),
+        "law": settings.servo if settings.servo in SERVOS else None,
+        "transfer": settings.transfer if settings.transfer in TRANSFERS else None,
+        "points": settings.points,
+        "noise": settings.noise_px,
+        "lost": round(100 * settings.missing, 3),
+        "seed": settings.seed,
+    }
+    return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")
+
+
+def _degrees(theta: NDArray[np.float64]) -> str:
+    return ",".join(f"{angle:g}" for angle in np.degrees(theta).round(DIGITS))

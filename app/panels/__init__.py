@@ -8,13 +8,12 @@ from collections.abc import Callable
 from ..model.page_model import PageModel
 from .actions import actions
 from .display import display, enlarge, offer_of_the_lab, points, still, views
-from .duel import duel
 from .experiments import experiments, motions
 from .guide import glossary, keys, lessons
 from .images import images
 from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
 from .panel import Layout
-from .plots import curves, equations, landscape
+from .plots import curves, duel, equations, landscape
 from .share import save, share
 from .status import status
 

@@ -14,7 +14,7 @@ from viewimit.simulation.scene import Scene
 
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
-from ..lab.address import lab_address
+from ..lab.page import lab_address
 from ..model.choices import LARGE, NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices

@@ -12,7 +12,7 @@ from viewimit.language import _, listed
 from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 
-from ..lab.address import lab_address
+from ..lab.page import lab_address
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
 from ..model.readable_link import NotReadable, write_link

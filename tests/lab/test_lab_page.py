@@ -5,8 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from viewimit.app.lab.address import lab_address
-from viewimit.app.lab.page import lab_page, presets
+from viewimit.app.lab.page import lab_address, lab_page, presets
 from viewimit.app.sessions import link
 from waiting import wait_until
 

@@ -77,7 +77,9 @@ def _beginning(session: Session) -> tuple[Settings, int]:
     )
     if first and not _begins_alike(settings, start):
         raise NotReadable(_("what was seen before its first step counts"))
-    return settings, session.snapshot.motion
+    made, motion = sum(action.times for action in since[first:]), session.snapshot.motion
+    is_last = session.cursor == len(session.history) - 1
+    return settings, min(made, motion + 1) if is_last else motion  # one step more has shown that it is at rest
 
 
 def _begins_alike(settings: Settings, start: Snapshot) -> bool:

@@ -59,6 +59,17 @@ def test_a_link_opens_what_was_shared(preset):
     assert model.session.cursor == 3 and model.preset.name == preset.name and not model.modified
 
 
+@pytest.mark.parametrize("servo", ["broyden", "trust-region"])
+def test_a_learner_at_rest_is_at_rest_for_others_too(servo):
+    page = QuietPage(Settings.paper(servo=servo))
+    page.page.queue.call("play")
+    page.tick_until(lambda: page.page.model.snapshot.status.is_at_rest)
+    sender, receiver = (one.page.model.session for one in (page, opened(write_link(page.page.model))))
+    assert same(sender, receiver) and receiver.snapshot.status == sender.snapshot.status
+    sender.scrub(3)
+    assert "steps=3" in write_link(page.page.model)
+
+
 def test_postures_that_were_dragged_are_where_the_link_begins():
     page = QuietPage(Settings.paper())
     page.page.model.session.pose(np.radians([30.5, -100]))

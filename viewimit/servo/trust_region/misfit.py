@@ -271,7 +271,10 @@ class _Reasons:
         return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), options.max_body_sigmas)
 
     def _lens(self) -> _Candidate | None:
-        """Fit a body like the own one to images that a lens bends, which also changes the cost of the own images."""
+        """Fit a body like the own one to images that a lens bends.
+
+        The own images alone have to show the lens. Otherwise it might bend a mirror image, or another body, into shape.
+        """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         seen = observations_of(self.visits)
         found = fit_lens(seen, noise_px, self.adjustment.kinematics.rectification)
@@ -284,9 +287,12 @@ class _Reasons:
         if like_own is None:
             return None
         adjustment, fit = like_own
-        raised = fit.raised + (adjustment.own_cost - self.adjustment.own_cost) / self.adjustment.variance
+        saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
+        price = N_LENS * self._log_coordinates
+        if saved < price:
+            return None
         bent = float(np.nanmax(np.abs([*(own - seen.images), straight - demo])))
-        return _Candidate(MisfitKind.LENS, adjustment, fit, raised + N_LENS * self._log_coordinates, amount=bent)
+        return _Candidate(MisfitKind.LENS, adjustment, fit, fit.raised - saved + price, amount=bent)
 
 
 def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:

@@ -90,7 +90,7 @@ def test_it_begins_with_what_it_is_and_how_long_it_takes(opened):
     page.evaluate("lesson.data.lessons[0].questions.length = 4; dispatchEvent(new Event('hashchange'))")
     settled(page)
     assert "and 2 for each round of 4 questions" in body(page)
-    click(page, "text=Without the questions")
+    click(page, "text=Without the questions before it")
     assert at(page)["step"] == "choice"
     assert page.inner_text("#left").endswith("min left")
 

@@ -34,7 +34,7 @@ export class HomeScreen {
         make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(one)},
           words),
           hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)},
-            "Without the questions") : null,
+            "Without the questions before it") : null,
           isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
             : null,
           done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Start again")

@@ -69,7 +69,8 @@ def _beginning(session: Session) -> tuple[Settings, int]:
     first = next((k for k, action in enumerate(since) if isinstance(action, Steps)), len(since))
     if not all(isinstance(action, MoveDemonstrator | ChangeSettings) for action in since[:first]):
         raise NotReadable(_("it has looked or calibrated before its first step"))
-    if not all(isinstance(action, Steps) for action in since[first:]):
+    steps = [action.times for action in since[first:] if isinstance(action, Steps)]
+    if len(steps) < len(since) - first:
         raise NotReadable(_("something was done on the way"))
     start = session.history[0]
     settings = msgspec.structs.replace(
@@ -77,7 +78,7 @@ def _beginning(session: Session) -> tuple[Settings, int]:
     )
     if first and not _begins_alike(settings, start):
         raise NotReadable(_("what was seen before its first step counts"))
-    made, motion = sum(action.times for action in since[first:]), session.snapshot.motion
+    made, motion = sum(steps), session.snapshot.motion
     is_last = session.cursor == len(session.history) - 1
     return settings, min(made, motion + 1) if is_last else motion  # one step more has shown that it is at rest
 

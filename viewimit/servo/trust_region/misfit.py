@@ -179,7 +179,7 @@ def explain(
     found = sorted(reasons.all(), key=_criterion)
     best = found[0]
     estimate = best.adjustment.estimate(best.fit, observation.demo)
-    if best.fit.sigmas >= options.max_reason_sigmas:
+    if best.kind is MisfitKind.NONE or best.fit.sigmas >= options.max_reason_sigmas:
         return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0)
     margin = min((one.criterion - best.criterion for one in found[1:]), default=np.inf)
     links = link_changes(best.adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
@@ -273,7 +273,8 @@ class _Reasons:
     def _lens(self) -> _Candidate | None:
         """Fit a body like the own one to images that a lens bends.
 
-        The own images alone have to show the lens. Otherwise it might bend a mirror image, or another body, into shape.
+        The own images alone have to show the lens, else this is no reason that is named: it might bend a mirror image,
+        or another body, into shape.
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         seen = observations_of(self.visits)
@@ -289,10 +290,9 @@ class _Reasons:
         adjustment, fit = like_own
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
         price = N_LENS * self._log_coordinates
-        if saved < price:
-            return None
+        kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), straight - demo])))
-        return _Candidate(MisfitKind.LENS, adjustment, fit, fit.raised - saved + price, amount=bent)
+        return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
 
 
 def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:

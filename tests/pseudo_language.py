@@ -18,6 +18,7 @@ SPOKEN = {"aria-label", "title", "placeholder", "alt"}  # attributes that a visi
 SILENT = {"style", "script", "math", "code", "kbd", "pre"}  # elements whose texts are the same in every language
 SAME = {"px", "viewimit", "cond", "SVG", "PNG"}  # words that are, too
 SAME |= {"epipolar", "linear", "rank", "projective"}  # names of transfers, by which commands and files call them
+SAME |= {"panda", "iiwa", "verged", "toed", "facing", "flat"}  # and of scenes
 NOT_SHOWN = {"icon", "mime_type", "color", "order"}  # properties of widgets
 HIDDEN = {"vi-actions", "vi-session"}  # widgets that nobody sees, of JSON
 WORD = re.compile(r"[^\W\d_]{2,}")

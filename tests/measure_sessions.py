@@ -3,7 +3,7 @@
 PYTHONPATH=tests python tests/measure_sessions.py    # --links: without the dragging
 """
 
-import sys
+import argparse
 import time
 
 import numpy as np
@@ -76,6 +76,8 @@ def beside_hostile_links() -> None:
 
 
 if __name__ == "__main__":
-    for begun in (Settings.paper(), Settings()) if "--links" not in sys.argv else ():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--links", action="store_true", help="only a good link beside two hostile ones")
+    for begun in () if parser.parse_args().links else (Settings.paper(), Settings()):
         drag(begun)
     beside_hostile_links()

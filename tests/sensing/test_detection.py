@@ -64,6 +64,7 @@ def test_markers_outside_the_searched_width_are_ignored():
 
 
 def test_files_that_are_no_pictures_are_named(tmp_path):
+    pytest.importorskip("cv2")
     with pytest.raises(FileNotFoundError, match="No such file"):
         next(read_pictures(tmp_path / "l.png"))
     for name in ("l.png", "l.mp4"):

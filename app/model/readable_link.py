@@ -29,10 +29,11 @@ FIELDS = {  # of a link: the fields of `Settings`
 }
 LISTS = ("demonstrator_deg", "start_deg", "joints", "undistort")
 MAX_STEPS = 20_000
+MAX_SPEED = 1_000  # steps a second; 0 is as fast as it computes
 MAX_READABLE = 2_000  # characters
 
 
-class NotReadable(ValueError):
+class NotReadable(Exception):
     """What a page shows does not follow from settings and a number of steps alone."""
 
 
@@ -45,7 +46,7 @@ def write_link(model: PageModel) -> str:
     """Return the readable link to what a page shows. Raises NotReadable if there is none."""
     session, view = model.session, model.view
     if model.duel.opponent is not None:
-        raise NotReadable(_("a duel has two learners"))
+        raise NotReadable  # a duel has two learners
     begin, steps = _beginning(session)
     preset = model.preset if model.preset.key else _nearest(begin)
     fields = {"preset": preset.key} | dict(_differences(begin, complete(preset.settings)))
@@ -68,16 +69,16 @@ def _beginning(session: Session) -> tuple[Settings, int]:
     since = actions[begins[-1] + 1 :] if begins else actions
     first = next((k for k, action in enumerate(since) if isinstance(action, Steps)), len(since))
     if not all(isinstance(action, MoveDemonstrator | ChangeSettings) for action in since[:first]):
-        raise NotReadable(_("it has looked or calibrated before its first step"))
+        raise NotReadable  # it has looked or calibrated before its first step
     steps = [action.times for action in since[first:] if isinstance(action, Steps)]
     if len(steps) < len(since) - first:
-        raise NotReadable(_("something was done on the way"))
+        raise NotReadable  # something was done on the way
     start = session.history[0]
     settings = msgspec.structs.replace(
         session.settings, demonstrator_deg=to_degrees(start.theta_demo), start_deg=to_degrees(start.commanded)
     )
     if first and not _begins_alike(settings, start):
-        raise NotReadable(_("what was seen before its first step counts"))
+        raise NotReadable  # what was seen before its first step counts
     made, motion = sum(steps), session.snapshot.motion
     is_last = session.cursor == len(session.history) - 1
     return settings, min(made, motion + 1) if is_last else motion  # one step more has shown that it is at rest
@@ -94,16 +95,16 @@ def _differences(settings: Settings, base: Settings) -> Iterator[tuple[str, str]
     """Yield the fields of a link for settings that differ from a preset's."""
     for name in ("body_points", "workspace_deg"):
         if getattr(settings, name) != getattr(base, name):
-            raise NotReadable(_("{name} is too long").format(name=name))
+            raise NotReadable  # too long for an address
     named = settings.scene in scene_names() and settings.robot in (None, *robot_names())
     if not named or OWN in (settings.transfer, settings.servo):
-        raise NotReadable(_("it is no shipped scene, robot or method"))
+        raise NotReadable  # it is no shipped scene, robot or method
     for name, field in FIELDS.items():
         value = getattr(settings, field)
         if value == getattr(base, field):
             continue
         if value is None:
-            raise NotReadable(_("{name} has no value").format(name=name))
+            raise NotReadable  # no text stands for it
         yield name, ",".join(map(_plain, value)) if isinstance(value, tuple) else _plain(value)
 
 
@@ -145,16 +146,24 @@ def _read(text: str, begun: Settings) -> SavedPage:
     preset = next(iter(presets_from(begun).values())) if key is None else offered[key]
     settings = _settings(fields, complete(preset.settings), begun)
     steps = _number("steps", fields.get("steps", "0"), MAX_STEPS)
-    try:
-        speed = abs(float(fields.get("speed", preset.motions_per_second)))
-    except ValueError:
-        refusal = _("the link's speed is no number: {value!r}")
-        raise ValueError(refusal.format(value=fields["speed"][:40])) from None
+    speed = _speed(fields["speed"]) if "speed" in fields else preset.motions_per_second
     script = Script(settings, (Steps(steps),) if steps else ())
     return SavedPage(
-        present=Branch(runs=(Run(script=script, cursor=steps),), preset=preset.name, speed=min(speed, 1_000.0)),
+        present=Branch(runs=(Run(script=script, cursor=steps),), preset=preset.name, speed=speed),
         settings=settings, chosen=_point(fields.get("point")), show=_switches(fields),
     )  # fmt: skip
+
+
+def _speed(text: str) -> float:
+    """Read steps a second."""
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = np.nan
+    if not 0 <= speed <= MAX_SPEED:  # NaN fails too
+        refusal = _("the link's speed must be a number from 0 to {most}, got {value!r}")
+        raise ValueError(refusal.format(most=MAX_SPEED, value=text[:40]))
+    return speed
 
 
 def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Settings:
@@ -177,12 +186,12 @@ def _impossible(error: Exception) -> ValueError:
 
 
 def _point(text: str | None) -> int | None:
-    """The index of the point that is explained; -1 for the one with the largest residual."""
+    """Return the index of the point that is explained; -1 for the one with the largest residual."""
     return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
 
 
 def _switches(fields: Mapping[str, str]) -> dict[str, bool]:
-    defaults = {name: on for name in SWITCHES if isinstance(on := getattr(View(), name), bool)}
+    defaults = {name: getattr(View(), name) for name in SWITCHES}
     for name in SWITCHES:
         if name in fields and fields[name] not in FLAGS:
             refusal = _("the link's {name} is neither 0 nor 1: {value!r}")

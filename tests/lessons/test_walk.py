@@ -596,8 +596,8 @@ def test_a_slider_of_numbers_counts_its_steps_from_its_low_end(opened):
     assert at(page)["answer"] == {"number": 25}
 
 
-def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(opened):
-    page = opened("choice")
+def end_beside_another_lesson(page):
+    """The end of the lesson, as if another one were served beside it."""
     page.evaluate("""() => {
         const about = {about: "", minutes: 3, here: false};
         lesson.data.catalogue.push({name: "ray", title: "The shadow of a ray", short: "The ray", ...about});
@@ -607,22 +607,18 @@ def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(ope
     press(page, "2", "s")
     page.evaluate("lesson.goTo('walk', 'end')")
     settled(page)
+    return page
+
+
+def test_the_end_names_the_next_lesson_and_links_to_what_is_served_beside_it(opened):
+    page = end_beside_another_lesson(opened("choice"))
     assert page.get_attribute("text=Next lesson: The shadow of a ray", "href") == "ray"
     assert page.get_attribute(".review a >> nth=0", "href") == "ray#lesson=ray&step=shadow"
 
 
 def test_links_to_other_lessons_keep_the_way_back_to_the_page(opened):
     """A page's state has dots, which separate its parts."""
-    page = opened("choice&page=2.KLUv_Q-A.b")
-    page.evaluate("""() => {
-        const about = {about: "", minutes: 3, here: false};
-        lesson.data.catalogue.push({name: "ray", title: "The shadow of a ray", short: "The ray", ...about});
-        lesson.goTo("walk", "after-1");
-    }""")
-    settled(page)
-    press(page, "2", "s")
-    page.evaluate("lesson.goTo('walk', 'end')")
-    settled(page)
+    page = end_beside_another_lesson(opened("choice&page=2.KLUv_Q-A.b"))
     assert page.get_attribute("text=Next lesson: The shadow of a ray", "href") == "ray#page=2.KLUv_Q-A.b"
     assert page.get_attribute(".review a >> nth=0", "href") == "ray#lesson=ray&step=shadow&page=2.KLUv_Q-A.b"
     assert page.evaluate("location.hash").endswith("page=2.KLUv_Q-A.b")

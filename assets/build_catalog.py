@@ -8,14 +8,14 @@ Run it again after any change of a text. It needs Babel, of the group `test`.
 import argparse
 import ast
 import io
+import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from babel.messages.catalog import Catalog
-from babel.messages.extract import extract_from_file
 from babel.messages.pofile import write_po
-from viewimit.app.static import CONTENT
+from viewimit.app.static import CONTENT, MARKED, SCRIPTS
 from viewimit.assets import ROOT
 
 from viewimit.drawing import glossary
@@ -28,19 +28,20 @@ MARKS = {"_": 1, "ngettext": 2}  # functions, and how many texts each takes
 CHANGING = ("POT-Creation-Date", "PO-Revision-Date", "Generated-By")  # of the header, at each run or by Babel's version
 
 
-def sources(suffix: str) -> list[Path]:
-    """Return the files that may hold marked texts, by the end of their names."""
-    return sorted(path for folder in FOLDERS for path in (CODE / folder).rglob(f"*{suffix}"))
+def sources() -> list[Path]:
+    """Return the files of Python code that may hold marked texts."""
+    return sorted(path for folder in FOLDERS for path in (CODE / folder).rglob("*.py"))
 
 
 def texts() -> Iterator[tuple[Path, str | tuple[str, ...]]]:
-    """Return the file and text of every place; of a text with a plural, both forms."""
-    for path in sources(".py"):
+    """Yield the file and text of every place; of a text with a plural, both forms."""
+    for path in sources():
         for text in sorted(marked(path.read_text("utf-8")), key=str):
             yield path, text
-    for path in sources(".js"):
-        for _line, text, _comments, _context in extract_from_file("javascript", path):
-            yield path, text
+    for name in SCRIPTS:
+        path = CODE / "app" / "static" / name
+        for literal in MARKED.findall(path.read_text("utf-8")):
+            yield path, json.loads(literal)
     for folder in STYLES:
         for path in sorted((CODE / folder).glob("*.css")):
             for text in CONTENT.findall(path.read_text("utf-8")):
@@ -51,7 +52,7 @@ def texts() -> Iterator[tuple[Path, str | tuple[str, ...]]]:
 
 
 def marked(code: str) -> Iterator[str | tuple[str, ...]]:
-    """Return the texts that Python code marks, also in f-strings, where Babel finds none."""
+    """Yield the texts that Python code marks, also in f-strings, where Babel finds none."""
     calls = (node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Call))
     found = [(call, call.func.id) for call in calls if isinstance(call.func, ast.Name) and call.func.id in MARKS]
     for call, name in found:

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 from quiet_page import Gui, QuietPage, Widget
 from viewimit.app.model.choices import PRESETS
-from viewimit.app.static import CONTENT, MARKED, PAGE_JS, stylesheet
+from viewimit.app.static import CONTENT, PAGE_JS, stylesheet
 
 from viewimit.loop.settings import Settings
 
@@ -150,7 +150,8 @@ class Visit:
 
 
 def main():
-    assert not MARKED.search(PAGE_JS) and OPEN.encode("unicode_escape").decode() in PAGE_JS, "the script"
+    assert not re.search(r"(?<![\w.$])_\(", PAGE_JS), "a mark in the script that `translated` does not read"
+    assert OPEN.encode("unicode_escape").decode() in PAGE_JS, "the script is not translated"
     Visit().go_through()
     assert len(SEEN) > 200, "too few texts were seen"
     found = {words for words in CONTENT.findall(stylesheet()) if foreign(words)}

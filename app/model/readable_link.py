@@ -19,7 +19,7 @@ from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import scene_names
 
 from ..sessions.link import Branch, Run, SavedPage, decode, require_allowed
-from .choices import FLAGS, PRESETS, SWITCHES, Preset, View, presets_from
+from .choices import FLAGS, PRESETS, SPEEDS, SWITCHES, Preset, View, presets_from
 from .page_model import PageModel
 
 FIELDS = {  # of a link: the fields of `Settings`
@@ -29,7 +29,6 @@ FIELDS = {  # of a link: the fields of `Settings`
 }
 LISTS = ("demonstrator_deg", "start_deg", "joints", "undistort")
 MAX_STEPS = 20_000
-MAX_SPEED = 1_000  # steps a second; 0 is as fast as it computes
 MAX_READABLE = 2_000  # characters
 
 
@@ -48,6 +47,8 @@ def write_link(model: PageModel) -> str:
     if model.duel.opponent is not None:
         raise NotReadable  # a duel has two learners
     begin, steps = _beginning(session)
+    if steps > MAX_STEPS:
+        raise NotReadable
     preset = model.preset if model.preset.key else _nearest(begin)
     fields = {"preset": preset.key} | dict(_differences(begin, complete(preset.settings)))
     if steps:
@@ -56,8 +57,9 @@ def write_link(model: PageModel) -> str:
         fields["speed"] = f"{model.player.speed:g}"
     if view.chosen != largest_residual(session.snapshot):
         fields["point"] = "none" if view.chosen is None else str(view.chosen)
+    default = View()
     for name in SWITCHES:
-        if getattr(view, name) != getattr(View(), name):
+        if getattr(view, name) != getattr(default, name):
             fields[name] = str(int(getattr(view, name)))
     return urlencode(fields, safe=",")
 
@@ -81,11 +83,12 @@ def _beginning(session: Session) -> tuple[Settings, int]:
         raise NotReadable  # what was seen before its first step counts
     made, motion = sum(steps), session.snapshot.motion
     is_last = session.cursor == len(session.history) - 1
-    return settings, min(made, motion + 1) if is_last else motion  # one step more has shown that it is at rest
+    # The last step that was made may have found the learner at rest, without a motion: it is repeated, too.
+    return settings, min(made, motion + 1) if is_last else motion
 
 
 def _begins_alike(settings: Settings, start: Snapshot) -> bool:
-    """Return whether a session that begins with these settings begins with this moment. Camera images are not taken."""
+    """Return whether a new session with these settings begins with the same E. With camera images it is not tried."""
     if start.motion != 0 or settings.sensor == "rendered":
         return False
     return np.array_equal(Session(settings).snapshot.E, start.E, equal_nan=True)
@@ -155,15 +158,12 @@ def _read(text: str, begun: Settings) -> SavedPage:
 
 
 def _speed(text: str) -> float:
-    """Read steps a second."""
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = np.nan
-    if not 0 <= speed <= MAX_SPEED:  # NaN fails too
-        refusal = _("the link's speed must be a number from 0 to {most}, got {value!r}")
-        raise ValueError(refusal.format(most=MAX_SPEED, value=text[:40]))
-    return speed
+    """Read steps a second; 0 is as fast as it computes."""
+    offered = {f"{speed:g}": speed for speed in SPEEDS.values()}
+    if text not in offered:
+        refusal = _("the link's speed must be one of {speeds}, got {value!r}")
+        raise ValueError(refusal.format(speeds=", ".join(offered), value=text[:40]))
+    return offered[text]
 
 
 def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Settings:
@@ -182,7 +182,7 @@ def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Set
 
 
 def _impossible(error: Exception) -> ValueError:
-    return ValueError(_("the link cannot be: {why}").format(why=" ".join(str(error).split())[:200]))
+    return ValueError(_("the link cannot be opened: {why}").format(why=" ".join(str(error).split())[:200]))
 
 
 def _point(text: str | None) -> int | None:

@@ -101,7 +101,8 @@ def _name(model: PageModel) -> str:
 
 
 def _speed(model: PageModel) -> str:
-    return next(name for name, value in SPEEDS.items() if value == model.player.speed)
+    """The nearest that the list has: a link may have another."""
+    return min(SPEEDS, key=lambda name: abs(SPEEDS[name] - model.player.speed))
 
 
 # The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.

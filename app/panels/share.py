@@ -17,15 +17,15 @@ from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
 from ..model.readable_link import NotReadable, write_link
 from ..sessions.link import encode_link, files_named
-from .panel import Layout, put_html
+from .panel import SLOWEST, Layout, put_html
 
 REPLAY = _("all steps as one file that any browser opens, without a server")
 PICTURE = _("at print size, in colours of print, with the caption that makes it citable; S")
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 SCALE, BORDER = 3, 2  # px a module of a QR code, and modules around it
 ONLY_HERE = _(
-    "This link opens on this machine only: the server answers nobody else. Start it with <code>--host 0.0.0.0</code>"
-    " for others on your network."
+    "Start the server with <code>--host 0.0.0.0</code> so that others on your network can open this link."
+    " Now it opens on this machine only."
 )
 WIDTH = 420  # px of a link's QR code, if its modules are not smaller than that: a projector's is read from a back row
 
@@ -68,7 +68,7 @@ def share(layout: Layout, model: PageModel) -> None:
             layout.queue.on_click(done, "share")
         put_html(inside, share_html(model, origin, is_local=layout.info.public_url is None))
 
-    layout.drawing(key, show)
+    layout.drawing(key, show, lambda model: SLOWEST if card is not None and model.view.share else 0.0)
 
 
 def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> str:
@@ -122,7 +122,7 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    text = _("It opens only on a server that was started with {files}, which no link can hold.")
+    text = _("It opens only on a server that was started with {files}: no link can hold these files.")
     return f'<p class="vi-2nd">{text.format(files=html.escape(listed(files)))}</p>'
 
 

@@ -23,8 +23,8 @@ from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
 STARTS_PICTURES = _("Starting the camera images … Grey parts still show the moment before.")
-FOLLOWS = _("Computing what the link holds: Esc lets it go.")
-RESTORES = _("Computing this tab’s session again: Esc starts again.")
+FOLLOWS = _("Press Esc to stop: the page computes the link’s session.")
+RESTORES = _("Press Esc to begin again: the page computes this tab’s session.")
 UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
 CHOICES = {  # by state: where a link leads, and its words
     "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),

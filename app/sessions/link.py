@@ -476,7 +476,7 @@ def _require_scene(text: str) -> None:
         scene = load_scene(text)
     except ValueError as error:
         why = " ".join(str(error).split())[:150]
-        raise ValueError(_("the link's scene cannot be: {why}").format(why=why)) from None
+        raise ValueError(_("the link's scene cannot be shown: {why}").format(why=why)) from None
     points = max(map(len, scene.points.values()), default=0)
     for refusal, count, most in (
         (_("the link's scene has {n} points; {most} are the most"), points, MAX_POINTS),

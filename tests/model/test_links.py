@@ -110,10 +110,10 @@ def test_a_link_that_is_followed_can_be_let_go(lets_go):
     before = model.session.snapshot
     page.page.queue.call("link", linked_text(transfer="linear"))
     page.tick(0.3)
-    assert model.following.goes_on and "Esc lets it go" in page.shown
+    assert model.following.goes_on and "Press Esc to stop" in page.shown
     page.page.queue.call(lets_go)
     page.tick(0.3)
-    assert not model.following.goes_on and "Esc lets it go" not in page.shown
+    assert not model.following.goes_on and "Press Esc to stop" not in page.shown
     list(scripts.passes)
     scripts.done(None)  # it was whole just then
     page.tick(0.3)

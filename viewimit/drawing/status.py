@@ -20,7 +20,6 @@ from .glossary import ask, glossary
 from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
-MOVED_PX = 4.0  # by which a fifth of the demonstrator's coordinates differ: more than noise does
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
 COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
@@ -355,10 +354,8 @@ def _trend(snapshot: Snapshot, previous: Sequence[Snapshot]) -> float | None:
 
 
 def _demonstrator_moved(before: Snapshot, now: Snapshot) -> bool:
-    """Return whether the demonstrator's images show another posture."""
-    differences = np.abs(before.views.demo - now.views.demo).ravel()
-    most = int(0.8 * len(differences))
-    return bool(np.partition(differences, most)[most] > MOVED_PX)  # False where a fifth of the points is hidden
+    """Return whether the demonstrator's images have changed. While it rests they are kept, with their noise."""
+    return not np.array_equal(before.views.demo, now.views.demo, equal_nan=True)
 
 
 def _says(snapshot: Snapshot, joints: Sequence[int] = ()) -> str:

@@ -118,12 +118,11 @@ def normal_equations(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Blocks of JᵀJ for derivatives (P + 3, K, N, 3): A (P, P), B (N, P, 3) and C (N, 3, 3).
 
-    A is summed over points: products of small matrices stay below the size at which BLAS starts threads, which would
-    take longer than the products.
+    A is summed over points: BLAS would start threads for one large product, which takes longer than all small ones.
     """
     P, by_point = n_parameters, np.moveaxis(J, 2, 0).reshape(J.shape[2], len(J), -1)
     products = by_point @ by_point.swapaxes(1, 2)
-    return J[:P].reshape(P, -1) @ J[:P].reshape(P, -1).T, products[:, :P, P:], products[:, P:, P:]
+    return products[:, :P, :P].sum(0), products[:, :P, P:], products[:, P:, P:]
 
 
 def sqrt_inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

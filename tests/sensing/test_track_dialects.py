@@ -99,6 +99,7 @@ def test_coordinates_that_may_be_no_pixels_are_named(tmp_path, widest, says):
         ({}, None),
         ({"L": (1, 7), "R": (1, 7)}, None),  # whose first frame shows nothing
         ({"L": (1, 9), "R": (1, 9)}, None),
+        ({"r": (0, 4), "L": (1, 8), "R": (1, 8)}, None),  # of other lengths: it is not said of all
         ({"L": (5, 5), "R": (5, 5)}, None),  # a learner that stands still
     ],
 )

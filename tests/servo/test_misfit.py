@@ -13,7 +13,7 @@ from viewimit import Session, Settings
 from viewimit.estimation.views import permute
 from viewimit.experiments.bench.misfits import OtherDemonstrator, StopsShort, stretched
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
-from viewimit.servo import Misfit, MisfitKind, Observation
+from viewimit.servo import Misfit, MisfitKind, Observation, TrustRegion, TrustRegionOptions
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.correspondences import SwappedResiduals, swapped, transpositions
 from viewimit.servo.trust_region.image_models import observations_of
@@ -150,6 +150,18 @@ def test_an_arm_that_stops_short_is_noticed_sent_farther_and_claims_in_real_degr
         assert last.status == "converged" and last.motion < 15
         assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error < np.radians(0.75)
         assert f"stops short, by {last.misfit.amount:.1%}" in last.misfit.describe()
+
+
+def test_how_short_an_arm_stops_is_known_after_its_first_visits_are_forgotten():
+    settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=1, **NOISY)
+    servo = TrustRegion(options=TrustRegionOptions(max_visits=12))
+    session = Session(settings, servo=servo)
+    session.embodiment.arm = StopsShort(session.scene, 0.2)
+    for demonstrator_deg in ((60, -60), (30, -140), (70, -90), (20, -50), (50, -130), (60, -60)):
+        session.pose(np.radians(demonstrator_deg))
+        last = session.run(40).last
+    assert last.motion > 24 and abs(last.servo_state.shortfall.share - 0.2) < 0.02
+    assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error < np.radians(0.75)
 
 
 def test_an_arm_that_moves_as_it_is_told_does_not_stop_short():

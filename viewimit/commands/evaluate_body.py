@@ -147,14 +147,14 @@ def find_misfit(body: OwnBody, frames: Sequence[int], views: FourViews) -> tuple
         return None
     visits, last = body.visits, body.visits[-1]
     observation = Observation(
-        last.own,
-        last.seen,
-        np.nan,
-        last.displacement,
-        body.lower,
-        body.upper,
-        0,
-        body.noise_px,
+        own=last.own,
+        seen=last.seen,
+        E=np.nan,
+        displacement=last.displacement,
+        lower=body.lower,
+        upper=body.upper,
+        motion=0,
+        noise_px=body.noise_px,
         rectification=body.kinematics.rectification,
         demo=demo,
     )

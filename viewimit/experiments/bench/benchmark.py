@@ -19,7 +19,7 @@ from ...simulation.scene import Scene, load_scene
 from ..executors import LocalPool, Study
 
 WITHIN_DEG = (0.5, 1.0, 3.0)  # largest joint errors up to which runs are counted
-FALSE_DEG = 1.0  # a claim is false if it is farther off,
+FALSE_DEG = 1.0  # by `is_false`, a claim is false if it is farther off,
 N_SIGMA = 3.0  # and by more than this many times what the learner expects
 PATIENCE = 20  # looks in a row with too few points after which a run ends
 CONFIDENCE = 0.95

@@ -116,7 +116,7 @@ class Compared:
     error_median: Interval
     error_95: Interval
     claimed: Share
-    falsely: Share  # claimed and more than FALSE_DEG off, of all runs
+    falsely: Share  # claimed and more than FALSE_DEG off, whatever the law expects (unlike `is_false`), of all runs
     gained: Interval | None  # share within WITHIN_DEG[0] beyond the paper's law's
     error_less: Interval | None  # median of the reduction of the error, degrees
     motions_less: Interval | None  # median of the reduction of motions

@@ -32,7 +32,7 @@ from ...servo.least_squares import minimise
 from ...servo.observation import Observation, ScaledResiduals, Visit, in_units, probe_motion, repeat_xy, unit_of
 from ...servo.status import ServoStatus
 
-N_CAMERAS = 22  # parameters: A (4 x 3), t (4) and v (2 x 3) of both cameras
+T_AT, V_AT, N_CAMERA_PARAMETERS = 12, 16, 22  # A (4 x 3), then t (4) and v (2 x 3) of both cameras, where they begin
 MIN_DEPTH = 0.05  # least denominator 1 + v·x, relative to that of the mean point
 PERSPECTIVE_STD = 1.0  # of v, a priori: the cameras are affine where the images do not say otherwise
 N_STARTS = 4  # initial values of a fit: from the probes, and others at random
@@ -55,7 +55,7 @@ Floats = NDArray[np.float64]
 class GenerativeModel:
     """A chain of joints in two projective cameras. Several at once have leading axes in parameters and points."""
 
-    parameters: Floats  # (..., N_CAMERAS + 6 m): of the cameras, then a_j (of any length) and c_j of each joint
+    parameters: Floats  # (..., N_CAMERA_PARAMETERS + 6 m): the cameras; a_j (of any length) and c_j of each joint
     points: Floats  # (..., N, 3): at the reference
     link: NDArray[np.int_]  # (N,): how many joints move a point, from the base outwards
     reference: Floats  # (m,) rad
@@ -65,13 +65,13 @@ class GenerativeModel:
         x = np.broadcast_to(
             self.points[..., None, :, :], (*self.points.shape[:-2], len(displacement), len(self.link), 3)
         )
-        joints = self.parameters[..., N_CAMERAS:].reshape(*self.parameters.shape[:-1], -1, 2, 3)
+        joints = self.parameters[..., N_CAMERA_PARAMETERS:].reshape(*self.parameters.shape[:-1], -1, 2, 3)
         for j in reversed(range(displacement.shape[1])):
             axis, centre = joints[..., j, 0, :], joints[..., j, 1, None, None, :]
             turn = rotations(axis, displacement[:, j] - self.reference[j])
             turned = (x - centre) @ turn.swapaxes(-1, -2) + centre
             x = np.where((self.link > j)[:, None], turned, x)
-        A, t, v = np.split(self.parameters[..., :N_CAMERAS], (12, 16), axis=-1)
+        A, t, v = np.split(self.parameters[..., :N_CAMERA_PARAMETERS], (T_AT, V_AT), axis=-1)
         lead = self.parameters.shape[:-1]
         A, v = A.reshape(*lead, 1, 4, 3), v.reshape(*lead, 1, 2, 3)
         depth = np.maximum(1 + x @ v.swapaxes(-1, -2), MIN_DEPTH)
@@ -148,7 +148,7 @@ def fit(visits: Visits, noise: float, previous: GenerativeModel | None) -> Gener
 def _fit_from(model: GenerativeModel, visits: Visits, noise: float, accepted: float) -> GenerativeModel:
     """Fit cameras, joints and points, and find the link of each point again where noise does not explain the result."""
     prior = np.zeros(len(model.parameters))
-    prior[16:N_CAMERAS] = (max(noise, FLOOR_PX) / PERSPECTIVE_STD) ** 2
+    prior[V_AT:N_CAMERA_PARAMETERS] = (max(noise, FLOOR_PX) / PERSPECTIVE_STD) ** 2
     for _ in range(N_ROUNDS):
         model = levenberg_marquardt(model, visits.residuals, prior, FTOL, MAX_ITER)
         if visits.rms(model) < accepted:

@@ -160,14 +160,14 @@ def fit_shortfall(
         return None
     coordinates = frame.coordinates(images)
     initial = ProjectiveKinematics.initial(len(seen), sent.displacement[0], frame, rectification)
+    problem = BundleAdjustment(sent.restrict(seen), coordinates, noise_px)
+    if problem.degrees_of_freedom < 2:
+        return None
     for first in FIRST_SHARES:
         reached = Shortfall(first).reached(sent.displacement)
         rates = np.linalg.lstsq(reached[near] - reached[0], (images[near] - images[0]).reshape(near.sum(), -1))[0]
         rates = np.abs(rates).reshape(-1, *images.shape[1:]).max(-1).T * seen[:, None]  # (N, m)
         moved_by = rates > MOVED_SHARE * rates.max(0)
-        problem = BundleAdjustment(sent.restrict(seen), coordinates, noise_px)
-        if problem.degrees_of_freedom < 2:
-            return None
         kinematics = replace(initial, moved_by=moved_by).with_points(seen, problem.observations, coordinates)
         found = _fit_shortfall(kinematics, first, problem)
         if found is not None and SHARES[0] < abs(found[1].share) < SHARES[1]:
@@ -241,8 +241,8 @@ def fit_lens(
             return None
         kinematics = kinematics.with_points(known, seen, problem.coordinates)
         kinematics, lens, straight = _fit_lens(kinematics, flat, problem, images)
-        apart = images if rectified is not None else lens.straightened(images)
-        off_plane = StereoFrame.fit(apart[seen.visible_in_both]).rms_off_plane_px if rectified is None else 0.0
+        bent_back = lens.straightened(images)[seen.visible_in_both]
+        off_plane = StereoFrame.fit(bent_back).rms_off_plane_px if rectified is None else 0.0
         if straight.fits_noise(kinematics) and off_plane < MAX_OFF_PLANE_SIGMA * problem.noise_floor_px:
             return kinematics, lens
     return None

@@ -116,16 +116,16 @@ class TrackedPoints:
         """Return which views may count their frames from 0 where the others count from 1; None if none seem to."""
         shown = {view: np.flatnonzero(self._present(view).any(1)) for view in VIEWS}
         spans = {view: (self.frames[at[0]], self.frames[at[-1]]) for view, at in shown.items() if len(at) > 1}
-        from_0 = [view for view, (first, _) in spans.items() if first == 0]
-        from_1 = [view for view, (first, _) in spans.items() if first == 1]
-        if not from_0 or not from_1 or spans[from_0[0]][1] + 1 != spans[from_1[0]][1]:
+        from_0 = {view: last for view, (first, last) in spans.items() if first == 0}
+        from_1 = {view: last for view, (first, last) in spans.items() if first == 1}
+        ends = {last + 1 for last in from_0.values()} | {*from_1.values()}
+        if not from_0 or not from_1 or len(ends) > 1:
             return None
         zero, one = (", ".join(VIEW_NAMES[view] for view in views) for views in (from_0, from_1))
-        last = spans[from_0[0]][1]
+        (end,) = ends
         return (
-            f"frames are 0 to {last} in {zero}, but 1 to {last + 1} in {one}: "
-            "if the first of each shows the same moment, "
-            "count them alike"
+            f"frames are 0 to {end - 1} in {zero}, but 1 to {end} in {one}: "
+            "if the first of each shows the same moment, count them alike"
         )
 
     def _present(self, view: str) -> NDArray[np.bool_]:

@@ -78,8 +78,8 @@ class Misfit:
     kind: MisfitKind
     points: tuple[int, ...] = ()  # indices of the points concerned
     links: tuple[LinkChange, ...] = ()  # of another body
-    amount: float | None = None  # of a lens: by how many px it bends the images at most; of an arm: the share of each
-    # motion by which it stops short, negative if it goes too far; None if unknown
+    amount: float | None = None  # of a lens: px by which it moves an image coordinate at most; of an arm: the share of
+    # each motion by which it stops short, negative if it goes too far; None if unknown
 
     def per_pixel(self, unit_px: float) -> "Misfit":
         """Convert images from image units of unit_px pixels to px."""
@@ -277,9 +277,10 @@ class _Reasons:
         or another body, into shape.
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
+        assert demo is not None  # by `explain`
         seen = observations_of(self.visits)
         found = fit_lens(seen, noise_px, self.adjustment.kinematics.rectification)
-        if found is None or demo is None:
+        if found is None:
             return None
         kinematics, lens = found
         own, straight = lens.straightened(seen.images), lens.straightened(demo[None])[0]

@@ -313,7 +313,7 @@ def find_explanation(state: TrustRegionState, context: StepContext) -> Explanati
 def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
     """Return a reason that spares the search for a smaller E elsewhere; None without.
 
-    It is looked for before every other search, as that is costly.
+    Looking is costly: it is done with the first transfer alone, and before every second restart.
     """
     search, options = state.search, context.options
     if search.rung or search.min_points or search.n_restarts % 2:

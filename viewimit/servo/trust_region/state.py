@@ -230,7 +230,10 @@ def _with_kinematics(
 
 def _with_shortfall(state: TrustRegionState, observation: Observation) -> TrustRegionState:
     """Fit kinematics of an arm that stops short; without any, it counts as where it was sent."""
-    sent = tuple(visit.displacement for visit in state.visits) if state.shortfall is None else state.sent
+    if state.shortfall is None:
+        sent = tuple(visit.displacement for visit in state.visits)
+    else:  # where it was sent to the oldest visit may be forgotten, but not where it was
+        sent = (state.visits[0].displacement, *state.sent[1:])
     of_visits = replace(observations_of(state.visits), displacement=np.array(sent))
     previous = None if state.shortfall is None or state.kinematics is None else (state.kinematics, state.shortfall)
     found = fit_shortfall(of_visits, observation.noise_px, observation.rectification, previous)

@@ -136,7 +136,8 @@ def test_a_connection_that_is_lost_while_a_laptop_sleeps_is_made_again_with_its_
         page.evaluate("kept.connect = () => { kept.again = true; TabSession.prototype.connect.call(kept); }")
         relay.cut()
         wait(page, lambda: page.evaluate("kept.again === true"))  # the time between may be too short to be seen
-        wait(page, lambda: page.evaluate("box") != "" and posture(page) == stepped(2))
+        # The server has sent again all that it has restored: until then the old page may still be seen
+        wait(page, lambda: page.evaluate("box !== '' && kept.number > 0") and posture(page) == stepped(2))
         step(page, 1, before=2)
     relay.close()
     assert server.stop() == 0

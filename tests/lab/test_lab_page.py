@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from browsing import sparing
 from viewimit.app.lab.page import lab_address, lab_page, presets
 from viewimit.app.sessions import link
 from waiting import wait_until
@@ -50,7 +51,7 @@ def opened(browser, path):
     contexts, faults, requests = [], [], []
 
     def open_(address="", width=1000, height=700, ready=True, before=None, **options):
-        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        context = sparing(browser.new_context(viewport={"width": width, "height": height}, **options))
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))

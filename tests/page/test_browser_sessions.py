@@ -5,9 +5,9 @@ import contextlib
 import pytest
 from browsing import (
     SIZES,
-    SPARING,
     posture,
     press,
+    sparing,
     stands,
     status,
     wait,
@@ -51,8 +51,7 @@ def tab_of(context, url: str):
 def opened(browser, url: str, script: str = ""):
     """A tab in a context of its own, with a script that runs before the page's."""
     width, height = SIZES["least"]
-    context, problems = browser.new_context(viewport={"width": width, "height": height}), []
-    context.add_init_script(SPARING)
+    context, problems = sparing(browser.new_context(viewport={"width": width, "height": height})), []
     context.add_init_script(script)
     context.on("weberror", lambda error: problems.append(str(error.error)))
     yield tab_of(context, url)

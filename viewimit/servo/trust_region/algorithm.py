@@ -11,8 +11,9 @@ PLAN      Measure E at all visits, update the radius by what the last step achie
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
-          a verification motion if no visit shows that yet. With noise, one adjustment of both bodies' images then gives
-          the posture to rest at, and refuses a claim about another body (`final_adjustment`).
+          a verification motion if neither visits show that yet, nor kinematics that have predicted one. With noise, one
+          adjustment of both bodies' images then gives the posture to rest at, and refuses a claim about another body
+          (`final_adjustment`).
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits. None is looked for if there is
           a convincing reason why the demonstrator is no body like the own one (`misfit`).
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
@@ -135,6 +136,7 @@ class TrustRegion:
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
+            confirmed=state.confirmed,
             mismatch=state.mismatch,
             shortfall=state.shortfall,
             sent=state.sent,
@@ -152,7 +154,7 @@ class TrustRegion:
         if state.calibration and state.kinematics is None:  # Kinematics explain all visits, those of calibration, too.
             if not is_consistent(state.calibration, state.visits, observation.noise_px):
                 state = without_calibration(state, options)
-        images = ImageData(state.known, observation.noise_px, state.kinematics)
+        images = ImageData(state.known, observation.noise_px, state.kinematics, state.confirmed)
         context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state, observation), None
         while displacement is None:

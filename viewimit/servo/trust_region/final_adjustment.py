@@ -6,10 +6,12 @@ adjustment has seven, since the own motions show which homographies keep a body'
 
 The test is an F-test. The demonstrator's images raise the cost of the own images alone by σ² χ²_f if both bodies are
 alike. The own images have that noise, too, so their cost over its degrees of freedom estimates σ². It is a better
-estimate than the noise at rest, and without the error of that one.
+estimate than the noise at rest, and without the error of that one. The same test shows whether learned kinematics have
+predicted a visit: its images raise the cost of those before by as little if the kinematics are right.
 
 References
 ----------
+Chow, "Tests of equality between sets of coefficients in two linear regressions", Econometrica 1960.
 Paulson, "An approximate normalization of the analysis of variance distribution", 1942.
 """
 
@@ -20,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.noise import f_test_sigmas
-from ...geometry.kinematics.adjustment import NOISE_SLACK
+from ...geometry.kinematics.adjustment import NOISE_SLACK, BundleAdjustment
+from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
 from ..observation import Observation, Visit
@@ -100,6 +103,26 @@ class FinalAdjustment:
         """Return the posture of a fit. demo: (N, 4) px, the images that it is of."""
         std_error = fit.std * self.problem.angle_std(fit.pair)[0]
         return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas, demo)
+
+
+def prediction_sigmas(
+    previous: ProjectiveKinematics, found: ProjectiveKinematics, observations: Observations, noise_px: float
+) -> float:
+    """Return by how many standard deviations the last visit contradicts kinematics that did not know it.
+
+    previous: fitted to all visits but the last; found: from there, to all; noise_px: standard deviation of an image
+    coordinate.
+    """
+    known = observations.restrict(~previous.unknown)
+    earlier = known.select_visits(np.arange(len(known.displacement)) < len(known.displacement) - 1)
+    before = BundleAdjustment.of(previous, earlier, noise_px)
+    after = BundleAdjustment.of(found, known, noise_px)
+    freedom, added = before.degrees_of_freedom, after.degrees_of_freedom - before.degrees_of_freedom
+    if freedom < 1 or added < 1:
+        return np.inf
+    cost, cost_after = (float((one.residuals(k) ** 2).sum()) for one, k in ((before, previous), (after, found)))
+    variance = max(cost / freedom, (noise_px / NOISE_SLACK) ** 2)
+    return f_test_sigmas(max(cost_after - cost, 0.0) / variance / added, added, freedom)
 
 
 def estimate_posture(

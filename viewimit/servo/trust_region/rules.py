@@ -143,12 +143,15 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     """Whether the planned step is worth a motion.
 
     It must be `xtol` long. A shorter one of at least `min_step` is worth a motion only if it decides: if E leaves room
-    at the best visit, and no room at the predicted minimum.
+    at the best visit, and no room at the predicted minimum. Where noise explains E, confirmed kinematics need no step:
+    the final adjustment finds the posture.
     """
     plan, region, options = context.plan, state.region, context.options
     decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
     long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and decides)
     model_reduces_E = region.descend_allowed and region.n_rejected < options.max_rejections
+    if state.confirmed and plan.noise_reference is not None and plan.E < noise_floor(context) and not context.tracking:
+        return False
     return bool(long_enough and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
 
 

@@ -79,17 +79,22 @@ for (const kind of [WebGLRenderingContext, WebGL2RenderingContext])
 }"""
 
 
+def sparing(tab):
+    """Let a tab, or all of a window, spare what no test looks at, see `SPARING`; return it."""
+    tab.add_init_script(SPARING)
+    return tab
+
+
 def open_page(browser, url: str, size: str = "least", **options):
     """A tab with the page, complete. options: of the tab, as its pixel ratio. `problems`: errors; `requested`:
     addresses; `frames_received` by its socket."""
     width, height = SIZES[size]
-    page = browser.new_page(viewport={"width": width, "height": height}, **options)
+    page = sparing(browser.new_page(viewport={"width": width, "height": height}, **options))
     page.problems, page.requested, page.frames_received = [], [], []
     page.on("pageerror", lambda error: page.problems.append(str(error)))
     page.on("console", lambda m: page.problems.append(m.text) if m.type == "error" else None)
     page.on("request", lambda request: page.requested.append(request.url))
     page.on("websocket", lambda ws: ws.on("framereceived", lambda data: page.frames_received.append(data)))
-    page.add_init_script(SPARING)
     page.goto(url)
     wait_until_complete(page)
     return page

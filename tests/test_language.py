@@ -66,11 +66,14 @@ UNSEEN_CALLS = {"TypeVar", "log", "Tolerance"}  # whose texts nobody sees on the
 EXCEPTIONS = (  # beginnings of texts that are the same in every language, or that only programmers see
     "two commands named", f"command {FIELD}: {FIELD} needs", f", and {FIELD} more since the line before",
     "a transfer needs points", "a transfer is a function", f"the servo {FIELD} has no", " and no ",
-    f"give {FIELD} to ServoMethod", "step(state", "Inter", "Regular", "Minus", "#set document", "pip install",
-    "“View-Based", "Fig.", "<kbd>", "<math ", f"{FIELD} px",
-    "Images",  # a key of `model.pictures.PICTURES`
-    "all points", "same posture", "the hand's points", "minimum on pictures", "E at rest",  # keys of Figs. 8 to 10
+    f"give {FIELD} to ServoMethod", "step(state", "#set document", "pip install", "“View-Based", "<kbd>", "<math ",
+    "Inter,", "Fig. 10: ", "all points, transfer", "the hand's points, transfer",  # fonts; keys of Fig. 10
 )  # fmt: skip
+SAME = {  # whole texts of that kind
+    "Inter", "Regular", "Minus", "Fig.", f"{FIELD} px",
+    "Images",  # a key of `model.pictures.PICTURES`
+    "all points", "same posture", "minimum on pictures", "E at rest",  # keys of Figs. 8 to 10
+}  # fmt: skip
 
 
 def whole(node):
@@ -122,7 +125,7 @@ def visible_literals(code):
     skipped = set(unseen(tree))
     for node in literals(tree, skipped):
         text = whole(node)
-        if is_visible(text) and not text.startswith(EXCEPTIONS):
+        if is_visible(text) and text not in SAME and not text.startswith(EXCEPTIONS):
             yield node.lineno, text.replace(FIELD, "{}")
 
 

@@ -300,6 +300,8 @@ def test_an_editable_install_shows_its_types_in_another_folder_and_runs_the_file
 def test_an_install_from_source_builds_no_documentation_and_asks_for_nothing_of_it(tmp_path, monkeypatch):
     """With an example that fails, too."""
     clone = copied(tmp_path / "clone")
+    for page in (clone / "docs").rglob("*.md"):
+        page.unlink()
     (clone / "docs/index.md").write_text("```{no-such-directive}\n```\n")
     code = """import sys, build_backend as b
 asked = [need for need in b.get_requires_for_build_wheel() if "sphinx" in need]

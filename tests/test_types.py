@@ -13,7 +13,7 @@ ROOT = Path(__file__).parent.parent
 
 
 @pytest.mark.skipif(sys.version_info < (3, 11), reason="the last NumPy there has narrower types of shapes")
-@pytest.mark.parametrize("platform", ["linux", "win32"])
+@pytest.mark.parametrize("platform", ["linux", pytest.param("win32", marks=pytest.mark.slow)])
 def test_the_type_checker_finds_nothing(tmp_path, platform):
     """A name that a system lacks, such as os.nice on Windows, is one that it finds."""
     package = tmp_path / "viewimit"

@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from browsing import sparing
 from websockets.sync.client import connect
 
 PATIENCE_S = 90.0
@@ -148,7 +149,7 @@ class Chromium:
     """A Chromium with the methods of `Firefox`."""
 
     def __init__(self, browser):
-        self.page = browser.new_page(viewport={"width": 1440, "height": 900})
+        self.page = sparing(browser.new_page(viewport={"width": 1440, "height": 900}))
         self.problems = []
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))
         self.page.on("console", lambda m: self.problems.append(m.text) if m.type == "error" else None)

@@ -225,8 +225,8 @@ document.addEventListener("click", event => {
   if (event.target.closest("[role=option]")) setTimeout(() => leave(document.activeElement));
   if (event.detail && event.target.closest("button,[role=tab]"))
     document.activeElement.blur();  // by a pointer: Space plays
-  if (event.detail && event.target.closest(".vi-views label"))
-    setTimeout(() => document.activeElement.blur());  // which only then has the focus
+  if (event.detail && event.target.closest("label,[type=checkbox]"))
+    setTimeout(() => document.activeElement.matches("[type=checkbox],[type=radio]") && document.activeElement.blur());
 });
 
 // Arrows move the slider or the tab that has the focus, and nothing else

@@ -475,7 +475,7 @@ def test_cases_of_a_bench_can_be_asked_for_by_a_part_of_their_names(ask, ask_jso
     _, alone = ask_json("bench", "robustness", "--case", "swapped", "--runs", 2)
     names = [row["case"] for row in alone["robustness"]]
     assert names == [case.name for case in robustness.CASES if "swapped" in case.name]
-    _, named = ask_json("bench", "scenes", "--case", "any head, rectified", "--runs", 5)
+    _, named = ask_json("bench", "scenes", "--case", "any head, rectified", "--runs", 2)
     assert [row["row"] for row in named["scenes"]["rows"]] == ["any head, rectified"], "and no noise"
     for what, case, start in (
         ("robustness", "no such", "viewimit bench: --case: "),

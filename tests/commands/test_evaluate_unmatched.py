@@ -1,5 +1,7 @@
 """`evaluate --unmatched` names tracked points by several postures of the learner's own body, or by a rehearsal."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -110,7 +112,6 @@ def test_points_of_another_body_are_not_named(ask, ask_json, tracks):
         if row[1] in "lr":
             row[3:] = [str(x[row[2]] + (20 * (y[row[2]] / 200) if row[1] == "l" else 0)), str(y[row[2]])]
     path.write_text("\n".join(map(",".join, rows)) + "\n")
-    status, said = ask_json("evaluate", path, "--unmatched", "--postures", angles)
-    assert status == 1 and not said["naming"]["accepted"]
-    _, _, error = ask("evaluate", path, "--unmatched", "--postures", angles)
+    status, out, error = ask("evaluate", path, "--unmatched", "--postures", angles, "--json")
+    assert status == 1 and not json.loads(out)["naming"]["accepted"]
     assert "no naming of the demonstrator's points explains its images" in error

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import tomllib
 import typescript
+from browsing import sparing
 from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.source import shipped
 
@@ -29,7 +30,7 @@ def opened(browser, page_file):
 
     def open_step(lesson, step, size="laptop"):
         width, height = SIZES[size]
-        page = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
+        page = sparing(browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce"))
         tabs.append(page)
         page.faults = []
         page.on("pageerror", lambda error: page.faults.append(str(error)))

@@ -2,6 +2,7 @@
 
 import pytest
 import walking
+from browsing import sparing
 from waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -29,9 +30,8 @@ def opened(browser, path):
     contexts, faults, requests = [], [], []
 
     def open_(step="", seed=4, size=(1280, 720), before=None, **options):
-        context = browser.new_context(
-            viewport={"width": size[0], "height": size[1]}, **{"reduced_motion": "reduce", **options}
-        )
+        options = {"reduced_motion": "reduce", **options}
+        context = sparing(browser.new_context(viewport={"width": size[0], "height": size[1]}, **options))
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))

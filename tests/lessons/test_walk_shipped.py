@@ -1,6 +1,7 @@
 """Every shipped lesson is walked from its first step to its end: with keys alone, with the mouse, and with a finger."""
 
 import pytest
+from browsing import sparing
 from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.source import ORDER, shipped
 from waiting import wait_until
@@ -35,7 +36,7 @@ def opened(browser, folder):
     contexts, faults = [], []
 
     def open_(name, **options):
-        contexts.append(browser.new_context(reduced_motion="reduce", **options))
+        contexts.append(sparing(browser.new_context(reduced_motion="reduce", **options)))
         page = contexts[-1].new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)

@@ -265,7 +265,7 @@ def test_a_session_that_is_restored_can_be_let_go_and_what_is_clicked_meanwhile_
     page.act("session", worked.kept)
     page.page.queue.call("step")
     page.tick(0.3)
-    assert "session again: Esc" in page.shown and page.page.model.session.cursor == 0, "a motion waits"
+    assert "this tab’s session" in page.shown and page.page.model.session.cursor == 0, "a motion waits"
     page.page.queue.call(lets_go)
     page.tick(0.3)
     page.tick(0.3)

@@ -5,9 +5,9 @@ import contextlib
 import pytest
 from browsing import (
     SIZES,
-    SPARING,
     posture,
     press,
+    sparing,
     stands,
     status,
     wait,
@@ -51,8 +51,7 @@ def tab_of(context, url: str):
 def opened(browser, url: str, script: str = ""):
     """A tab in a context of its own, with a script that runs before the page's."""
     width, height = SIZES["least"]
-    context, problems = browser.new_context(viewport={"width": width, "height": height}), []
-    context.add_init_script(SPARING)
+    context, problems = sparing(browser.new_context(viewport={"width": width, "height": height})), []
     context.add_init_script(script)
     context.on("weberror", lambda error: problems.append(str(error.error)))
     yield tab_of(context, url)
@@ -136,7 +135,8 @@ def test_a_connection_that_is_lost_while_a_laptop_sleeps_is_made_again_with_its_
         page.evaluate("kept.connect = () => { kept.again = true; TabSession.prototype.connect.call(kept); }")
         relay.cut()
         wait(page, lambda: page.evaluate("kept.again === true"))  # the time between may be too short to be seen
-        wait(page, lambda: page.evaluate("box") != "" and posture(page) == stepped(2))
+        # The server has sent again all that it has restored: until then the old page may still be seen
+        wait(page, lambda: page.evaluate("box !== '' && kept.number > 0") and posture(page) == stepped(2))
         step(page, 1, before=2)
     relay.close()
     assert server.stop() == 0

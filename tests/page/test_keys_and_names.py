@@ -174,6 +174,20 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
     assert box.evaluate("box => box === document.activeElement")  # Tab goes on from there
 
 
+def test_after_a_tick_with_the_mouse_the_keys_are_the_pages_and_with_the_keyboard_the_boxs(page):
+    show(page, TABS[-1])
+    box = page.locator("input[type=checkbox]:visible").first
+    for _ in range(2):
+        box.click()
+        page.wait_for_function("document.activeElement === document.body")
+    box.focus()
+    for _ in range(2):
+        page.keyboard.press("Space")
+        assert box.evaluate("box => box === document.activeElement")
+    wait_for_status(page, "Ready")
+    box.blur()
+
+
 def test_a_number_box_without_a_number_shows_its_value_again_and_says_its_range(page):
     box = page.get_by_label("Elbow θ₄, −180 … 0", exact=True)
     before = box.input_value()

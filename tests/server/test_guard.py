@@ -11,7 +11,7 @@ import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from browsing import PATIENCE_MS, PATIENCE_S, SPARING, STATUS
+from browsing import PATIENCE_MS, PATIENCE_S, STATUS, sparing
 from protocol import VIEW, Client
 from serving import Server
 from viewimit.app.server import messages as message_schema
@@ -388,9 +388,8 @@ def is_heard(browser, url: str, parameter: str, bypass_csp: bool) -> bool:
         elsewhere.bind(("127.0.0.1", 0))
         elsewhere.listen()
         elsewhere.settimeout(0.05)
-        context = browser.new_context(bypass_csp=bypass_csp)
+        context = sparing(browser.new_context(bypass_csp=bypass_csp))
         page, tried = context.new_page(), []
-        page.add_init_script(SPARING)
         address = f"127.0.0.1:{elsewhere.getsockname()[1]}"
         page.on("console", lambda message: tried.append(message.text) if address in message.text else None)
         page.goto(f"{url}/?{parameter.format(address)}")
@@ -417,9 +416,8 @@ def test_a_link_cannot_make_the_page_load_from_elsewhere(browser, guarded):
 @pytest.mark.browser
 def test_a_link_cannot_make_the_page_connect_to_another_server(browser, guarded):
     """Even without the policy: the page's script has it connect to where it came from, and cleans the address."""
-    context = browser.new_context(bypass_csp=True)
+    context = sparing(browser.new_context(bypass_csp=True))
     page, asked = context.new_page(), []
-    page.add_init_script(SPARING)
     page.on("websocket", lambda opened: asked.append(opened.url))
     page.goto(f"{guarded.url}/?websocket=ws://127.0.0.1:9")
     page.wait_for_selector(STATUS, timeout=PATIENCE_MS)
@@ -430,8 +428,7 @@ def test_a_link_cannot_make_the_page_connect_to_another_server(browser, guarded)
 
 @pytest.mark.browser
 def test_no_request_leaves_the_machine(browser, guarded, bystander):
-    page = browser.new_page()
-    page.add_init_script(SPARING)
+    page = sparing(browser.new_page())
     asked = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda opened: asked.append(opened.url))

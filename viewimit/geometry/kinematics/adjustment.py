@@ -132,7 +132,7 @@ def fit_kinematics(
     images = np.where(observations.visible_in_both[..., None], observations.images, 0.0)
     images = images if rectification is None else rectification.apply(images)
     initial = previous or _initial(observations, images, rectification)
-    if initial.frame.rms_off_plane_px > max(NOISE_FLOOR_PX, MAX_OFF_PLANE_SIGMA * noise_px):
+    if not is_of_parallel_cameras(initial.frame, noise_px):
         return None
     coordinates = initial.frame.coordinates(images)
     moved_by, known = clusters
@@ -146,6 +146,11 @@ def fit_kinematics(
     seen_twice = found.unknown & (observations.visible_in_both.sum(0) > 1)
     extended = reassigned(found, seen_twice, problem)
     return found if extended is found else problem.restricted_to_known(extended).solve(extended) or found
+
+
+def is_of_parallel_cameras(frame: StereoFrame, noise_px: float) -> bool:
+    """Whether noise explains how far the images are from those of parallel cameras."""
+    return frame.rms_off_plane_px <= max(NOISE_FLOOR_PX, MAX_OFF_PLANE_SIGMA * noise_px)
 
 
 def _initial(

@@ -26,7 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .adjustment import MAX_OFF_PLANE_SIGMA, MAX_SINGLE_SQUARE, NEAR_RAD, BundleAdjustment, reassigned
+from .adjustment import (
+    MAX_OFF_PLANE_SIGMA,
+    MAX_SINGLE_SQUARE,
+    NEAR_RAD,
+    BundleAdjustment,
+    is_of_parallel_cameras,
+    reassigned,
+)
 from .bundle import levenberg_marquardt
 from .clusters import Observations, joints_moving_points
 from .model import ProjectiveKinematics, StereoFrame
@@ -154,6 +161,8 @@ def fit_shortfall(
             return found
     images = images if rectification is None else rectification.apply(images)
     frame = StereoFrame.fit(images[sent.visible_in_both])
+    if not is_of_parallel_cameras(frame, noise_px):
+        return None
     near = np.abs(sent.displacement - sent.displacement[0]).max(1) < NEAR_RAD
     seen = sent.visible_in_both[near].all(0)
     if near.sum() <= sent.displacement.shape[1] or seen.mean() < MIN_SEEN:

@@ -21,7 +21,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX
+from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
 from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography
@@ -167,13 +167,15 @@ def explain(
     Returns
     -------
     Explanation or None
-        None if the demonstrator may be a body like the own one, or too few points are visible for any test.
+        None if the demonstrator may be a body like the own one, or too few points are visible to tell.
     """
     if observation.demo is None:
         return None
     noise_px = max(observation.noise_px, NOISE_FLOOR_PX)
     like_own = fit_same_body(kinematics, visits, observation.demo, noise_px, theta, options)
     if like_own is None or like_own[1].sigmas < options.max_body_sigmas:
+        return None
+    if np.count_nonzero(like_own[0].problem.visible_in_both[0]) < MIN_POINTS:
         return None
     reasons = _Reasons(*like_own, visits, replace(observation, noise_px=noise_px), theta, options)
     found = sorted(reasons.all(), key=_criterion)
@@ -238,14 +240,14 @@ class _Reasons:
         return self._candidate(MisfitKind.ANOTHER_BODY, self._freed(start, Difference(shifted=True)))
 
     def _points(self) -> Iterator[_Candidate]:
-        """Yield the best single point, and the best link."""
+        """Yield the best single point, and the best link, that leave enough points to compare the bodies by."""
         visible, pair = self.adjustment.problem.visible_in_both[0], self.same.pair
         single = [(int(point),) for point in np.flatnonzero(visible)]
         links = [tuple(members[visible[members]].tolist()) for members in pair.body.clusters.points]
-        free = self.adjustment.problem.degrees_of_freedom // 3
-        several = [points for points in links if 1 < len(points) < free]
+        free = min((self.adjustment.problem.degrees_of_freedom - 1) // 3, len(single) - MIN_POINTS)
+        several = [points for points in links if len(points) > 1]
         for kind, choices in ((MisfitKind.POINT, single), (MisfitKind.LINK_POINTS, several)):
-            if choices:
+            if choices := [points for points in choices if len(points) <= free]:
                 freed = partial(self._with_points, kind, len(choices))
                 yield freed(min((freed(points, FEW_ITER) for points in choices), key=_criterion).points)
 

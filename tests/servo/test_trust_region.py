@@ -105,6 +105,21 @@ def test_seven_joints_take_a_probe_each_two_motions_and_none_that_leads_nowhere(
     assert error_deg(last.theta[None], np.degrees(last.theta_demo)) < 1e-3
 
 
+def test_with_noise_seven_joints_take_few_motions_more_if_the_final_adjustment_allows_the_claim():
+    last = run_seven(Session(Settings(noise_px=0.25, **SEVEN)))
+    state = last.servo_state
+    assert state.trusts_kinematics and state.estimate.std_error.max() < TrustRegion().options.max_claimed_std
+    assert last.status == "converged" and last.motion < 2 * 7
+    assert error_deg(last.theta[None], np.degrees(last.theta_demo)) < 3 * np.degrees(last.expected_error)
+
+
+def test_where_the_final_adjustment_expects_a_large_error_each_of_seven_joints_is_checked():
+    last = run_seven(Session(Settings(noise_px=0.75, **SEVEN)))
+    state = last.servo_state
+    assert state.confirmed and state.doubted and not state.trusts_kinematics
+    assert last.motion >= 2 * 7
+
+
 def test_with_images_that_kinematics_do_not_predict_exactly_each_of_seven_joints_is_checked():
     """A lens leaves too little in the images to reject kinematics, and more than rounding leaves."""
     scene = load_scene("panda")

@@ -33,7 +33,8 @@ PLAN    ──> MATCH     if a review corrected the names
 DESCEND ──> motion    if the step is worth one; none while the demonstrator keeps moving
         ──> VERIFY    otherwise
 VERIFY  ──> motion    if evidence is missing that a motion can give
-        ──> PLAN      if points that one camera alone sees may determine a joint that the others do not
+        ──> PLAN      if points that one camera alone sees may determine a joint that the others do not, or the final
+                      adjustment contradicts kinematics that are evidence
         ──> REST      if the test has a result
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
@@ -72,6 +73,7 @@ from .rules import (
     StepContext,
     accepts_step,
     at_joint_limit,
+    contradicts_kinematics,
     current_certificate,
     e_leaves_no_room,
     explained_early,
@@ -92,8 +94,10 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_estimate,
     with_explanation,
     with_final_adjustment,
+    with_kinematics_doubted,
     with_names_reviewed,
     with_naming,
     with_partial_points,
@@ -154,7 +158,7 @@ class TrustRegion:
         if state.calibration and state.kinematics is None:  # Kinematics explain all visits, those of calibration, too.
             if not is_consistent(state.calibration, state.visits, observation.noise_px):
                 state = without_calibration(state, options)
-        images = ImageData(state.known, observation.noise_px, state.kinematics, state.confirmed)
+        images = ImageData(state.known, observation.noise_px, state.kinematics, state.trusts_kinematics)
         context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state, observation), None
         while displacement is None:
@@ -234,6 +238,9 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        state = with_estimate(state, context)
+        if state.trusts_kinematics and contradicts_kinematics(state, context):
+            return Phase.PLAN, with_kinematics_doubted(state, context), None
         state = with_final_adjustment(state, context)
         context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None

@@ -13,7 +13,8 @@ a component in v. With too few points E is small and rises at wrong postures as 
 With three joints or more that takes many motions. There, kinematics are evidence as well if they know all points that
 determine E, explain all visits, and have predicted one far from the others that they did not know: exactly without
 noise, or by an F-test (`final_adjustment`). Then E rises where their H says so and no visit contradicts. Errors of such
-predictions look no longer like curvature.
+predictions look no longer like curvature. With noise, the final adjustment must agree: it must fit, and its expected
+error be small. Otherwise E is measured in every direction.
 
 The covariance of the joint errors is σ² H⁻¹ / N, where σ is the image noise, or what E leaves if that is more. A
 gradient g of E at the posture displaces the minimum by H⁻¹ g. The squares of such displacements are added for the noise

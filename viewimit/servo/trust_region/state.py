@@ -105,6 +105,7 @@ class TrustRegionState:
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     confirmed: bool = False  # whether they have predicted a visit far from those that they were fitted to
+    doubted: bool = False  # whether the final adjustment has contradicted kinematics that were evidence
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
     # with backlash, steps or an obstacle; None: it is where it was sent, or `shortfall` says where it is
     shortfall: Shortfall | None = None  # by which it stops short of where it is sent; None: no sign of that
@@ -140,6 +141,11 @@ class TrustRegionState:
     def known(self) -> tuple[Visit, ...]:
         """All visits that images are predicted from, the calibration first."""
         return (*self.calibration, *self.visits)
+
+    @property
+    def trusts_kinematics(self) -> bool:
+        """Whether kinematics are evidence, as of `convergence`."""
+        return self.confirmed and not self.doubted
 
     @property
     def has_global_model(self) -> bool:

@@ -34,7 +34,7 @@ DESCEND ──> motion    if the step is worth one; none while the demonstrator 
         ──> VERIFY    otherwise
 VERIFY  ──> motion    if evidence is missing that a motion can give
         ──> PLAN      if points that one camera alone sees may determine a joint that the others do not, or the final
-                      adjustment contradicts kinematics that are evidence
+                      adjustment allows no claim by kinematics
         ──> REST      if the test has a result
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
@@ -73,12 +73,12 @@ from .rules import (
     StepContext,
     accepts_step,
     at_joint_limit,
-    contradicts_kinematics,
     current_certificate,
     e_leaves_no_room,
     explained_early,
     goal_with_other_points,
     is_cycling,
+    kinematics_suffice,
     may_verify,
     may_verify_early,
     more_points_elsewhere,
@@ -239,7 +239,7 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
         state = with_estimate(state, context)
-        if state.trusts_kinematics and contradicts_kinematics(state, context):
+        if state.trusts_kinematics and not kinematics_suffice(state, context):
             return Phase.PLAN, with_kinematics_doubted(state, context), None
         state = with_final_adjustment(state, context)
         context.status = status_at_rest(context.status, state)

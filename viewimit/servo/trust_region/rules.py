@@ -301,13 +301,13 @@ def with_estimate(state: TrustRegionState, context: StepContext) -> TrustRegionS
     return replace(state, estimate=estimate)
 
 
-def contradicts_kinematics(state: TrustRegionState, context: StepContext) -> bool:
-    """Whether the estimate allows no claim by kinematics alone: it must have been made, fit, and be accurate."""
+def kinematics_suffice(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether a claim may rest on kinematics: without noise, or if the estimate fits and is accurate."""
     estimate, options = state.estimate, context.options
-    if context.observation.noise_px == 0:
-        return False
-    fits = estimate is not None and estimate.sigmas < options.max_body_sigmas
-    return not fits or bool(estimate.std_error.max() >= options.max_claimed_std)
+    if estimate is None:
+        return context.observation.noise_px == 0
+    fits = estimate.sigmas < options.max_body_sigmas
+    return bool(fits and estimate.std_error.max() < options.max_claimed_std)
 
 
 def with_kinematics_doubted(state: TrustRegionState, context: StepContext) -> TrustRegionState:

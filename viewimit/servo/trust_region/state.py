@@ -105,7 +105,7 @@ class TrustRegionState:
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     confirmed: bool = False  # whether they have predicted a visit far from those that they were fitted to
-    doubted: bool = False  # whether the final adjustment has contradicted kinematics that were evidence
+    doubted: bool = False  # whether the final adjustment allowed no claim by kinematics that were confirmed
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
     # with backlash, steps or an obstacle; None: it is where it was sent, or `shortfall` says where it is
     shortfall: Shortfall | None = None  # by which it stops short of where it is sent; None: no sign of that

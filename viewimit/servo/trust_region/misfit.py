@@ -169,18 +169,20 @@ def explain(
     Explanation or None
         None if the demonstrator may be a body like the own one, or too few points are visible to tell.
     """
-    if observation.demo is None:
+    demo, noise_px = observation.demo, max(observation.noise_px, NOISE_FLOOR_PX)
+    if demo is None:
         return None
-    noise_px = max(observation.noise_px, NOISE_FLOOR_PX)
-    like_own = fit_same_body(kinematics, visits, observation.demo, noise_px, theta, options)
-    if like_own is None or like_own[1].sigmas < options.max_body_sigmas:
+    like_own = fit_same_body(kinematics, visits, demo, noise_px, theta, options)
+    if like_own is None or like_own.fit.sigmas < options.max_body_sigmas:
         return None
-    if np.count_nonzero(like_own[0].problem.visible_in_both[0]) < MIN_POINTS:
+    if np.count_nonzero(like_own.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return None
-    reasons = _Reasons(*like_own, visits, replace(observation, noise_px=noise_px), theta, options)
+    reasons = _Reasons(
+        like_own.adjustment, like_own.fit, visits, replace(observation, noise_px=noise_px), theta, options
+    )
     found = sorted(reasons.all(), key=_criterion)
     best = found[0]
-    estimate = best.adjustment.estimate(best.fit, observation.demo)
+    estimate = best.adjustment.estimate(best.fit, demo)
     if best.kind is MisfitKind.NONE or best.fit.sigmas >= options.max_reason_sigmas:
         return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0)
     margin = min((one.criterion - best.criterion for one in found[1:]), default=np.inf)
@@ -290,7 +292,7 @@ class _Reasons:
         like_own = fit_same_body(kinematics, visits, straight, noise_px, self.theta, self.options)
         if like_own is None:
             return None
-        adjustment, fit = like_own
+        adjustment, fit = like_own.adjustment, like_own.fit
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
         price = N_LENS * self._log_coordinates
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE

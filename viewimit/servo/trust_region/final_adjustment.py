@@ -147,7 +147,7 @@ def prediction_sigmas(
     if freedom < 1 or added < 1:
         return np.inf
     cost, cost_after = (float((one.residuals(k) ** 2).sum()) for one, k in ((before, previous), (after, found)))
-    raised = max(cost_after - cost, 0.0) / Likely(previous, cost).variance(before)
+    raised = max(cost_after - cost, 0.0) / Likely(previous, cost, cost).variance(before)
     return f_test_sigmas(raised / added, added, freedom)
 
 

@@ -10,10 +10,12 @@ variance is the mean of the squared errors about it over all choices, weighted b
 
 The test is an F-test. The demonstrator's images raise the cost of the own images alone by σ² χ²_f if both bodies are
 alike. The own images have that noise, too, so their cost over its degrees of freedom estimates σ². It is a better
-estimate than the noise at rest, and without the error of that one.
+estimate than the noise at rest, and without the error of that one. The same test shows whether learned kinematics have
+predicted a visit: its images raise the cost of those before by as little if the kinematics are right.
 
 References
 ----------
+Chow, "Tests of equality between sets of coefficients in two linear regressions", Econometrica 1960.
 Paulson, "An approximate normalization of the analysis of variance distribution", 1942.
 """
 
@@ -135,6 +137,26 @@ class SameBody:
         raised = np.array([fit.cost - self.fit.cost for _, fit in self.fits]) / self.adjustment.variance
         squares = [one.std_error**2 + (one.theta - each[0].theta) ** 2 for one in each]
         return replace(each[0], std_error=np.sqrt(np.average(squares, axis=0, weights=np.exp(-raised / 2))))
+
+
+def prediction_sigmas(
+    previous: ProjectiveKinematics, found: ProjectiveKinematics, observations: Observations, noise_px: float
+) -> float:
+    """Return by how many standard deviations the last visit contradicts kinematics that did not know it.
+
+    previous: fitted to all visits but the last; found: from there, to all; noise_px: standard deviation of an image
+    coordinate.
+    """
+    known = observations.restrict(~previous.unknown)
+    earlier = known.select_visits(np.arange(len(known.displacement)) < len(known.displacement) - 1)
+    before = BundleAdjustment.of(previous, earlier, noise_px)
+    after = BundleAdjustment.of(found, known, noise_px)
+    freedom, added = before.degrees_of_freedom, after.degrees_of_freedom - before.degrees_of_freedom
+    if freedom < 1 or added < 1:
+        return np.inf
+    cost, cost_after = (float((one.residuals(k) ** 2).sum()) for one, k in ((before, previous), (after, found)))
+    raised = max(cost_after - cost, 0.0) / Likely(previous, cost, cost).variance(before)
+    return f_test_sigmas(raised / added, added, freedom)
 
 
 def estimate_posture(

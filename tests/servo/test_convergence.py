@@ -87,6 +87,24 @@ def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_
     assert np.abs(found.verification_step).argmax() == asked
 
 
+def test_confirmed_kinematics_are_evidence_of_a_rise_that_no_visit_shows():
+    found = certify(model_of([], confirmed=True))
+    assert found.status == "converged" and not found.verification_step.any()
+    assert certify(model_of([])).status == "settled"
+
+
+def test_a_visit_that_shows_no_rise_speaks_against_confirmed_kinematics():
+    found = certify(model_of([(2, 0), (0, 2)], true=(0, STEEP), confirmed=True))
+    assert found.status == "unobservable" and found.unobservable_joints == [0]
+
+
+def test_confirmed_kinematics_are_no_evidence_along_a_valley():
+    """Noise of 1 px would turn joint 0 by more than 20°, `max_std_per_px`, along which they predict next to no rise."""
+    curvature = 0.9 / (POINTS * OPTIONS.max_std_per_px**2)
+    found = certify(model_of([(0, 2)], curvatures=(curvature, STEEP), confirmed=True))
+    assert not found.verified and np.abs(found.verification_step).argmax() == 0
+
+
 def test_a_visit_is_no_evidence_of_one_direction_whose_rise_by_the_points_seen_there_another_makes_half_of():
     """By fewer points the directions are no eigenvectors: what they share makes the sum small, and either one large."""
     here = model_of([(1, 3), (0, 2)])

@@ -1,13 +1,18 @@
 """Images predicted by kinematics, and the effect of the own images' noise on derivatives of E."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from viewimit import Session, Settings
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.servo.observation import Visit
+from viewimit.servo.trust_region.final_adjustment import prediction_sigmas
 from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
 from viewimit.servo.trust_region.image_models import MIN_CONFIRMING, ImageData, estimate_own_noise, observations_of
+from viewimit.servo.trust_region.options import TrustRegionOptions
 
 NOISE_PX = 0.05
 
@@ -181,3 +186,49 @@ def test_noisy_jacobians_change_the_gradient_where_the_demonstrators_noise_leave
         [(one.grad_samples_images**2).mean(0) + (one.grad_samples_jacobian**2).mean(0) for one in said], axis=0
     )
     np.testing.assert_allclose(np.sqrt(squares), made.std(0), rtol=0.25)
+
+
+# Whether kinematics have predicted a visit
+
+TRIALS = 60
+
+
+@pytest.fixture(scope="module")
+def probed():
+    """Of the default learner without noise: a probe of each joint, and a posture far from all."""
+    session = Session(Settings.paper())
+    told = np.radians([(0, 0), (15, 0), (15, -15), (-15, 10)])
+    views = [
+        session.observer.four_views(session.settings, session.snapshot.theta + one, session.snapshot.theta_demo, 0)
+        for one in told
+    ]
+    return Observations(told, np.stack([one.own for one in views]), np.ones((len(told), len(views[0].own)), bool))
+
+
+def contradictions(probed, slipped_px=0.0):
+    """In standard deviations, of many draws of the noise; slipped_px: how far a point has moved at the last visit.
+
+    Draws that leave open after the probes which joints move a point, one of them, find no kinematics to contradict.
+    """
+    rng, found = np.random.default_rng(4), []
+    for _ in range(TRIALS):
+        images = probed.images + NOISE_PX * rng.standard_normal(probed.images.shape)
+        images[-1, 0] += slipped_px
+        noisy = replace(probed, images=images)
+        before = fit_kinematics(noisy.select_visits(np.arange(4) < 3), NOISE_PX)
+        if before is not None:
+            after = fit_kinematics(noisy, NOISE_PX, previous=before)
+            found.append(np.inf if after is None else prediction_sigmas(before, after, noisy, NOISE_PX))
+    assert len(found) >= 0.9 * TRIALS
+    return np.array(found)
+
+
+def test_a_visit_contradicts_right_kinematics_as_much_as_noise_does(probed):
+    """Its mean is 0 and 2.3 % are beyond 2, as of a normal distribution; within four standard deviations."""
+    found, beyond = contradictions(probed), 0.023
+    assert abs(found.mean()) < 4 / np.sqrt(len(found))
+    assert (found > 2).mean() < beyond + 4 * np.sqrt(beyond / len(found))
+
+
+def test_a_point_that_has_slipped_contradicts_kinematics(probed):
+    assert (contradictions(probed, 10 * NOISE_PX) > TrustRegionOptions().max_body_sigmas).all()

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 from linear_world import LinearWorld
@@ -18,6 +19,7 @@ from viewimit.servo.trust_region.algorithm import TrustRegion
 from viewimit.servo.trust_region.convergence import ROUNDING
 from viewimit.servo.trust_region.motions import maximin, offset_inside_limits
 from viewimit.simulation.disturbances import NOISE, disturb
+from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -85,14 +87,52 @@ def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
     assert np.median(motions) <= 5 and np.percentile(motions, 95) <= 6
 
 
-def test_seven_joints_take_a_probe_each_a_check_each_and_no_motion_that_leads_nowhere():
-    joints = (1, 2, 3, 4, 5, 6, 7)
-    session = Session(Settings.paper(transfer="projective", servo="trust-region", joints=joints, points=16))
+SEVEN = {"joints": (1, 2, 3, 4, 5, 6, 7), "points": 16}
+
+
+def run_seven(session):
     lower, upper = session.embodiment.lower, session.embodiment.upper
     session.pose(np.clip(session.snapshot.theta + np.random.default_rng(1).uniform(-0.5, 0.5, 7), lower, upper))
-    last = session.run(60).last
+    return session.run(60).last
+
+
+def test_seven_joints_take_a_probe_each_two_motions_and_none_that_leads_nowhere():
+    """Beside the demonstrator's posture, where E rises as it should and all images are as predicted, and there."""
+    session = Session(Settings.paper(transfer="projective", servo="trust-region", **SEVEN))
+    last = run_seven(session)
     motions = np.abs(np.diff([moment.theta for moment in session.history], axis=0)).max(1)
-    assert last.status == "converged" and last.motion <= 7 + 7 + 2 and motions.min() > np.radians(0.01)
+    assert last.status == "converged" and last.motion <= 7 + 2 and motions.min() > np.radians(0.01)
+    assert error_deg(last.theta[None], np.degrees(last.theta_demo)) < 1e-3
+
+
+def test_with_noise_seven_joints_take_few_motions_more_if_the_final_adjustment_allows_the_claim():
+    last = run_seven(Session(Settings(noise_px=0.25, **SEVEN)))
+    state = last.servo_state
+    assert state.trusts_kinematics and state.estimate.std_error.max() < TrustRegion().options.max_claimed_std
+    assert last.status == "converged" and last.motion < 2 * 7
+    assert error_deg(last.theta[None], np.degrees(last.theta_demo)) < 3 * np.degrees(last.expected_error)
+
+
+def test_where_the_final_adjustment_expects_a_large_error_each_of_seven_joints_is_checked():
+    last = run_seven(Session(Settings(noise_px=0.75, **SEVEN)))
+    state = last.servo_state
+    assert state.confirmed and state.doubted and not state.trusts_kinematics
+    assert last.motion >= 2 * 7
+
+
+def test_with_images_that_kinematics_do_not_predict_exactly_each_of_seven_joints_is_checked():
+    """A lens leaves too little in the images to reject kinematics, and more than rounding leaves."""
+    scene = load_scene("panda")
+    bent = (msgspec.structs.replace(eye, distortion=(-1e-5, 0.0)) for eye in (scene.head.left, scene.head.right))
+    head = msgspec.structs.replace(scene.head, **dict(zip(("left", "right"), bent)))
+    session = Session(
+        Settings(**SEVEN),
+        open_eyes=lambda camera, scene, points: ProjectedEyes(msgspec.structs.replace(scene, head=head), points),
+    )
+    last = run_seven(session)
+    state = last.servo_state
+    assert state.kinematics is not None and not state.confirmed
+    assert last.status == "converged" and last.motion >= 7 + 7
 
 
 def test_rounding_decides_no_motion():

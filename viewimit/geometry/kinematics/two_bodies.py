@@ -30,7 +30,7 @@ from ..rectification import MIN_DENOMINATOR
 from .adjustment import BundleAdjustment
 from .bundle import jacobian, levenberg_marquardt, normal_equations
 from .clusters import Observations, chain_transforms
-from .model import MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
+from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
 
 Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
@@ -90,6 +90,22 @@ class BodyPair:
         angles = self.parameters[..., begin : begin + shape[0] * shape[1]]
         return angles.reshape(*angles.shape[:-1], *shape)
 
+    def unwound(self, theta: Array) -> "BodyPair":
+        """Turn the demonstrator's joints by whole turns to the angles nearest to a posture, (m,) rad.
+
+        A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by the pitch at most
+        of the joint's screw, which noise makes.
+        """
+        begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY
+        rate = np.linalg.norm(self.parameters[N_FRAME : begin - N_SIMILARITY].reshape(-1, 6)[:, :3], axis=1)
+        turns = np.round((self.angles - theta) * rate / (2 * np.pi))
+        if not turns.any():
+            return self
+        angles = self.angles - turns * (2 * np.pi / np.maximum(rate, MIN_RATE))
+        parameters = self.parameters.copy()
+        parameters[begin : begin + angles.size] = angles.ravel()
+        return replace(self, parameters=parameters)
+
     def with_difference(self, difference: Difference) -> "BodyPair":
         """Let a demonstrator of the same body and head differ; begin with no difference."""
         added = np.zeros(sum(difference.sizes(self.n_joints)))
@@ -145,7 +161,8 @@ class BodyPair:
         begin = self.kinematics.parameters.shape[-1]
         s = self.parameters[..., begin : begin + N_SIMILARITY]
         change = np.zeros((*s.shape[:-1], 4, 4))
-        change[..., :3, :3] = np.exp(s[..., 6, None, None]) * rotations(s[..., :3])
+        scale = np.exp(np.clip(s[..., 6, None, None], -MAX_LOG_SCALE, MAX_LOG_SCALE))
+        change[..., :3, :3] = scale * rotations(s[..., :3])
         change[..., :3, 3], change[..., 3, 3] = s[..., 3:6], 1.0
         return change @ self.placement
 

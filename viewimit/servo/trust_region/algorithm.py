@@ -11,8 +11,9 @@ PLAN      Measure E at all visits, update the radius by what the last step achie
           subproblem. If E is too large everywhere, search for swapped points, and plan again with them swapped back.
 DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
-          a verification motion if no visit shows that yet. With noise, one adjustment of both bodies' images then gives
-          the posture to rest at, and refuses a claim about another body (`final_adjustment`).
+          a verification motion if neither visits show that yet, nor kinematics that have predicted one. With noise, one
+          adjustment of both bodies' images then gives the posture to rest at, and refuses a claim about another body
+          (`final_adjustment`).
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits. None is looked for if there is
           a convincing reason why the demonstrator is no body like the own one (`misfit`).
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
@@ -32,7 +33,8 @@ PLAN    ──> MATCH     if a review corrected the names
 DESCEND ──> motion    if the step is worth one; none while the demonstrator keeps moving
         ──> VERIFY    otherwise
 VERIFY  ──> motion    if evidence is missing that a motion can give
-        ──> PLAN      if points that one camera alone sees may determine a joint that the others do not
+        ──> PLAN      if points that one camera alone sees may determine a joint that the others do not, or the final
+                      adjustment allows no claim by kinematics
         ──> REST      if the test has a result
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
@@ -76,6 +78,7 @@ from .rules import (
     explained_early,
     goal_with_other_points,
     is_cycling,
+    kinematics_suffice,
     may_verify,
     may_verify_early,
     more_points_elsewhere,
@@ -91,8 +94,10 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_estimate,
     with_explanation,
     with_final_adjustment,
+    with_kinematics_doubted,
     with_names_reviewed,
     with_naming,
     with_partial_points,
@@ -135,6 +140,7 @@ class TrustRegion:
             target_moved=(True, state.target_moved[1]),
             calibration=state.calibration,
             kinematics=state.kinematics,
+            confirmed=state.confirmed,
             mismatch=state.mismatch,
             shortfall=state.shortfall,
             sent=state.sent,
@@ -152,7 +158,7 @@ class TrustRegion:
         if state.calibration and state.kinematics is None:  # Kinematics explain all visits, those of calibration, too.
             if not is_consistent(state.calibration, state.visits, observation.noise_px):
                 state = without_calibration(state, options)
-        images = ImageData(state.known, observation.noise_px, state.kinematics)
+        images = ImageData(state.known, observation.noise_px, state.kinematics, state.trusts_kinematics)
         context = StepContext(observation, residuals, images, tracking, options)
         phase, displacement = first_phase(state, observation), None
         while displacement is None:
@@ -232,6 +238,9 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        state = with_estimate(state, context)
+        if state.trusts_kinematics and not kinematics_suffice(state, context):
+            return Phase.PLAN, with_kinematics_doubted(state, context), None
         state = with_final_adjustment(state, context)
         context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None

@@ -10,6 +10,12 @@ exceed what noise makes or, without noise, a share of the motion of the own imag
 verification motion along v is requested. If E does not rise as predicted, v is unobservable, and so is each joint with
 a component in v. With too few points E is small and rises at wrong postures as well, so they allow no claim.
 
+With three joints or more that takes many motions. There, kinematics are evidence as well if they know all points that
+determine E, explain all visits, and have predicted one far from the others that they did not know: exactly without
+noise, or by an F-test (`final_adjustment`). Then E rises where their H says so and no visit contradicts. Errors of such
+predictions look no longer like curvature. With noise, the final adjustment must agree: it must fit, and its expected
+error be small. Otherwise E is measured in every direction.
+
 The covariance of the joint errors is σ² H⁻¹ / N, where σ is the image noise, or what E leaves if that is more. A
 gradient g of E at the posture displaces the minimum by H⁻¹ g. The squares of such displacements are added for the noise
 of the own images and for other hypotheses about the stereo head.
@@ -109,6 +115,7 @@ def certify(model: LocalModel, options: TrustRegionOptions = DEFAULTS) -> Certif
     verified = model.n_visible >= min_points_identifiable(len(std_per_px))
     for direction in _directions(model, options):
         increased, flat = _test_increase(model, direction, options)
+        increased = increased or (not flat and _rises_by_kinematics(model, direction, options))
         verified = verified and increased and not _curvature_insignificant(model, direction, options)
         if flat and not increased:
             observable = observable & (np.abs(direction) <= options.min_component)
@@ -194,8 +201,17 @@ def _unclear(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
 
 def _curvature_insignificant(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
     """Whether a displacement along v is unobservable under noise."""
-    flat = model.n_points * max(float(v @ model.hessian @ v), LEAST_CURVATURE) * options.max_std_per_px**2 < 1
-    return bool(model.noise_px > 0 and flat)
+    return model.noise_px > 0 and _curvature_small(model, v, options)
+
+
+def _rises_by_kinematics(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
+    """Whether confirmed kinematics show that E rises along v."""
+    return model.confirmed and not _curvature_small(model, v, options)
+
+
+def _curvature_small(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
+    """Whether noise of 1 px would make a displacement along v unobservable."""
+    return model.n_points * max(float(v @ model.hessian @ v), LEAST_CURVATURE) * options.max_std_per_px**2 < 1
 
 
 def _self_noise_dominates(model: LocalModel, v: Array, *samples: Array) -> bool:

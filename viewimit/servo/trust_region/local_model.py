@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...estimation.residuals import conflict
 from ..least_squares import FD_STEP, Minimum, fd_steps
 from ..observation import Observation, Visit
-from .image_models import ImageModel, estimate_own_noise
+from .image_models import ImageModel, KinematicImages, estimate_own_noise
 from .options import DEFAULTS, TrustRegionOptions
 
 Array = NDArray[np.float64]
@@ -72,6 +72,7 @@ class LocalModel:
     lower: Array  # (m,) rad, joint limits relative to the posture
     upper: Array  # (m,) rad
     noise_px: float  # standard deviation of a residual
+    confirmed: bool = False  # whether kinematics predict all images, and have predicted a visit they did not know
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -156,6 +157,7 @@ def local_model(
         lower=data.observation.lower - place,
         upper=data.observation.upper - place,
         noise_px=data.observation.noise_px,
+        confirmed=isinstance(data.model, KinematicImages) and data.model.process is None and data.model.confirmed,
     )
 
 

@@ -120,6 +120,7 @@ class TrustRegionOptions:
     min_alignment: float = 0.95  # cosine, from which a visit that shows no rise speaks against a direction
     min_conflict_share: float = 1e-4  # of the mean square motion of own images: what must remain as conflict
     significance: float = 3.0  # standard deviations of a measured rise
+    trusted_from_joints: int = 3  # from which confirmed kinematics are evidence: with two, verifying takes a motion
     min_component: float = 0.1  # of a unit direction: smaller components do not turn their joint
 
 

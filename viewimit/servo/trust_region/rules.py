@@ -143,12 +143,20 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     """Whether the planned step is worth a motion.
 
     It must be `xtol` long. A shorter one of at least `min_step` is worth a motion only if it decides: if E leaves room
-    at the best visit, and no room at the predicted minimum.
+    at the best visit, and no room at the predicted minimum. Where noise explains E, confirmed kinematics need no step:
+    the final adjustment finds the posture.
     """
     plan, region, options = context.plan, state.region, context.options
     decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
     long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and decides)
     model_reduces_E = region.descend_allowed and region.n_rejected < options.max_rejections
+    if (
+        state.trusts_kinematics
+        and plan.noise_reference is not None
+        and plan.E < noise_floor(context)
+        and not context.tracking
+    ):
+        return False
     return bool(long_enough and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
 
 
@@ -275,31 +283,54 @@ def rest_candidate(state: TrustRegionState, context: StepContext) -> tuple[Trust
     return replace(state, certificate=certificate), place
 
 
-def with_final_adjustment(state: TrustRegionState, context: StepContext) -> TrustRegionState:
-    """Adjust own and demonstrator's images together, and choose posture and status to rest with accordingly.
+def with_estimate(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Adjust own and demonstrator's images together.
 
     Without noise the best visit is exact already, and errors of rounded images are no independent noise. An arm at the
     adjusted posture is not adjusted again.
     """
-    observation, certificate, options = context.observation, state.certificate, context.options
+    observation, certificate = context.observation, state.certificate
     assert certificate is not None
-    context.status, estimate = certificate.status, state.estimate
     if observation.noise_px == 0 or state.kinematics is None or not certificate.observable.all():
-        return state
+        return replace(state, estimate=None)
     if context.images.is_rounded():
+        return replace(state, estimate=None)
+    if state.estimate is not None and state.destination.status is not None:
         return state
-    if estimate is None or state.destination.status is None:
-        estimate = estimate_posture(state.kinematics, state.known, observation, context.place, options)
+    estimate = estimate_posture(state.kinematics, state.known, observation, context.place, context.options)
+    return replace(state, estimate=estimate)
+
+
+def kinematics_suffice(state: TrustRegionState, context: StepContext) -> bool:
+    """Whether a claim may rest on kinematics: without noise, or if the estimate fits and is accurate."""
+    estimate, options = state.estimate, context.options
+    if estimate is None:
+        return context.observation.noise_px == 0
+    fits = estimate.sigmas < options.max_body_sigmas
+    return bool(fits and estimate.std_error.max() < options.max_claimed_std)
+
+
+def with_kinematics_doubted(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Take kinematics for no evidence any more: E is to be measured to rise in every direction."""
+    context.images = replace(context.images, confirmed=False)
+    return replace(state, doubted=True)
+
+
+def with_final_adjustment(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Choose posture and status to rest with by the final adjustment."""
+    certificate, estimate, options = state.certificate, state.estimate, context.options
+    assert certificate is not None
+    context.status = certificate.status
     if estimate is None:
         return state
     if estimate.sigmas >= options.max_body_sigmas:
         context.status, context.certified = ServoStatus.NO_PROGRESS, certificate.status.is_claim
-        return replace(state, estimate=estimate)
-    place = np.clip(estimate.theta, observation.lower, observation.upper)
+        return state
+    place = np.clip(estimate.theta, context.observation.lower, context.observation.upper)
     if (np.abs(place - context.place) > options.same_minimum * certificate.std_error).any():
         certificate = context.plan.certify(place).per_pixel(state.unit_px)
     context.place, context.status = place, certificate.status
-    return replace(state, estimate=estimate, certificate=certificate.with_std_error(estimate.std_error))
+    return replace(state, certificate=certificate.with_std_error(estimate.std_error))
 
 
 def find_explanation(state: TrustRegionState, context: StepContext) -> Explanation | None:
@@ -313,10 +344,11 @@ def find_explanation(state: TrustRegionState, context: StepContext) -> Explanati
 def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
     """Return a reason that spares the search for a smaller E elsewhere; None without.
 
-    Looking is costly: it is done with the first transfer alone, and before every second restart.
+    Looking is costly: it is done with the first transfer alone, and before every second restart. Points that were
+    swapped in vain are swapped back first: else the demonstrator is none that was seen.
     """
     search, options = state.search, context.options
-    if search.rung or search.min_points or search.n_restarts % 2:
+    if search.rung or search.min_points or search.n_restarts % 2 or state.swaps.pairs:
         return None
     found = find_explanation(state, context)
     convinces = found is not None and found.is_convincing(options.max_body_sigmas, options.early_criterion)

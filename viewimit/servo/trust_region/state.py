@@ -14,10 +14,11 @@ from ...geometry.kinematics.model import ProjectiveKinematics
 from ..observation import Observation, Visit
 from ..status import ServoStatus
 from .convergence import Certificate
-from .final_adjustment import PostureEstimate
+from .final_adjustment import PostureEstimate, prediction_sigmas
 from .image_models import observations_of
 from .localisation import contradicts_command, localise
 from .misfit import Explanation, Misfit, MisfitKind
+from .motions import distance_to_visits
 from .naming import Naming
 from .options import TrustRegionOptions
 
@@ -103,6 +104,8 @@ class TrustRegionState:
     )  # whether the demonstrator moved since the last motion, and before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
+    confirmed: bool = False  # whether they have predicted a visit far from those that they were fitted to
+    doubted: bool = False  # whether the final adjustment allowed no claim by kinematics that were confirmed
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
     # with backlash, steps or an obstacle; None: it is where it was sent, or `shortfall` says where it is
     shortfall: Shortfall | None = None  # by which it stops short of where it is sent; None: no sign of that
@@ -138,6 +141,11 @@ class TrustRegionState:
     def known(self) -> tuple[Visit, ...]:
         """All visits that images are predicted from, the calibration first."""
         return (*self.calibration, *self.visits)
+
+    @property
+    def trusts_kinematics(self) -> bool:
+        """Whether kinematics are evidence, as of `convergence`."""
+        return self.confirmed and not self.doubted
 
     @property
     def has_global_model(self) -> bool:
@@ -224,8 +232,29 @@ def _with_kinematics(
             observations_of(state.known), observation.noise_px, observation.rectification, state.kinematics
         )
         if found is not None or state.calibration:
-            return replace(state, kinematics=found)
+            return replace(
+                state, kinematics=found, confirmed=_is_confirmed(state, found, observation.noise_px, options)
+            )
     return _with_shortfall(state, observation)
+
+
+def _is_confirmed(
+    state: TrustRegionState, found: ProjectiveKinematics | None, noise_px: float, options: TrustRegionOptions
+) -> bool:
+    """Whether a visit far from all others has confirmed the kinematics, and the last one does not contradict.
+
+    Without noise they must have predicted it exactly.
+    """
+    if found is None or state.kinematics is None or len(found.reference) < options.trusted_from_joints:
+        return False
+    *earlier, last = state.known
+    far = options.min_evidence if noise_px == 0 else options.min_evidence_noisy
+    if not state.confirmed and distance_to_visits(tuple(earlier), last.displacement[None])[0] < far:
+        return False
+    if noise_px == 0:
+        return found is state.kinematics
+    sigmas = prediction_sigmas(state.kinematics, found, observations_of(state.known), noise_px)
+    return sigmas < options.max_body_sigmas
 
 
 def _with_shortfall(state: TrustRegionState, observation: Observation) -> TrustRegionState:
@@ -241,7 +270,12 @@ def _with_shortfall(state: TrustRegionState, observation: Observation) -> TrustR
     reached = sent if shortfall is None else shortfall.reached(np.array(sent))
     visits = tuple(replace(visit, displacement=there) for visit, there in zip(state.visits, reached))
     return replace(
-        state, visits=visits, kinematics=kinematics, shortfall=shortfall, sent=sent if shortfall is not None else ()
+        state,
+        visits=visits,
+        kinematics=kinematics,
+        confirmed=False,
+        shortfall=shortfall,
+        sent=sent if shortfall is not None else (),
     )
 
 

@@ -232,3 +232,9 @@ def test_a_row_of_the_table_has_a_cell_under_each_heading():
     )
     heads, *rows = table.splitlines()
     assert {len(row) for row in rows} == {len(heads)} and "if bound ≤1°" in heads and "no progress" in heads
+
+
+def test_points_swapped_in_vain_are_swapped_back_before_a_reason_is_looked_for():
+    """Far from the demonstrator swapped points lower E, but explain no posture: neither does any body like the own."""
+    ending = run_once(NAMED["markers between the sides, 0.25 px"], [7, 11])
+    assert ending.claimed and not ending.false

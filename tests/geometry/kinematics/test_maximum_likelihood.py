@@ -76,15 +76,23 @@ def test_all_choices_of_joints_are_returned_that_the_images_leave_open(seed, rad
     assert objectives == sorted(objectives)
 
 
-def test_a_local_minimum_is_left():
-    kinematics, problem = seen(0, 0.1)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_local_minimum_in_which_joints_turn_the_other_way_is_left(seed):
+    kinematics, problem = seen(seed, 0.1)
     parameters = kinematics.parameters.copy()
-    parameters[:N_FRAME] += (0, -3, 0, 0.7, 2, 0, 1, -3.5)
-    parameters[N_FRAME:] = 0
-    stuck = replace(kinematics, parameters=parameters)
-    expected = least(kinematics, problem, TRUE)
+    parameters[N_FRAME:] *= -1
+    stuck, expected = replace(kinematics, parameters=parameters), least(kinematics, problem, TRUE)
     assert least(stuck, problem, TRUE) > expected + 100
     assert likely_kinematics(stuck, problem)[0].objective / NOISE_PX**2 == pytest.approx(expected, abs=0.05)
+
+
+def test_a_plane_at_infinity_among_the_points_is_no_local_minimum():
+    """Points behind it would be behind the cameras."""
+    kinematics, problem = seen(0, 0.1)
+    parameters = np.zeros_like(kinematics.parameters)
+    parameters[:N_FRAME] = kinematics.parameters[:N_FRAME] + (0, -3, 0, 0.7, 2, 0, 1, -3.5)
+    crossed = replace(kinematics, parameters=parameters)
+    assert least(crossed, problem, TRUE) == pytest.approx(least(kinematics, problem, TRUE), abs=0.05)
 
 
 @pytest.mark.parametrize("seed", range(3))

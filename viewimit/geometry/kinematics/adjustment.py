@@ -18,7 +18,8 @@ from .bundle import jacobian, levenberg_marquardt, normal_equations, sqrt_invers
 from .clusters import Observations, joints_moving_points
 from .model import N_FRAME, ProjectiveKinematics, StereoFrame
 
-PRIOR_STD = 3.0  # of the frame's parameters, where noise leaves them open
+PRIOR_STD = 3.0  # of the frame's scales and shears, where noise leaves them open
+PLANE_PRIOR_STD = 0.5  # of its plane at infinity: beyond, points at two deviations are not before the cameras
 NOISE_FLOOR_PX = 1e-2  # rms residual that is accepted without noise
 FIT_SIGMA, NOISE_SLACK = 4.0, 1.2  # standard deviations of the mean square; factor, as the noise is an estimate itself
 
@@ -89,9 +90,13 @@ class BundleAdjustment:
         return found if self.fits_noise(found) else None
 
     def prior_weights(self, n_parameters: int) -> NDArray[np.float64]:
-        """(P,) px²: weights of the squared parameters, of a prior on the frame that is centred on an affine one."""
+        """(P,) px²: weights of the squared parameters, of a prior on the frame that is centred on an affine one.
+
+        All points are before the cameras. Their coordinates have unit variance, so the plane at infinity is near.
+        """
         weights = np.zeros(n_parameters)
         weights[:N_FRAME] = (self.noise_px / PRIOR_STD) ** 2
+        weights[5:N_FRAME] = (self.noise_px / PLANE_PRIOR_STD) ** 2
         return weights
 
 

@@ -93,7 +93,7 @@ class BodyPair:
     def unwound(self, theta: Array) -> "BodyPair":
         """Turn the demonstrator's joints by whole turns to the angles nearest to a posture, (m,) rad.
 
-        A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by no more than the pitch
+        A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by the pitch at most
         of the joint's screw, which noise makes.
         """
         begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY

@@ -344,10 +344,11 @@ def find_explanation(state: TrustRegionState, context: StepContext) -> Explanati
 def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
     """Return a reason that spares the search for a smaller E elsewhere; None without.
 
-    Looking is costly: it is done with the first transfer alone, and before every second restart.
+    Looking is costly: it is done with the first transfer alone, and before every second restart. Points that were
+    swapped in vain are swapped back first: else the demonstrator is none that was seen.
     """
     search, options = state.search, context.options
-    if search.rung or search.min_points or search.n_restarts % 2:
+    if search.rung or search.min_points or search.n_restarts % 2 or state.swaps.pairs:
         return None
     found = find_explanation(state, context)
     convinces = found is not None and found.is_convincing(options.max_body_sigmas, options.early_criterion)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
 from viewimit.estimation.views import permute
-from viewimit.experiments.bench.misfits import OtherDemonstrator, StopsShort, stretched
+from viewimit.experiments.bench.misfits import OtherDemonstrator, StopsShort, run_once, stretched
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.servo import Misfit, MisfitKind, Observation, TrustRegion, TrustRegionOptions
 from viewimit.servo.observation import Visit
@@ -192,6 +192,13 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
     head = session.scene.head
     radius = np.hypot(*(np.array(head.image) / 2)) / head.focal
     assert 0.1 < last.misfit.amount < 2 * 0.06 * radius**3 * head.focal
+
+
+@pytest.mark.parametrize("k", [10, 13])
+def test_a_lens_is_not_named_because_its_fit_knows_fewer_points(k):
+    """A point near an axis was unknown with a lens, so its images cost nothing there."""
+    row = run_once("one point elsewhere", [11, k])
+    assert row.right and not row.claimed
 
 
 def test_a_clear_misfit_spares_the_search_elsewhere():

@@ -35,7 +35,7 @@ from .adjustment import (
     reassigned,
 )
 from .bundle import levenberg_marquardt
-from .clusters import Observations, joints_moving_points
+from .clusters import Observations
 from .model import ProjectiveKinematics, StereoFrame
 
 Array = NDArray[np.float64]
@@ -214,7 +214,11 @@ def _fit_shortfall(
 
 
 def fit_lens(
-    observations: Observations, noise_px: float, rectification: Rectification | None = None
+    observations: Observations,
+    noise_px: float,
+    moved_by: NDArray[np.bool_],
+    known: NDArray[np.bool_],
+    rectification: Rectification | None = None,
 ) -> tuple[ProjectiveKinematics, Lens] | None:
     """Fit kinematics to images that a lens bends.
 
@@ -224,6 +228,10 @@ def fit_lens(
         Images of K visits.
     noise_px : float
         Standard deviation of an image coordinate.
+    moved_by : (N, m) array of bool
+        Which joints move a point.
+    known : (N,) array of bool
+        For which points this is known. The others are left out.
     rectification : Rectification, optional
         Of the images, which is left out if straight images need none.
 
@@ -232,10 +240,6 @@ def fit_lens(
     tuple or None
         Kinematics that explain the straight images, and the lens; None if the images do not determine them.
     """
-    clusters = joints_moving_points(observations, noise_px)
-    if clusters is None:
-        return None
-    moved_by, known = clusters
     seen = observations.restrict(known)
     images = np.where(seen.visible_in_both[..., None], seen.images, 0.0)
     shown = images[seen.visible_in_both]

@@ -275,25 +275,26 @@ class _Reasons:
         """Fit a body like the own one to images that a lens bends.
 
         The own images alone have to show the lens, else this is no reason that is named: it might bend a mirror image,
-        or another body, into shape.
+        or another body, into shape. Both fits know the same points: a cost of fewer ones would be smaller.
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         assert demo is not None  # by `explain`
         seen = observations_of(self.visits)
-        found = fit_lens(seen, noise_px, self.adjustment.kinematics.rectification)
+        straight = self.adjustment.kinematics
+        found = fit_lens(seen, noise_px, straight.moved_by, ~straight.unknown, straight.rectification)
         if found is None:
             return None
         kinematics, lens = found
-        own, straight = lens.straightened(seen.images), lens.straightened(demo[None])[0]
+        own, theirs = lens.straightened(seen.images), lens.straightened(demo[None])[0]
         visits = tuple(replace(visit, own=images) for visit, images in zip(self.visits, own))
-        like_own = fit_same_body(kinematics, visits, straight, noise_px, self.theta, self.options)
+        like_own = fit_same_body(kinematics, visits, theirs, noise_px, self.theta, self.options)
         if like_own is None:
             return None
         adjustment, fit = like_own.adjustment, like_own.fit
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
         price = N_LENS * self._log_coordinates
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
-        bent = float(np.nanmax(np.abs([*(own - seen.images), straight - demo])))
+        bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
         return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
 
 

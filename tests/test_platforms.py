@@ -94,6 +94,7 @@ def test_a_child_process_stands_back_and_keeps_nohups_wish():
 import os, signal
 from viewimit import processes
 before = os.nice(0)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whatever began these tests
 processes.lower_priority(3)
 with processes.interrupts_withheld():
     print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))

@@ -266,6 +266,13 @@ class TestImages:
         assert text.count(MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
         assert not only(planes(html)["L"], "path", RESIDUALS)
 
+    def test_points_without_names_are_named_in_time_and_not_unseen(self):
+        session = Session(Settings(points=16, matched=False))
+        before = panel.metrics_of(session.snapshot)[-1]
+        assert (before.label, before.value) == ("named", "0")
+        session.run(8)
+        assert "named" not in [metric.label for metric in panel.metrics_of(session.snapshot)]
+
     def test_conditions_are_told_by_shape_and_word(self, session, monkeypatch):
         for condition, shape, word in ((39.9, None, ""), (40, HIGH, "high"), (200, TOO_HIGH, "too high")):
             transfer = conditioned(session.snapshot.transfer, condition)

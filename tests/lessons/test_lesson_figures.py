@@ -10,6 +10,7 @@ import typescript
 from browsing import sparing
 from viewimit.app.lab.lessons.page import lesson_page
 from viewimit.app.lab.lessons.source import shipped
+from waiting import wait_until
 
 LESSONS = Path(__file__).parents[2] / "app" / "lab" / "lessons"
 SIZES = {"phone": (390, 844), "laptop": (1280, 720), "projector": (1920, 1080)}
@@ -84,7 +85,14 @@ def test_no_name_covers_another_before_or_after_the_answer(opened, lesson, size)
 
 
 def _middle(page, selector):
-    box = page.locator(selector).first.bounding_box()
+    """The middle of an element, once it stands still for two frames."""
+    boxes = [None]
+
+    def stands():
+        boxes.append(page.locator(selector).first.bounding_box())
+        return boxes[-1] if boxes[-1] == boxes[-2] else None
+
+    box = wait_until(stands, sleep=lambda _: page.wait_for_timeout(250))
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
@@ -103,13 +111,11 @@ def test_a_point_of_l_is_dragged_after_the_answer_and_its_line_goes_along(opened
     page.mouse.down()
     page.mouse.move(x + 10, y - 25, steps=4)
     page.mouse.up()
-    page.wait_for_timeout(100)
+    wait_until(lambda: _line(page) != before)
     dragged = _line(page)
-    assert dragged != before
     page.locator(".figure-l .drawing").focus()
     page.keyboard.press("ArrowDown")
-    page.wait_for_timeout(100)
-    assert _line(page) not in (before, dragged)
+    wait_until(lambda: _line(page) not in (before, dragged))
     assert not page.faults
 
 
@@ -146,8 +152,7 @@ def test_a_turned_camera_makes_another_way(opened):
     page.wait_for_timeout(500)
     before = page.locator(way).get_attribute("d")
     page.locator(".slider input").first.fill("0")
-    page.wait_for_timeout(500)
-    assert page.locator(way).get_attribute("d") != before
+    wait_until(lambda: page.locator(way).get_attribute("d") != before)
     assert not page.faults
 
 
@@ -182,7 +187,5 @@ def test_a_slider_moves_what_is_drawn(opened, step, figure, described):
     slider = page.locator(".slider input").first
     slider.focus()
     page.keyboard.press("End")
-    page.wait_for_timeout(600)
-    assert heard() != before
-    assert any(described in one for one in heard())
+    wait_until(lambda: heard() != before and any(described in one for one in heard()))
     assert not page.faults

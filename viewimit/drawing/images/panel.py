@@ -397,7 +397,8 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
         found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100)))
     if used < count:
         level, text = "red" if used < MIN_POINTS else "", _("{value} of {n}").replace("{n}", str(count))
-        found.append(Metric(level, _("seen"), str(used), text, glossary()["points_seen"].symbol))
+        label = _("seen") if snapshot.views.matched else _("named")
+        found.append(Metric(level, label, str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)
 
 

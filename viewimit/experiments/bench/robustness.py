@@ -74,6 +74,7 @@ CASES = (
         for points in (16, 20)
         for offset in (30.0, 60.0)
     ),
+    Case("seven joints, ±30°, 16 points, noise 0.25 px, 25 frames", SEVEN_16 | {"noise_px": 0.25, "frames": 25}, 30.0),
     Case(f"seven joints, ±30°, 16 points, {SEVEN_REHEARSED} rehearsed", SEVEN_16, 30.0, SEVEN_REHEARSED),
 )
 

@@ -123,14 +123,6 @@ class SameBody:
     def fit(self) -> PairFit:
         return self.fits[0][1]
 
-    def fitted_from(self, theta: Array, max_sigmas: float) -> "SameBody":
-        """Fit from another posture, (m,) rad, too, and keep the better fits. max_sigmas: as of `best_fit`."""
-        fits = []
-        for adjustment, fit in self.fits:
-            again = adjustment.best_fit(adjustment.problem.starts(adjustment.kinematics, theta), max_sigmas)
-            fits.append((adjustment, fit if again is None or fit.cost < again.cost else again))
-        return SameBody(tuple(sorted(fits, key=lambda one: one[1].cost)))
-
     def estimate(self, demo: Array) -> PostureEstimate:
         """Return the posture of the best fit, with the uncertainty by all. demo: (N, 4) px, its images."""
         each = [adjustment.estimate(fit, demo) for adjustment, fit in self.fits]

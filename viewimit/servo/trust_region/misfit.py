@@ -177,11 +177,6 @@ def explain(
         return None
     if np.count_nonzero(like_own.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return None
-    elsewhere = _posture_of_grid(like_own.adjustment, observation, options, mirror=False)
-    if elsewhere is not None:
-        like_own = like_own.fitted_from(elsewhere, options.max_body_sigmas)
-        if like_own.fit.sigmas < options.max_body_sigmas:
-            return None
     reasons = _Reasons(
         like_own.adjustment, like_own.fit, visits, replace(observation, noise_px=noise_px), theta, options
     )
@@ -265,11 +260,19 @@ class _Reasons:
 
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
-        problem, kinematics = self.adjustment.problem, self.adjustment.kinematics
-        theta = _posture_of_grid(self.adjustment, self.observation, self.options, mirror=True)
-        if theta is None:
+        problem, kinematics, options = self.adjustment.problem, self.adjustment.kinematics, self.options
+        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid)
+        visible, frame = problem.visible_in_both[0], kinematics.frame
+        own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
+        H = fit_homography(own, np.broadcast_to(demo, own.shape))
+        mapped = np.concatenate([own, np.ones((*own.shape[:-1], 1))], -1) @ H.swapaxes(-1, -2)
+        cost = (((mapped[..., :3] / mapped[..., 3:] - demo) * frame.unit_px) ** 2).sum((-1, -2))
+        # A map of space turns orientation at a point by the sign of its determinant over the depth there.
+        reflects = np.linalg.det(H) * np.prod(np.sign(mapped[:, :1, 3]), -1) < 0
+        if not reflects.any():
             return None
-        return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), self.options.max_body_sigmas)
+        theta = postures[np.where(reflects, cost, np.inf).argmin()]
+        return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), options.max_body_sigmas)
 
     def _lens(self) -> _Candidate | None:
         """Fit a body like the own one to images that a lens bends.
@@ -296,26 +299,6 @@ class _Reasons:
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
         return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
-
-
-def _posture_of_grid(
-    adjustment: FinalAdjustment, observation: Observation, options: TrustRegionOptions, mirror: bool
-) -> Array | None:
-    """Return the posture of a grid, (m,) rad, in which a map of space takes the own points to the demonstrator's best.
-
-    mirror: whether the map is to reflect. None if none does, or all do.
-    """
-    problem, kinematics = adjustment.problem, adjustment.kinematics
-    postures = posture_grid(observation.lower, observation.upper, options.misfit_grid)
-    visible, frame = problem.visible_in_both[0], kinematics.frame
-    own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
-    H = fit_homography(own, np.broadcast_to(demo, own.shape))
-    mapped = np.concatenate([own, np.ones((*own.shape[:-1], 1))], -1) @ H.swapaxes(-1, -2)
-    cost = (((mapped[..., :3] / mapped[..., 3:] - demo) * frame.unit_px) ** 2).sum((-1, -2))
-    # A map of space turns orientation at a point by the sign of its determinant over the depth there.
-    reflects = np.linalg.det(H) * np.prod(np.sign(mapped[:, :1, 3]), -1) < 0
-    cost = np.where(reflects == mirror, cost, np.inf)
-    return postures[cost.argmin()] if np.isfinite(cost).any() else None
 
 
 def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:

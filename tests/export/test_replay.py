@@ -87,6 +87,11 @@ def test_points_that_are_not_seen_stay_hidden():
         assert (np.isnan(numbers(recorded["recovered"]).reshape(-1, 4)).any(1) == ~moment.usable).all()
 
 
+def test_a_condition_has_the_name_and_the_word_that_the_page_has():
+    recorded = unpacked(viewimit.replay(Session(Settings.paper())))["run"]["snapshots"][0]["condition"]
+    assert recorded["name"] == "cond A" and 1 < float(recorded["value"]) < 40 and recorded["level"] == ""
+
+
 @pytest.mark.parametrize("transfer", ["epipolar", "linear"])
 def test_of_every_point_it_has_how_it_is_transferred(transfer):
     session = Session(Settings(transfer=transfer, start_deg=(25, -45)))

@@ -17,7 +17,7 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
  * @property {boolean} probe
  * @property {number} method
  * @property {number} map
- * @property {{name: string, value: string, level: string, words: string} | null} condition
+ * @property {{name: string, value: string, level: string} | null} condition
  * @property {Record<string, Built | null>} constructed by points
  * @property {string} state
  * @property {string} title

@@ -196,7 +196,7 @@ export class Replay {
     say($("largest"), lengths.length ? `${fixed(most.px)} px, of point ${most.i}` : "–");
     const {condition} = one;
     say($("condition-name"), condition?.name ?? "Condition");
-    say($("condition"), condition ? condition.value + condition.words : "–");
+    say($("condition"), condition?.value ?? "–");
     $("condition").className = condition?.level ?? "";
     say($("seen"), `${usable.length} of ${own.length / 4}`);
     say($("how"), run.chosen === null && !usable.length ? "" : recorded.how(now, chosen));

@@ -143,7 +143,8 @@ def _condition(moment: Snapshot) -> dict[str, Any] | None:
         return None
     value = float(moment.transfer.condition)
     level, words = gauge(value)
-    return {"name": moment.method.condition_name, "value": svg.short(value, 100), "level": level, "words": words}
+    name = words.format(name=moment.method.condition_name)
+    return {"name": name, "value": svg.short(value, 100), "level": level}
 
 
 def _construction(moment: Snapshot, point: int) -> dict[str, Any] | None:

@@ -144,7 +144,7 @@ def test_each_tab_has_a_session_of_its_own(here):
             assert stranger.value("θ₂") == 45.0
     for tab, angle in zip(tabs, (60.0, 70.0)):
         with Client(here.url, tab=tab).ready() as client:
-            wait_until(lambda client=client, angle=angle: client.value("θ₂") == angle)
+            wait_until(lambda client=client, angle=angle: client.value("θ₂") == angle, 60)
 
 
 def test_a_server_that_was_killed_or_is_another_has_lost_nothing():

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from browsing import sparing
 from viewimit.app.lab.article.page import FIGURES, TURNED
 from waiting import wait_until
 
@@ -46,7 +45,7 @@ def opened(browser, path):
     contexts, faults, requests = [], [], []
 
     def open_(width=900, height=900, all_at_once=True, **options):
-        context = sparing(browser.new_context(viewport={"width": width, "height": height}, **options))
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))

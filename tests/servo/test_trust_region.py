@@ -18,6 +18,7 @@ from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.algorithm import TrustRegion
 from viewimit.servo.trust_region.convergence import ROUNDING
 from viewimit.servo.trust_region.motions import maximin, offset_inside_limits
+from viewimit.servo.trust_region.state import record_visit
 from viewimit.simulation.disturbances import NOISE, disturb
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
@@ -118,6 +119,17 @@ def test_where_the_final_adjustment_expects_a_large_error_each_of_seven_joints_i
     state = last.servo_state
     assert state.confirmed and state.doubted and not state.trusts_kinematics
     assert last.motion >= 2 * 7
+
+
+def test_only_a_visit_far_from_all_others_confirms_kinematics():
+    state = run_seven(Session(Settings.paper(transfer="projective", servo="trust-region", **SEVEN))).servo_state
+    here, joint, seen = state.visits[-1].displacement, np.eye(7)[0], np.ones((16, 2), bool)
+    for turn_deg, confirmed in ((0.5, False), (5.0, True)):
+        there = here + np.radians(turn_deg) * joint
+        own = state.kinematics.predict(there)
+        told = Observation(own, seen, np.nan, there, np.full(7, -9.0), np.full(7, 9.0), 10, 0.0)
+        after, _ = record_visit(replace(state, confirmed=False), told, TrustRegion().options)
+        assert after.kinematics is state.kinematics and after.confirmed == confirmed
 
 
 def test_with_images_that_kinematics_do_not_predict_exactly_each_of_seven_joints_is_checked():

@@ -142,8 +142,7 @@ def _condition(moment: Snapshot) -> dict[str, Any] | None:
     if moment.transfer is None:
         return None
     value = float(moment.transfer.condition)
-    level, words = gauge(value)
-    name = words.format(name=moment.method.condition_name)
+    level, name = gauge(value, moment.method.condition_name)
     return {"name": name, "value": svg.short(value, 100), "level": level}
 
 

@@ -384,21 +384,21 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
         where = _("{value} px at {point}").replace("{point}", str(point))
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
-    level, word = gauge(condition)
     name = snapshot.method.condition_name
+    level, label = gauge(condition, name)
     found = [
         Metric("", "E", svg.escape(svg.short_E(snapshot.E)), "{value} px²" if known else "{value}"),
         Metric("", _("mean |e|"), svg.number(mean), "{value} px" if known else "{value}"),
         Metric("", _("largest |e|"), svg.number(largest), where),
-        Metric(level, word.format(name=name), _short(condition, 100), title=name),
+        Metric(level, label, _short(condition, 100), title=name),
     ]
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
         found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100)))
     if used < count:
         level, text = "red" if used < MIN_POINTS else "", _("{value} of {n}").replace("{n}", str(count))
-        label = _("seen") if snapshot.views.matched else _("named")
-        found.append(Metric(level, label, str(used), text, glossary()["points_seen"].symbol))
+        counted = _("seen") if snapshot.views.matched else _("named")
+        found.append(Metric(level, counted, str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)
 
 
@@ -449,13 +449,13 @@ def draw_metrics(metrics: Sequence[Metric]) -> str:
     return f'<svg class="vi vi-metrics" viewBox="{box}">{drawn}</svg>'
 
 
-def gauge(condition: float) -> tuple[str, str]:
-    """Return the colour and the word for a transfer's condition."""
+def gauge(condition: float, name: str) -> tuple[str, str]:
+    """Return the colour of a transfer's condition, and its name with a word if it is high."""
     if condition >= RED:
-        return "red", _("{name}: too high")
+        return "red", _("{name}: too high").format(name=name)
     if condition >= AMBER:
-        return "amber", _("{name}: high")
-    return "", "{name}"
+        return "amber", _("{name}: high").format(name=name)
+    return "", name
 
 
 def _short(value: float, whole_from: float = 1000) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..rectification import Rectification
 from .bundle import jacobian, levenberg_marquardt, normal_equations, sqrt_inverse
 from .clusters import Observations, joints_moving_points
-from .model import N_FRAME, ProjectiveKinematics, StereoFrame
+from .model import N_FRAME, PLANE, ProjectiveKinematics, StereoFrame
 
 PRIOR_STD = 3.0  # of the frame's scales and shears, where noise leaves them open
 PLANE_PRIOR_STD = 0.5  # of its plane at infinity: beyond, points at two deviations are not before the cameras
@@ -96,7 +96,7 @@ class BundleAdjustment:
         """
         weights = np.zeros(n_parameters)
         weights[:N_FRAME] = (self.noise_px / PRIOR_STD) ** 2
-        weights[5:N_FRAME] = (self.noise_px / PLANE_PRIOR_STD) ** 2
+        weights[PLANE] = (self.noise_px / PLANE_PRIOR_STD) ** 2
         return weights
 
 

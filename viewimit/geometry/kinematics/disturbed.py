@@ -26,14 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import Rectification
-from .adjustment import (
-    MAX_OFF_PLANE_SIGMA,
-    MAX_SINGLE_SQUARE,
-    NEAR_RAD,
-    BundleAdjustment,
-    is_of_parallel_cameras,
-    reassigned,
-)
+from .adjustment import MAX_SINGLE_SQUARE, NEAR_RAD, BundleAdjustment, is_of_parallel_cameras, reassigned
 from .bundle import levenberg_marquardt
 from .clusters import Observations
 from .model import ProjectiveKinematics, StereoFrame
@@ -255,8 +248,8 @@ def fit_lens(
         kinematics = kinematics.with_points(known, seen, problem.coordinates)
         kinematics, lens, straight = _fit_lens(kinematics, flat, problem, images)
         bent_back = lens.straightened(images)[seen.visible_in_both]
-        off_plane = StereoFrame.fit(bent_back).rms_off_plane_px if rectified is None else 0.0
-        if straight.fits_noise(kinematics) and off_plane < MAX_OFF_PLANE_SIGMA * problem.noise_floor_px:
+        is_straight = rectified is not None or is_of_parallel_cameras(StereoFrame.fit(bent_back), noise_px)
+        if straight.fits_noise(kinematics) and is_straight:
             return kinematics, lens
     return None
 

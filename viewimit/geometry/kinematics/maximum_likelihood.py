@@ -1,8 +1,8 @@
 """Kinematics of maximum likelihood: the best of several local minima and of several choices of joints.
 
-The images of few visits may show neither the frame nor which joints move a point near their axes. What was found from
-them is kept as long as noise explains later images (`adjustment`), so it may be wrong, and own images that look noisier
-than they are hide it. Here all visits are adjusted again: from what was found, and afresh.
+The images of few visits may show neither the frame nor which joints move a point near their axes. `adjustment` keeps
+the kinematics fitted to them as long as noise explains later images. So these kinematics may be wrong, which only makes
+the own images look noisier than they are. Here all visits are adjusted again: from these kinematics, and afresh.
 
 Which joints move a point is a discrete unknown. Two choices that differ for one point and one joint have equally many
 unknowns, so the smaller cost is the more likely choice. The cost of each such change is predicted by one Gauss-Newton

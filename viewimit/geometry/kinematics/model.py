@@ -30,6 +30,7 @@ from .clusters import LinkClusters, Observations, chain_transforms
 MIN_SCALE_PX = 1e-6  # of images in a plane
 MIN_RATE = 1e-8  # of a prismatic joint, whose G² is 0
 N_FRAME = 8  # frame parameters: logarithms of two scales, three shears, the plane at infinity
+PLANE = slice(5, N_FRAME)  # of them, the plane at infinity
 MAX_LOG_SCALE = 20.0  # keeps the frame invertible after any step
 
 
@@ -146,7 +147,7 @@ class ProjectiveKinematics:
         """
         images = images if self.rectification is None else self.rectification.apply(images)
         coordinates = self.frame.coordinates(images)
-        return coordinates / (1 + coordinates @ self.parameters[5:N_FRAME])[..., None]
+        return coordinates / (1 + coordinates @ self.parameters[PLANE])[..., None]
 
     def with_points(
         self, points: NDArray[np.bool_], observations: Observations, coordinates: NDArray[np.float64]
@@ -191,5 +192,5 @@ def frame_matrices(frame: NDArray[np.float64]) -> NDArray[np.float64]:
     A[..., [0, 1], [0, 1]] = np.exp(np.clip(frame[..., :2], -MAX_LOG_SCALE, MAX_LOG_SCALE))
     A[..., 0, 1], A[..., 0, 2], A[..., 1, 2] = np.moveaxis(frame[..., 2:5], -1, 0)
     A[..., 2, 2] = A[..., 3, 3] = 1.0
-    A[..., 3, :3] = frame[..., 5:]
+    A[..., 3, :3] = frame[..., PLANE]
     return A

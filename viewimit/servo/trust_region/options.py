@@ -99,7 +99,7 @@ class TrustRegionOptions:
     max_reason_sigmas: float = 3.72  # as max_body_sigmas, of a reason why another body differs: once in ten thousand
     clear_criterion: float = 10.0  # by which the best reason's criterion is smaller than others', to base a claim on it
     early_criterion: float = 70.0  # the same, to spare the search elsewhere: later visits may show another reason
-    max_claimed_std: float = _deg(0.75)  # rad: a larger expected error of another body's posture is no claim
+    max_claimed_std: float = _deg(0.75)  # rad: a larger expected error allows no claim of another body's posture, or by kinematics
     misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 

@@ -87,21 +87,21 @@ def test_without_a_visit_along_it_a_direction_is_asked_by_a_motion_the_flattest_
     assert np.abs(found.verification_step).argmax() == asked
 
 
-def test_confirmed_kinematics_are_evidence_of_a_rise_that_no_visit_shows():
-    found = certify(model_of([], confirmed=True))
+def test_trusted_kinematics_are_evidence_of_a_rise_that_no_visit_shows():
+    found = certify(model_of([], trusted=True))
     assert found.status == "converged" and not found.verification_step.any()
     assert certify(model_of([])).status == "settled"
 
 
-def test_a_visit_that_shows_no_rise_speaks_against_confirmed_kinematics():
-    found = certify(model_of([(2, 0), (0, 2)], true=(0, STEEP), confirmed=True))
+def test_a_visit_that_shows_no_rise_speaks_against_trusted_kinematics():
+    found = certify(model_of([(2, 0), (0, 2)], true=(0, STEEP), trusted=True))
     assert found.status == "unobservable" and found.unobservable_joints == [0]
 
 
-def test_confirmed_kinematics_are_no_evidence_along_a_valley():
+def test_trusted_kinematics_are_no_evidence_along_a_valley():
     """Noise of 1 px would turn joint 0 by more than 20°, `max_std_per_px`, along which they predict next to no rise."""
     curvature = 0.9 / (POINTS * OPTIONS.max_std_per_px**2)
-    found = certify(model_of([(0, 2)], curvatures=(curvature, STEEP), confirmed=True))
+    found = certify(model_of([(0, 2)], curvatures=(curvature, STEEP), trusted=True))
     assert not found.verified and np.abs(found.verification_step).argmax() == 0
 
 

@@ -9,7 +9,7 @@ from turning_body import TurningBody
 from viewimit.geometry.kinematics.adjustment import BundleAdjustment, fit_kinematics
 from viewimit.geometry.kinematics.bundle import levenberg_marquardt
 from viewimit.geometry.kinematics.maximum_likelihood import MAX_RAISED, likely_kinematics, predicted_changes
-from viewimit.geometry.kinematics.model import N_FRAME
+from viewimit.geometry.kinematics.model import N_FRAME, PLANE
 
 NOISE_PX = 0.5
 ON = np.array([0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])
@@ -87,11 +87,13 @@ def test_a_local_minimum_in_which_joints_turn_the_other_way_is_left(seed):
 
 
 def test_a_plane_at_infinity_among_the_points_is_no_local_minimum():
-    """Points behind it would be behind the cameras."""
+    """Points behind it would be behind the cameras: depths have both signs."""
     kinematics, problem = seen(0, 0.1)
     parameters = np.zeros_like(kinematics.parameters)
     parameters[:N_FRAME] = kinematics.parameters[:N_FRAME] + (0, -3, 0, 0.7, 2, 0, 1, -3.5)
     crossed = replace(kinematics, parameters=parameters)
+    depths = 1 + problem.coordinates @ parameters[PLANE]
+    assert depths.min() < 0 < depths.max()
     assert least(crossed, problem, TRUE) == pytest.approx(least(kinematics, problem, TRUE), abs=0.05)
 
 

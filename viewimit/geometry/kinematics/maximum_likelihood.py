@@ -28,10 +28,10 @@ from .model import ProjectiveKinematics
 
 Array = NDArray[np.float64]
 FTOL, MAX_ITER = 1e-5, 100
-MAX_CHANGES = 8  # of joints, one after the other
-MIN_GAIN = 0.1  # of a change, in variances of the noise: less is no evidence, and without noise rounding
+MAX_CHANGES = 8  # of joints, one after the other: bounds the time
+MIN_GAIN = 0.1  # of a change, in variances of the noise: a smaller gain is no evidence; without noise it is rounding
 MAX_RAISED = 10.0  # cost above the least, over the variance of the noise: less likely choices by e⁻⁵ do not count
-MAX_CHOICES = 4  # of joints that are as likely
+MAX_CHOICES = 4  # of joints that are as likely: each takes an adjustment of both bodies
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,8 @@ def _changes(
     kinematics: ProjectiveKinematics, problem: BundleAdjustment, max_raised: float
 ) -> Iterator[ProjectiveKinematics]:
     """Yield kinematics in which one joint more or less moves one point, the best predicted first.
+
+    Every joint still moves a point, and joints contradict each other no more often than before.
 
     max_raised: px², how much more than these kinematics they may cost by the prediction.
     """

@@ -205,8 +205,8 @@ def _curvature_insignificant(model: LocalModel, v: Array, options: TrustRegionOp
 
 
 def _rises_by_kinematics(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:
-    """Whether confirmed kinematics show that E rises along v."""
-    return model.confirmed and not _curvature_small(model, v, options)
+    """Whether trusted kinematics show that E rises along v."""
+    return model.trusted and not _curvature_small(model, v, options)
 
 
 def _curvature_small(model: LocalModel, v: Array, options: TrustRegionOptions) -> bool:

@@ -139,6 +139,8 @@ def prediction_sigmas(
     previous: fitted to all visits but the last; found: from there, to all; noise_px: standard deviation of an image
     coordinate.
     """
+    if (found.moved_by != previous.moved_by)[~previous.unknown].any():
+        return np.inf  # it has changed them
     known = observations.restrict(~previous.unknown)
     earlier = known.select_visits(np.arange(len(known.displacement)) < len(known.displacement) - 1)
     before = BundleAdjustment.of(previous, earlier, noise_px)

@@ -40,7 +40,7 @@ class KinematicImages:
     observations: Observations  # the visits to which the kinematics were fitted
     noise_px: float  # standard deviation of an image coordinate
     process: GaussianProcessImages | None  # predicts the points unknown to the kinematics; None if there are none
-    confirmed: bool = False  # whether the kinematics have predicted a visit that they were not fitted to
+    trusted: bool = False  # whether the kinematics are evidence, as of `convergence`
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -136,7 +136,7 @@ class ImageData:
     visits: Sequence[Visit]
     noise_px: float  # standard deviation of an image coordinate
     kinematics: ProjectiveKinematics | None = None  # that explain all visits, None if none were found
-    confirmed: bool = False  # as of `KinematicImages`
+    trusted: bool = False  # as of `KinematicImages`
 
     def fit(self, centre: int = -1) -> ImageModel:
         """Fit an image model about one of the visits."""
@@ -145,7 +145,7 @@ class ImageData:
         process = self._fit_process(centre) if self.kinematics.unknown.any() else None
         there = self.visits[centre].displacement
         return KinematicImages(
-            self.kinematics, there, observations_of(self.visits), self.noise_px, process, self.confirmed
+            self.kinematics, there, observations_of(self.visits), self.noise_px, process, self.trusted
         )
 
     def is_rounded(self, at: int = -1) -> bool:

@@ -72,7 +72,7 @@ class LocalModel:
     lower: Array  # (m,) rad, joint limits relative to the posture
     upper: Array  # (m,) rad
     noise_px: float  # standard deviation of a residual
-    confirmed: bool = False  # whether kinematics predict all images, and have predicted a visit they did not know
+    trusted: bool = False  # whether kinematics predict all images and are evidence, as of `convergence`
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -157,7 +157,7 @@ def local_model(
         lower=data.observation.lower - place,
         upper=data.observation.upper - place,
         noise_px=data.observation.noise_px,
-        confirmed=isinstance(data.model, KinematicImages) and data.model.process is None and data.model.confirmed,
+        trusted=isinstance(data.model, KinematicImages) and data.model.process is None and data.model.trusted,
     )
 
 

@@ -143,7 +143,7 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     """Whether the planned step is worth a motion.
 
     It must be `xtol` long. A shorter one of at least `min_step` is worth a motion only if it decides: if E leaves room
-    at the best visit, and no room at the predicted minimum. Where noise explains E, confirmed kinematics need no step:
+    at the best visit, and no room at the predicted minimum. Where noise explains E, trusted kinematics need no step:
     the final adjustment finds the posture.
     """
     plan, region, options = context.plan, state.region, context.options
@@ -312,7 +312,7 @@ def kinematics_suffice(state: TrustRegionState, context: StepContext) -> bool:
 
 def with_kinematics_doubted(state: TrustRegionState, context: StepContext) -> TrustRegionState:
     """Take kinematics for no evidence any more: E is to be measured to rise in every direction."""
-    context.images = replace(context.images, confirmed=False)
+    context.images = replace(context.images, trusted=False)
     return replace(state, doubted=True)
 
 

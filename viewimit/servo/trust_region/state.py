@@ -95,17 +95,12 @@ class TrustRegionState:
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
-    explanation: Explanation | None = (
-        None  # why no posture explains the demonstrator's images; None: no need, or not yet
-    )
-    target_moved: tuple[bool, bool] = (
-        False,
-        False,
-    )  # whether the demonstrator moved since the last motion, and before it
+    explanation: Explanation | None = None  # why no posture explains the demonstrator's images; None: not needed yet
+    target_moved: tuple[bool, bool] = (False, False)  # whether the demonstrator moved since the last motion; before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
     confirmed: bool = False  # whether they have predicted a visit far from those that they were fitted to
-    doubted: bool = False  # whether the final adjustment allowed no claim by kinematics that were confirmed
+    doubted: bool = False  # whether the final adjustment allowed no claim by them; until the demonstrator moves
     mismatch: NDArray[np.float64] | None = None  # (m,) rad, where the arm was sent, minus where it is by its images, as
     # with backlash, steps or an obstacle; None: it is where it was sent, or `shortfall` says where it is
     shortfall: Shortfall | None = None  # by which it stops short of where it is sent; None: no sign of that
@@ -243,7 +238,7 @@ def _is_confirmed(
 ) -> bool:
     """Whether a visit far from all others has confirmed the kinematics, and the last one does not contradict.
 
-    Without noise they must have predicted it exactly.
+    Without noise they must have predicted it exactly: then `fit_kinematics` returns the same ones.
     """
     if found is None or state.kinematics is None or len(found.reference) < options.trusted_from_joints:
         return False

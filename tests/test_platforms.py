@@ -105,7 +105,8 @@ os.kill(os.getpid(), signal.SIGHUP)
 print([each.name for each in processes.stop_signals()])
 """
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert said.splitlines() == ["True", "3 ['SIGINT', 'SIGTERM', 'SIGHUP']", "['SIGINT', 'SIGTERM']"]
+    lower = min(3, 19 - os.nice(0))  # no priority is lower than 19
+    assert said.splitlines() == ["True", f"{lower} ['SIGINT', 'SIGTERM', 'SIGHUP']", "['SIGINT', 'SIGTERM']"]
     assert 1 <= processes.usable_cores() <= os.cpu_count() and signal.SIGINT in processes.stop_signals()
 
 

@@ -201,7 +201,8 @@ class Keeper:
         self._model, self._send = model, send
         self._redraw, self._number = Redraw(), 0
         self._parts, self._last = float(AT_ONCE), -math.inf  # that may be sent; s, of the last tick
-        self._begun = self._has_changed = self._has_acted = False
+        self._redraw.changed("state", self._state())  # as the page was built: it needs no storing
+        self._has_restored = self._has_changed = self._has_acted = False
         self._sent: list[str] = []
         self._branches: WeakKeyDictionary[UndoEntry, Branch | None] = WeakKeyDictionary()
         self._described: dict[str, str] = {}
@@ -209,12 +210,13 @@ class Keeper:
     def tick(self, now: float, acted: int) -> None:
         """Send what has changed. acted: number of the last action that was applied."""
         model = self._model
+        self._has_restored |= model.following.restores
         if not model.is_kept or model.following.restores:
             return
         has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and self._begun  # the tab already stores the first state, or needs none
+        self._has_changed |= has_changed and not self._has_restored  # what was restored, the tab already stores
         self._has_acted |= self._redraw.changed("acted", (acted,))
-        self._begun = True
+        self._has_restored = False
         if model.resends_all:
             self._sent, self._has_changed, model.resends_all = [], True, False
         self._parts = min(self._parts + (now - self._last) / SEND_EVERY, float(AT_ONCE))

@@ -135,6 +135,14 @@ def test_a_new_tab_is_sent_nothing_before_something_is_done():
     assert decode(page.kept, Settings.paper()).chosen == 5
 
 
+def test_what_is_done_before_a_new_tab_has_told_that_it_stores_nothing_is_kept_too():
+    page = QuietPage(Settings.paper())
+    page.choose("θ₂", 70.0)
+    page.act("session", "")
+    assert decode(page.kept, Settings.paper()).present.runs
+    same(page.page.model, restored(page.kept).page.model)
+
+
 def test_a_page_sends_nothing_to_a_tab_that_has_not_told_what_it_has():
     page = QuietPage(Settings.paper())
     page.page.queue.call("step")

@@ -47,22 +47,14 @@ def fewer_points_compete(state, context, goal, min_points):
     return RESTART(state, context, goal, 0)
 
 
-def short_step(now, context):
-    """As `take_step`, which never goes beyond its target here."""
-    region = replace(now.region, predicted_reduction=float(context.plan.E - context.plan.minimum.E))
-    return rules.move(replace(now, region=region), context, context.plan.minimum.theta)
-
-
 SPECIAL_CASES = {
     "swap": SpecialCase({"points": 16, "swapped": 0.2}, {"swap_search_at": ()}),
     "kinematics": SpecialCase({**POINTS, "missing": 0.3}, {"fit_kinematics_at": ()}),
     "ladder": SpecialCase({**POINTS, "outliers": 0.05, "noise_px": 0.25}, {"ladder": LADDER[:1]}),
     "mismatch": SpecialCase({"encoder_step_deg": 1.0}, module=state, functions={"contradicts_command": never}),
     "noise-floor": SpecialCase({"noise_px": 0.5}, module=rules, functions={"noise_floor": lambda context: 0.0}),
-    "overshoot": SpecialCase({}, module=algorithm, functions={"take_step": short_step}),
     "min-points": SpecialCase({}, {}, algorithm, {"restart": fewer_points_compete}, runs=160, hidden=True),
     "more-points": SpecialCase({}, {}, algorithm, {"more_points_elsewhere": never}, runs=160, hidden=True),
-    "verify": SpecialCase({"scene": "panda-toed", "rectify": "off"}, {"xtol_verify": 0.0}),
 }
 
 

@@ -164,8 +164,7 @@ def behind_deg(speed_deg, noise_px):
     return np.mean(behind)
 
 
-def test_a_learner_that_follows_is_one_motion_behind_and_makes_no_step_beyond_the_demonstrator():
-    """With steps beyond their target, to verify, it would be 1.7° behind."""
+def test_a_learner_that_follows_is_one_motion_behind():
     assert behind_deg(speed_deg=1.0, noise_px=0.0) < 1.1
 
 

@@ -127,7 +127,7 @@ def fit_kinematics(
     if previous is not None and (previous.rectification is None) != (rectification is None):
         previous = None
     if previous is not None and noise_px == 0 and previous.rectification is rectification:
-        if _predicts_last(previous, observations):
+        if predicts_last(previous, observations):
             return previous
     if len(observations.displacement) <= observations.displacement.shape[1] or observations.n_points < MIN_POINTS:
         return None
@@ -167,7 +167,7 @@ def _initial(
     return ProjectiveKinematics.initial(visible.shape[1], observations.displacement[0], frame, rectification)
 
 
-def _predicts_last(previous: ProjectiveKinematics, observations: Observations) -> bool:
+def predicts_last(previous: ProjectiveKinematics, observations: Observations) -> bool:
     """Whether the last visit adds nothing, as all points are known and predicted exactly."""
     last = observations.visible_in_both[-1]
     if previous.unknown.any() or not last.any():

@@ -80,7 +80,6 @@ from .rules import (
     is_cycling,
     kinematics_suffice,
     may_verify,
-    may_verify_early,
     more_points_elsewhere,
     naming_motion,
     on_rung,
@@ -244,9 +243,6 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
         state = with_final_adjustment(state, context)
         context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None
-    if may_verify_early(state, context):
-        offset = context.options.verification_step * context.plan.flattest_direction
-        return Phase.VERIFY, *verification_motion(state, context, offset)
     return Phase.SEARCH, state, None
 
 

@@ -10,11 +10,12 @@ exceed what noise makes or, without noise, a share of the motion of the own imag
 verification motion along v is requested. If E does not rise as predicted, v is unobservable, and so is each joint with
 a component in v. With too few points E is small and rises at wrong postures as well, so they allow no claim.
 
-With three joints or more that takes many motions. There, kinematics are evidence as well if they know all points that
-determine E, explain all visits, and have predicted one far from the others that they did not know: exactly without
-noise, or by an F-test (`final_adjustment`). Then E rises where their H says so and no visit contradicts. Errors of such
-predictions look no longer like curvature. With noise, the final adjustment must agree: it must fit, and its expected
-error be small. Otherwise E is measured in every direction.
+Kinematics are evidence as well if they know all points that determine E, explain all visits, and have predicted one
+far from the others that they did not know: exactly without noise, or by an F-test (`final_adjustment`). Then E rises
+where their H says so and no visit contradicts. Errors of such predictions look no longer like curvature. With noise,
+the final adjustment must agree: it must fit, and its expected error be small. Otherwise E is measured in every
+direction. So it is with noise and one joint or two, too: there it takes few motions, whose images lessen the error of
+the claim.
 
 The covariance of the joint errors is σ² H⁻¹ / N, where σ is the image noise, or what E leaves if that is more. A
 gradient g of E at the posture displaces the minimum by H⁻¹ g. The squares of such displacements are added for the noise

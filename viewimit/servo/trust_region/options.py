@@ -32,7 +32,6 @@ class TrustRegionOptions:
     xtol: float = _deg(0.1)  # rad: shorter steps are not worth a motion
     min_step: float = _deg(0.01)  # rad: shorter steps are no motion, even if they would settle a doubt
     xtol_converged: float = _deg(0.3)  # rad: displacement that E may leave possible where the servo stops
-    xtol_verify: float = _deg(5.0)  # rad: where E leaves more possible, a verification motion is no use yet
     arrival_tolerance: float = 0.1  # of the expected error: how near the arm must return to its best posture
     max_visits: int = 60  # that are remembered; a prediction costs their number cubed
     same_posture: float = 1e-9  # rad: rounding of two motions to one posture
@@ -109,8 +108,6 @@ class TrustRegionOptions:
     noise_sigmas: float = 3.0  # standard deviations of E above its mean, up to which E is noise
     noise_slack: float = 1.2  # times the noise, which is measured itself
     max_verifications: int = 3  # verification motions per joint, from one restart to the next
-    max_early_verifications: int = 3  # of all joints together, while E leaves more than xtol_converged possible
-    overshoot_below: float = _deg(5.0)  # rad: a last step shorter than that may go beyond its target, to verify
     verification_step: float = _deg(2.0)  # rad, without noise
     verification_step_noisy: float = _deg(8.0)  # rad, the shortest with noise
     min_evidence: float = _deg(
@@ -124,7 +121,7 @@ class TrustRegionOptions:
     min_alignment: float = 0.95  # cosine, from which a visit that shows no rise speaks against a direction
     min_conflict_share: float = 1e-4  # of the mean square motion of own images: what must remain as conflict
     significance: float = 3.0  # standard deviations of a measured rise
-    trusted_from_joints: int = 3  # from which confirmed kinematics are evidence: with two, verifying takes a motion
+    trusted_from_joints: int = 3  # from which confirmed kinematics are evidence in spite of noise, as `convergence`
     min_component: float = 0.1  # of a unit direction: smaller components do not turn their joint
 
 

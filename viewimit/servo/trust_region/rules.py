@@ -161,20 +161,8 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
 
 
 def take_step(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:
-    """Move to the predicted minimum, or beyond it if that saves a verification motion.
-
-    Without noise, a step that is likely the last may pass the minimum by a verification step, once for each direction.
-    The visit there shows how E rises, so the step back to the minimum can be the last motion.
-    """
-    plan, options = context.plan, context.options
-    reliable = plan.step_length < options.overshoot_below or state.has_global_model
-    likely_last = reliable and plan.max_displacement_at_minimum < options.xtol_converged
-    may_pass = state.search.n_verifications < len(plan.minimum.theta) and plan.noise_reference is None
-    if plan.can_certify and likely_last and may_pass and not context.tracking:
-        offset = plan.certify(plan.minimum.theta).verification_step
-        beyond = offset_inside_limits(context.observation, plan.minimum.theta, offset)
-        if offset.any() and distance_to_visits(state.known, beyond[None])[0] > options.min_step:
-            return move(with_verification(state), context, beyond)
+    """Move to the predicted minimum."""
+    plan = context.plan
     region = replace(state.region, predicted_reduction=float(plan.E - plan.minimum.E))
     return move(replace(state, region=region), context, plan.minimum.theta)
 
@@ -384,12 +372,6 @@ def may_verify(certificate: Certificate, state: TrustRegionState, context: StepC
     """Whether the certificate asks for a verification motion, and some are left."""
     most = context.options.max_verifications * len(context.observation.displacement)
     return bool(certificate.verification_step.any() and state.search.n_verifications < most)
-
-
-def may_verify_early(state: TrustRegionState, context: StepContext) -> bool:
-    """Whether E leaves too much room to rest, but so little that a verification motion may show the way."""
-    near, most = context.options.xtol_verify, context.options.max_early_verifications
-    return context.plan.max_displacement < near and state.search.n_verifications < most
 
 
 def verification_motion(

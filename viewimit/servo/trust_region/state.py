@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...estimation.views import Pairs
-from ...geometry.kinematics.adjustment import fit_kinematics
+from ...geometry.kinematics.adjustment import fit_kinematics, predicts_last
 from ...geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..observation import Observation, Visit
@@ -238,16 +238,16 @@ def _is_confirmed(
 ) -> bool:
     """Whether a visit far from all others has confirmed the kinematics, and the last one does not contradict.
 
-    Without noise they must have predicted it exactly: then `fit_kinematics` returns the same ones.
+    Without noise they must have predicted it exactly.
     """
-    if found is None or state.kinematics is None or len(found.reference) < options.trusted_from_joints:
+    if found is None or state.kinematics is None or noise_px > 0 and len(found.reference) < options.trusted_from_joints:
         return False
     *earlier, last = state.known
     far = options.min_evidence if noise_px == 0 else options.min_evidence_noisy
     if not state.confirmed and distance_to_visits(tuple(earlier), last.displacement[None])[0] < far:
         return False
     if noise_px == 0:
-        return found is state.kinematics
+        return predicts_last(state.kinematics, observations_of(state.known))
     sigmas = prediction_sigmas(state.kinematics, found, observations_of(state.known), noise_px)
     return sigmas < options.max_body_sigmas
 

@@ -80,6 +80,7 @@ from .rules import (
     is_cycling,
     kinematics_suffice,
     may_verify,
+    mixed_up_points,
     more_points_elsewhere,
     naming_motion,
     on_rung,
@@ -102,6 +103,7 @@ from .rules import (
     with_partial_points,
     with_plan,
     with_swap_search,
+    with_swapped,
 )
 from .state import (
     Destination,
@@ -254,6 +256,8 @@ def search(state: TrustRegionState, context: StepContext) -> Outcome:
     if more_points_elsewhere(state, context):
         return Phase.SEARCH, *restart(state, context, goal_with_other_points(state, context), context.plan.n_points + 1)
     if (explanation := explained_early(state, context)) is not None:
+        if explanation.misfit.points and (pairs := mixed_up_points(context)):
+            return Phase.PLAN, with_swapped(state, context, pairs), None
         context.status = ServoStatus.NO_PROGRESS
         return Phase.REST, replace(state, explanation=explanation), None
     if state.search.rung + 1 < len(options.ladder):

@@ -200,11 +200,20 @@ def with_swap_search(state: TrustRegionState, context: StepContext) -> TrustRegi
         options,
         name_all=lambda: mixed_up_points(context),
     )
-    state = replace(state, swaps=Swaps(pairs, next_swap_search(state) + 1))
     if not pairs:
-        return state
+        return replace(state, swaps=Swaps((), next_swap_search(state) + 1))
+    return with_swapped(state, context, pairs)
+
+
+def with_swapped(state: TrustRegionState, context: StepContext, pairs: Pairs) -> TrustRegionState:
+    """Begin the search for the minimum again with points swapped."""
     swap_points(context, pairs)
-    return replace(state, search=replace(state.search, rung=0), region=first_region(state.calibration, options))
+    return replace(
+        state,
+        swaps=Swaps(pairs, next_swap_search(state) + 1),
+        search=replace(state.search, rung=0),
+        region=first_region(state.calibration, context.options),
+    )
 
 
 def mixed_up_points(context: StepContext) -> Pairs:

@@ -89,7 +89,7 @@ def test_a_learner_arrives_as_soon_names_them_and_shows_the_conflict_that_is_lef
 
 
 def test_two_swapped_points_near_each_other_are_not_taken_for_points_elsewhere():
-    """They leave less of E than is suspected of a swap, and points of that link elsewhere would leave nothing at all."""
+    """They leave less of E than is suspected of a swap. Points of that link elsewhere would leave nothing at all."""
     settings = Settings(points=16, swapped=0.1, seed=2070545506, demonstrator_deg=(20, -106), start_deg=(4, -73))
     last = Session(settings).run(100).last
     assert set(last.exchanged) == swapped(settings, 16) == {(14, 15)}

@@ -33,6 +33,12 @@ def test_points_that_tell_too_little_send_the_learner_to_where_others_are_seen()
     assert last.usable.sum() > led_astray[-1].usable.sum()
 
 
+def test_where_the_arm_stands_at_the_predicted_minimum_already_the_search_goes_on():
+    """There is no step left to make, but E is small only where fewer points are seen."""
+    last = session_with([900, 65]).run(60).last
+    assert last.status.is_at_rest and error_deg(last) < 0.1
+
+
 def test_where_too_few_own_points_are_seen_a_servo_that_predicts_goes_on_and_others_hold_still():
     session = session_with([900, 61])
     while session.snapshot.transfer is not None:

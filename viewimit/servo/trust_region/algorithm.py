@@ -38,7 +38,7 @@ VERIFY  ──> motion    if evidence is missing that a motion can give
         ──> REST      if the test has a result
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
-        ──> PLAN      if another transfer is left to try
+        ──> PLAN      if another transfer is left to try, or points that seem to be elsewhere are mixed up
         ──> REST      if nothing is left to try, or a misfit explains the images
 REST    ──> motion    towards the posture to rest at; none when the arm is there
 

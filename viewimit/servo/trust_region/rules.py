@@ -142,13 +142,14 @@ def updated_region(state: TrustRegionState, E: NDArray[np.float64], options: Tru
 def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
     """Whether the planned step is worth a motion.
 
-    It must be `xtol` long. A shorter one of at least `min_step` is worth a motion only if it decides: if E leaves room
-    at the best visit, and no room at the predicted minimum. Where noise explains E, trusted kinematics need no step:
-    the final adjustment finds the posture.
+    The arm must not stand at its end already. It must be `xtol` long. A shorter one of at least `min_step` is worth a
+    motion only if it decides: if E leaves room at the best visit, and no room at the predicted minimum. Where noise
+    explains E, trusted kinematics need no step: the final adjustment finds the posture.
     """
     plan, region, options = context.plan, state.region, context.options
     decides = plan.max_displacement_at_minimum < options.xtol_converged <= plan.max_displacement
     long_enough = plan.step_length >= options.xtol or (plan.step_length >= options.min_step and decides)
+    is_there = np.linalg.norm(plan.minimum.theta - context.observation.displacement) < options.min_step
     model_reduces_E = region.descend_allowed and region.n_rejected < options.max_rejections
     if (
         state.trusts_kinematics
@@ -157,7 +158,7 @@ def accepts_step(state: TrustRegionState, context: StepContext) -> bool:
         and not context.tracking
     ):
         return False
-    return bool(long_enough and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
+    return bool(long_enough and not is_there and model_reduces_E and plan.E > PREDICTION_TOL_PX**2)
 
 
 def take_step(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:

@@ -83,7 +83,7 @@ def test_of_joints_that_too_few_visits_tell_of_it_is_not_said_that_their_points_
     "words",
     [
         "imitate --noise-px 0.5 --missing 0.05 --seed 3 --start 60.123456789012345,-130 --max-motions 6",
-        "imitate --joints 2,4,6 --n-points 16 --demonstrator 44.997659963130204,-90,10 --max-motions 10",
+        "imitate --joints 1,2,4,6,7 --n-points 16 --demonstrator 10,44.997659963130204,-90,10,20 --max-motions 10",
     ],
 )
 def test_a_run_can_be_repeated_from_its_object(ask_json, words):

@@ -214,7 +214,7 @@ class Keeper:
         if not model.is_kept or model.following.restores:
             return
         has_changed = self._redraw.changed("state", self._state())
-        self._has_changed |= has_changed and not self._has_restored  # what was restored, the tab already stores
+        self._has_changed |= has_changed and not self._has_restored  # the tab stores the restored state already
         self._has_acted |= self._redraw.changed("acted", (acted,))
         self._has_restored = False
         if model.resends_all:

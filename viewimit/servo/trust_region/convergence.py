@@ -50,7 +50,7 @@ class Certificate:
     std_per_px: Array  # (m,) rad/px, standard deviation of each joint by image noise of 1 px
     std_error: Array  # (m,) rad, standard deviation of each joint error; inf for unobservable joints
     observable: NDArray[np.bool_]  # (m,), joints
-    verified: bool  # whether E was measured to rise along every direction
+    verified: bool  # whether E rises along every direction, as measured or by trusted kinematics
     verification_step: Array  # (m,) rad, a motion that would show more; 0 if there is none to make
     E_negligible: bool  # whether E is below `min_conflict_share` of what a turn of all joints moves the own images
     needs_more_data: bool = False  # points seen rarely, or noise not averaged yet, hide what would be observable

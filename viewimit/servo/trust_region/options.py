@@ -98,9 +98,7 @@ class TrustRegionOptions:
     max_reason_sigmas: float = 3.72  # as max_body_sigmas, of a reason why another body differs: once in ten thousand
     clear_criterion: float = 10.0  # by which the best reason's criterion is smaller than others', to base a claim on it
     early_criterion: float = 70.0  # the same, to spare the search elsewhere: later visits may show another reason
-    max_claimed_std: float = _deg(
-        0.75
-    )  # rad: a larger expected error allows no claim about another body, or by kinematics
+    max_claimed_std: float = _deg(0.75)  # rad, expected error: if larger, no claim about another body or by kinematics
     misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 
@@ -110,9 +108,7 @@ class TrustRegionOptions:
     max_verifications: int = 3  # verification motions per joint, from one restart to the next
     verification_step: float = _deg(2.0)  # rad, without noise
     verification_step_noisy: float = _deg(8.0)  # rad, the shortest with noise
-    min_evidence: float = _deg(
-        1.0
-    )  # rad along a direction for a visit to be evidence; from others to confirm kinematics
+    min_evidence: float = _deg(1.0)  # rad from the posture along a direction, or from all visits, to be evidence
     max_evidence: float = _deg(25.0)  # rad per joint: farther visits are beyond the quadratic model
     min_evidence_noisy: float = _deg(5.5)  # rad, the same with noise: image slopes must stand out
     max_evidence_noisy: float = _deg(15.0)  # rad, also the longest verification motion

@@ -240,7 +240,9 @@ def _is_confirmed(
 
     Without noise they must have predicted it exactly.
     """
-    if found is None or state.kinematics is None or noise_px > 0 and len(found.reference) < options.trusted_from_joints:
+    if found is None or state.kinematics is None:
+        return False
+    if noise_px > 0 and len(found.reference) < options.trusted_from_joints:
         return False
     *earlier, last = state.known
     far = options.min_evidence if noise_px == 0 else options.min_evidence_noisy

@@ -181,7 +181,7 @@ PRESETS = [
         _("Beyond the paper"),
         Settings(),
         2,
-        _("Our best method: exact in 5 to 10 steps, as it predicts images before it moves."),
+        _("Our best method: exact in three steps, as it predicts images before it moves."),
         "best",
     ),
     Preset(

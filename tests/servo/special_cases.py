@@ -53,6 +53,7 @@ SPECIAL_CASES = {
     "ladder": SpecialCase({**POINTS, "outliers": 0.05, "noise_px": 0.25}, {"ladder": LADDER[:1]}),
     "mismatch": SpecialCase({"encoder_step_deg": 1.0}, module=state, functions={"contradicts_command": never}),
     "noise-floor": SpecialCase({"noise_px": 0.5}, module=rules, functions={"noise_floor": lambda context: 0.0}),
+    "trusted": SpecialCase({}, module=state, functions={"_is_confirmed": never}),
     "min-points": SpecialCase({}, {}, algorithm, {"restart": fewer_points_compete}, runs=160, hidden=True),
     "more-points": SpecialCase({}, {}, algorithm, {"more_points_elsewhere": never}, runs=160, hidden=True),
 }

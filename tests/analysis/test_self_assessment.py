@@ -44,7 +44,7 @@ def test_five_points_do_not_tell_the_joints():
     assert found.unobservable[0] == 0 and found.certificate.status == "unobservable"
 
 
-@pytest.mark.parametrize("noise_px, seed", [(0.5, 7), (0.25, 1)])
+@pytest.mark.parametrize("noise_px, seed", [(0.5, 13), (0.25, 1)])
 def test_what_the_visits_under_noise_leave_open_is_not_said_of_the_points(noise_px, seed):
     session = rested(Settings.paper(noise_px=noise_px, seed=seed, start_deg=(25, -45)))
     now, found = session.snapshot, assess(session)

@@ -62,6 +62,16 @@ def test_every_look_at_the_own_body_has_noise_of_its_own_and_repeats_itself(obse
     assert not np.allclose(first, observer.own(msgspec.structs.replace(settings, seed=8), START, 0)[0])
 
 
+@pytest.mark.parametrize("frames", [1, 3])
+def test_every_posture_of_the_demonstrator_has_noise_of_its_own_and_repeats_itself(eyes, frames):
+    settings = Settings.paper(noise_px=0.3, frames=frames)
+    postures = DEMO, DEMO + 0.1, DEMO, DEMO + 1e-12  # the last is the same but for rounding
+    noise = [SimulatedObserver(eyes, START).demo(settings, one)[0] - eyes.demo_images(one)[0] for one in postures]
+    np.testing.assert_array_equal(noise[0], noise[2])
+    np.testing.assert_allclose(noise[0], noise[3], atol=1e-6)
+    assert abs(np.corrcoef(noise[0].ravel(), noise[1].ravel())[0, 1]) < 0.5  # of 40 coordinates: 3 deviations
+
+
 @pytest.mark.parametrize("delay", range(MAX_LATENCY_LOOKS + 1))
 def test_the_first_motion_tells_how_late_images_come_and_later_ones_are_not_asked(eyes, observer, delay):
     now = Session(Settings.paper(start_deg=(25, -45), delay=delay)).snapshot

@@ -71,7 +71,7 @@ class SimulatedObserver:
         amounts = settings.amounts(SightDisturbance)
         key = theta_demo.tobytes(), amounts, settings.frames, settings.seed, settings.matched
         if self._demo is None or self._demo[0] != key:
-            images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK)
+            images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK, *stream_of(theta_demo))
             points, visible = mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
             if not settings.matched:
                 order = demo_order(settings, len(points))
@@ -110,6 +110,11 @@ class SimulatedObserver:
 def demo_order(settings: Settings, count: int) -> NDArray[np.int_]:
     """The order in which the demonstrator's points come without names, (count,) indices."""
     return np.random.default_rng([settings.seed, ORDER]).permutation(count)
+
+
+def stream_of(theta: NDArray[np.float64]) -> list[int]:
+    """Stream of a posture, (m,) rad: its angles in millionths of a degree, so that other postures have other noise."""
+    return (np.floor(np.degrees(theta) * 1e6 + 0.5).astype(np.int64) % 2**32).tolist()
 
 
 def observed_images(settings: Settings, images: Images, *stream: int) -> Images:

@@ -77,7 +77,7 @@ export class Observer {
   /** The demonstrator, looked at again only when it has moved. @param {number[]} theta */
   demo(theta) {
     const key = theta.join();
-    if (this.last?.key !== key) this.last = {key, look: this.#disturbed(this.world.look("demonstrator", theta), [DEMO_STREAM])};
+    if (this.last?.key !== key) this.last = {key, look: this.#disturbed(this.world.look("demonstrator", theta), [DEMO_STREAM, ...streamOf(theta)])};
     return this.last.look;
   }
 
@@ -122,6 +122,15 @@ export class Observer {
       if (looks[k].seen[i >> 1] && looks[k - 1].seen[i >> 1]) steps.push(Math.abs(looks[k].images[i] - looks[k - 1].images[i]));
     return steps.length ? median(steps) / (NORMAL_MAD * Math.SQRT2) : 0;
   }
+}
+
+/**
+ * Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
+ *
+ * @param {number[]} theta
+ */
+function streamOf(theta) {
+  return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0);
 }
 
 export const MAX_LOOKS_WAITED = MAX_LAG;

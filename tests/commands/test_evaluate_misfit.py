@@ -25,15 +25,16 @@ SHOWN_DEG = np.array([55.0, -85.0])
 def said(tmp_path, ask_json):
     """What `evaluate` finds in the tracks of a demonstrator, and of a learner that reaches a share of each motion."""
 
-    def evaluate(demonstrator=None, order=range(POINTS), scene=SCENE, short=0.0, look=None):
-        rng, world = np.random.default_rng(4), World(scene, POINTS)
-        theta = np.radians(SHOWN_DEG)
-        demo = (demonstrator or world).demo_images(theta)[0] if look is None else look(world, theta)
-        demo = demo[list(order)] + NOISE_PX * rng.standard_normal((POINTS, 4))
+    def evaluate(demonstrator=None, order=range(POINTS), scene=SCENE, short=0.0, look=None, shown_deg=(SHOWN_DEG,)):
+        rng, world, demos = np.random.default_rng(4), World(scene, POINTS), []
+        for theta in np.radians(shown_deg):
+            demo = (demonstrator or world).demo_images(theta)[0] if look is None else look(world, theta)
+            demos.append(demo[list(order)] + NOISE_PX * rng.standard_normal((POINTS, 4)))
         lines, there = ["frame,view,point,x,y"], np.radians(POSTURES_DEG[0])
         for frame, sent in enumerate(np.radians(POSTURES_DEG)):
             there = there + (1 - short) * (sent - there)
-            own = world.own_images(there)[0] + NOISE_PX * rng.standard_normal((POINTS, 4))
+            own, demo = world.own_images(there)[0], demos[frame % len(demos)]
+            own = own + NOISE_PX * rng.standard_normal((POINTS, 4))
             for view, image in zip(VIEWS, (demo[:, :2], demo[:, 2:], own[:, :2], own[:, 2:])):
                 lines += [f"{frame},{view},p{k},{x!r},{y!r}" for k, (x, y) in enumerate(image.tolist())]
         (tmp_path / "tracks.csv").write_text("\n".join(lines) + "\n")
@@ -58,6 +59,15 @@ def test_another_length_of_a_link_is_said(said):
     assert found["kind"] == "another-body" and "longer" in found["text"]
     (link,) = found["links"]
     assert link["joints"] == [1, 2] and abs(link["change"] - 0.08) < 4 * link["std"] < 0.08
+
+
+def test_several_postures_of_the_demonstrator_tell_the_length_better(said):
+    robot = stretched(SCENE, World(SCENE, POINTS).robot, np.array([0.0, 0.08]))
+    shown_deg = SHOWN_DEG + [(0, 0), (-30, 40), (25, -35), (-45, 10), (15, 50)]
+    (one,), (all_,) = (
+        said(World(SCENE, POINTS, robot), shown_deg=some)["links"] for some in (shown_deg[:1], shown_deg)
+    )
+    assert abs(all_["change"] - 0.08) < 4 * all_["std"] and all_["std"] < 0.7 * one["std"]
 
 
 def test_one_point_and_the_points_of_one_link_are_named(said):

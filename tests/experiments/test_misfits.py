@@ -36,16 +36,23 @@ def test_stretched_links_move_joints_apart_and_leave_points_at_their_places_on_t
         np.testing.assert_allclose(*apart, atol=1e-12)
 
 
-def test_another_bodys_expected_error_is_that_of_the_bound():
+@pytest.mark.parametrize("earlier_deg", [[], [(20, -40), (75, -110), (40, -140)]])
+def test_another_bodys_expected_error_is_that_of_the_bound(earlier_deg):
+    """Also where the demonstrator was seen in other postures before: all are adjusted together."""
     settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=3, **NOISY)
     robot = lambda scene, points: stretched(scene, World(scene, points).robot, np.array([0.02, -0.04]))
     session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
-    last = session.run(60).last
-    visited = [moment.theta for moment in session.history]
-    least = bound(session.world, last.theta_demo, 0.05, visited, another_body=True)
+    for demonstrator_deg in [*earlier_deg, (60, -60)]:
+        session.pose(np.radians(demonstrator_deg))
+        last = session.run(60).last
+    visited, earlier = [moment.theta for moment in session.history], list(np.radians(earlier_deg))
+    least = bound(session.world, last.theta_demo, 0.05, visited, another_body=True, earlier=earlier)
     alike = bound(session.world, last.theta_demo, 0.05, visited)
     assert (least > 0.5 * alike).all()
     np.testing.assert_allclose(last.certificate.std_error, least, rtol=0.2)
+    if earlier_deg:
+        alone = bound(session.world, last.theta_demo, 0.05, visited, another_body=True)
+        assert (last.certificate.std_error < 0.8 * alone).all()
 
 
 def test_a_word_counts_as_right_only_where_something_is_wrong():

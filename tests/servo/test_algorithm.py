@@ -83,7 +83,8 @@ class RestContext:
         limits = np.full(2, 9.0)
         self.observation = LinearWorld(2, np.random.default_rng(0), 5).seen(np.radians(here_deg))
         self.observation = replace(self.observation, lower=-limits, upper=limits)
-        self.place, self.status, self.options = np.radians(place_deg), ServoStatus.SETTLED, OPTIONS
+        self.place, self.by_explanation = np.radians(place_deg), False
+        self.status, self.options = ServoStatus.SETTLED, OPTIONS
         self.plan = type("Plan", (), {"minimum": type("Minimum", (), {"theta": self.place})})
 
 

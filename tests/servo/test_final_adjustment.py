@@ -38,7 +38,11 @@ def same_body(seed, radius_m):
         return None
     turn = Rotation.from_rotvec([0.1, 0.4, 0.05]).as_matrix()
     demo = seen((body.places(DEMONSTRATOR) - MIDDLE) @ turn.T + MIDDLE + (-0.2, 0.1, 0.3)) + noise()
-    return kinematics, fit_same_body(kinematics, visits, demo, NOISE_PX, DEMONSTRATOR + 0.05, DEFAULTS), demo
+    return (
+        kinematics,
+        fit_same_body(kinematics, visits, demo[None], NOISE_PX, DEMONSTRATOR[None] + 0.05, DEFAULTS),
+        demo,
+    )
 
 
 def test_a_body_like_the_own_one_is_accepted_though_noise_hid_which_joints_move_a_point():

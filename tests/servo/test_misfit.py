@@ -107,6 +107,59 @@ def test_a_body_with_another_link_is_imitated_and_its_length_said():
     assert "link from joint 2 to 4" in last.misfit.describe((2, 4))
 
 
+SHOWN_DEG = (60, -60), (20, -40), (75, -110), (40, -140), (30, -90)
+
+
+def imitated(change=lambda session, k: None, stretch=(0.02, -0.04)):
+    """The moments at which a learner has imitated another body in each posture shown. change: before each of them."""
+    settings, found = Settings(start_deg=(20, -120), demonstrator_deg=SHOWN_DEG[0], seed=3, **NOISY), []
+    robot = lambda scene, points: stretched(scene, Session(settings).world.robot, np.array(stretch))
+    session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
+    for k, demonstrator_deg in enumerate(SHOWN_DEG):
+        change(session, k)
+        session.pose(np.radians(demonstrator_deg))
+        found.append(session.run(60 + session.snapshot.motion).last)
+    return found
+
+
+def test_each_posture_of_another_body_shows_its_links_better():
+    found = imitated()
+    first, last = found[0], found[-1]
+    assert all(one.status == "converged" and one.misfit.kind is MisfitKind.ANOTHER_BODY for one in found)
+    assert (
+        last.expected_error < 0.6 * first.expected_error and last.misfit.links[0].std < 0.6 * first.misfit.links[0].std
+    )
+    assert abs(last.misfit.links[0].change + 0.04) < 4 * last.misfit.links[0].std
+    for one in found:
+        assert np.abs(one.theta - one.theta_demo).max() < 3 * one.expected_error
+    assert len(last.servo_state.earlier) == len(SHOWN_DEG) - 1
+
+
+def test_earlier_postures_of_a_demonstrator_that_has_been_moved_are_forgotten():
+    def move(session, k):
+        if k == 3:
+            eyes = session.embodiment.eyes
+            eyes.other.T_world_demo = eyes.other.T_world_demo.copy()
+            eyes.other.T_world_demo[:3, 3] += (0.03, 0.05, 0.0)
+
+    found = imitated(move)
+    assert [len(one.servo_state.earlier) for one in found] == [0, 1, 2, 0, 1]
+    for one in found:
+        assert one.status == "converged" and one.misfit.kind is MisfitKind.ANOTHER_BODY
+        assert np.abs(one.theta - one.theta_demo).max() < 3 * one.expected_error
+
+
+def test_a_demonstrator_like_the_own_body_takes_the_place_of_another_one():
+    def replaced(session, k):
+        if k == 3:
+            session.embodiment.eyes.other = session.world
+
+    found = imitated(replaced)
+    assert [one.misfit is None for one in found] == [False] * 3 + [True] * 2
+    for one in found:
+        assert one.status == "converged" and np.abs(one.theta - one.theta_demo).max() < 3 * one.expected_error
+
+
 def test_points_mixed_up_in_a_cycle_are_put_right_and_named():
     order = np.arange(16)
     order[[2, 7, 9, 12]] = [7, 9, 12, 2]

@@ -26,13 +26,14 @@ from ..sensing.tracks.text import Table, column_names
 from ..servo import Misfit, MisfitKind, Observation
 from ..servo.observation import Visit
 from ..servo.trust_region.image_models import KinematicImages
-from ..servo.trust_region.misfit import explain
+from ..servo.trust_region.misfit import Explanation, explain, explain_again
 from ..servo.trust_region.naming import Naming, find_naming, mixed_up, nearest_posture
 from ..servo.trust_region.options import DEFAULTS
 from . import BadInput
 from .options import misfit_json, naming, naming_json
 
 MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
+N_TOGETHER = 5  # frames that show how a demonstrator's body differs, at most
 N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is tried
 NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
 
@@ -141,8 +142,9 @@ def find_misfit(body: OwnBody, frames: Sequence[int], views: FourViews) -> tuple
         there is no sign of one.
     """
     shown = np.asarray(views.visible[..., :2].all(-1))
+    demos = np.where(shown[..., None], views.demo / body.unit_px, np.nan)
     at = int(shown.sum(-1).argmax())
-    demo = np.where(shown[at, :, None], views.demo[at] / body.unit_px, np.nan)
+    demo = demos[at]
     if shown[at].sum() < MIN_POINTS:
         return None
     visits, last = body.visits, body.visits[-1]
@@ -163,8 +165,19 @@ def find_misfit(body: OwnBody, frames: Sequence[int], views: FourViews) -> tuple
     if explanation is not None:
         if swaps := mixed_up(demo, body.model, body.lower, body.upper):
             return Misfit(MisfitKind.MIXED_UP, tuple(sorted({k for pair in swaps for k in pair}))), frames[at]
+        if explanation.misfit.kind is MisfitKind.ANOTHER_BODY:
+            explanation = _explained_together(body, demos) or explanation
         return explanation.misfit.per_pixel(body.unit_px), frames[at]
     return None if body.shortfall is None else (Misfit(MisfitKind.ARM, amount=body.shortfall.share), frames[at])
+
+
+def _explained_together(body: OwnBody, demos: NDArray[np.float64]) -> Explanation | None:
+    """Find out how the demonstrator's body differs from several of the frames with the most points, (T, N, 4) px."""
+    counts = np.isfinite(demos).all(-1).sum(-1)
+    most = np.flatnonzero(counts == counts.max())
+    some = np.unique(demos[most[np.linspace(0, len(most) - 1, N_TOGETHER).round().astype(int)]], axis=0)
+    postures = np.array([nearest_posture(demo, body.model, body.lower, body.upper) for demo in some])
+    return explain_again(body.kinematics, body.visits, some, postures, body.noise_px, DEFAULTS)
 
 
 def misfit_of(body: OwnBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:

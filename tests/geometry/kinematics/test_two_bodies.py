@@ -49,7 +49,7 @@ def adjusted(body, rng, demo=None):
     observations = visited(body, rng)
     kinematics = fit_kinematics(observations, NOISE_PX)
     problem = PairAdjustment.of(kinematics, observations, demonstrator(body, rng) if demo is None else demo, NOISE_PX)
-    return problem, problem.solve(problem.starts(kinematics, TRUTH + 0.1)[0]), kinematics
+    return problem, problem.solve(problem.starts(kinematics, TRUTH[None] + 0.1)[0]), kinematics
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -84,6 +84,24 @@ def test_errors_and_costs_have_the_distributions_that_are_claimed():
     # Means of χ²: within four of their standard deviations √(2 f / n)
     assert abs(np.mean(raised) - freedom) < 4 * np.sqrt(2 * freedom / len(raised))
     assert abs(np.mean(squares) - 1) < 4 * np.sqrt(2 / len(raised))
+
+
+def test_postures_of_one_demonstrator_share_its_place():
+    """Together they have a smaller deviation each than alone, and errors of χ² with as many degrees of freedom."""
+    squares, postures = [], np.array([TRUTH, (-0.5, 0.2), (0.1, 0.6)])
+    for seed in range(30):
+        rng, body = np.random.default_rng([2, seed]), body_of(seed % 6)
+        observations = visited(body, rng)
+        kinematics = fit_kinematics(observations, NOISE_PX)
+        demos = np.concatenate([demonstrator(body, rng, theta) for theta in postures])
+        problem, first = (PairAdjustment.of(kinematics, observations, demo, NOISE_PX) for demo in (demos, demos[:1]))
+        pair = problem.solve(problem.starts(kinematics, postures + 0.1)[0])
+        alone = first.solve(first.starts(kinematics, postures[:1] + 0.1)[0])
+        deviations = problem.angle_std(pair)
+        assert (deviations[0] < first.angle_std(alone)[0]).all()
+        squares += list(((pair.angles - postures) / (NOISE_PX * deviations)).ravel() ** 2)
+        assert problem.degrees_of_freedom == 3 * 3 * len(ON) - 7 - 3 * 2
+    assert abs(np.mean(squares) - 1) < 4 * np.sqrt(2 / 30)  # the postures of one run are not independent
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -121,7 +139,7 @@ def test_the_map_between_both_bodies_tells_the_scale_along_parallel_axes(seed):
     )
     cost = lambda one: min(
         float((problem.residuals(start) ** 2).sum())
-        for start in [BodyPair.at_posture(one, placed(one, own, demo), TRUTH)]
+        for start in [BodyPair.at_postures(one, placed(one, own, demo), TRUTH[None])]
     )
     assert cost(shared) < 0.1 * cost(kinematics)
 

@@ -30,6 +30,7 @@ def bound(
     visited: Sequence[NDArray[np.float64]] | None = None,
     seen: NDArray[np.bool_] | None = None,
     another_body: bool = False,
+    earlier: Sequence[NDArray[np.float64]] = (),
 ) -> NDArray[np.float64]:
     """Compute the bound at the demonstrator's posture.
 
@@ -47,6 +48,8 @@ def bound(
         Which points are in which image of the demonstrator; None: all.
     another_body : bool
         Whether its joints may be attached elsewhere. That one head sees both bodies is used then. Needs `visited`.
+    earlier : sequence of (m,) arrays
+        Other postures of the demonstrator that were seen, rad; unknown as the first, and all points visible.
 
     Returns
     -------
@@ -54,14 +57,23 @@ def bound(
         Standard deviations, rad; inf for unobservable joints.
     """
     J, unknown = _demo_images(world, theta, another_body)
+    if seen is not None:
+        J, unknown = J[np.repeat(seen, 2)], unknown[np.repeat(seen, 2)]
+    angles = [J]
+    for posture in earlier:
+        further, by_others = _demo_images(world, posture, another_body)
+        angles, unknown = [*angles, further], np.vstack([unknown, by_others])
     if visited is not None:
         own = np.vstack([_own_images(world, posture, another_body) for posture in visited])
-        J, unknown = np.vstack([J, np.zeros((len(own), J.shape[1]))]), np.vstack([unknown, own])
-    if seen is not None:
-        known = np.concatenate([np.repeat(seen, 2), np.ones(len(J) - 2 * seen.size, bool)])
-        J, unknown = J[known], unknown[known]
-    if visited is None:
+        unknown = np.vstack([unknown, own])
+    else:
         unknown = unknown[:, :PROJECTIVE]
+    by_angles = np.zeros((len(unknown), J.shape[1] * len(angles)))
+    row = 0
+    for k, of_posture in enumerate(angles):
+        by_angles[row : row + len(of_posture), k * J.shape[1] : (k + 1) * J.shape[1]] = of_posture
+        row += len(of_posture)
+    J, unknown = by_angles[:, : J.shape[1]], np.hstack([by_angles[:, J.shape[1] :], unknown])
     size = np.linalg.norm(unknown, axis=0)
     U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
     U = U[:, sigma > MIN_SINGULAR_VALUE * sigma.max(initial=0.0)]
@@ -81,7 +93,8 @@ def _demo_images(world: World, theta: NDArray, another_body: bool) -> tuple[NDAr
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
     H = _similarity(own, demo)[:, :3]
     if another_body:
-        alike, shifted = _similarity_motions(demo), np.concatenate(_joint_shifts(world, theta)) @ H.T
+        alike = _similarity_motions(demo, world.T_world_demo[:3, 3])
+        shifted = np.concatenate(_joint_shifts(world, theta, of_parent=True)) @ H.T
         first, frame = np.concatenate([alike, shifted]), _head_motions(world.demo_cameras[0], demo)
     else:
         first, frame = _projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape))
@@ -122,15 +135,20 @@ def _body_motions(world: World, theta: NDArray) -> NDArray:
     return np.concatenate([of_points.reshape(-1, count, 3), of_joints])
 
 
-def _joint_shifts(world: World, theta: NDArray) -> list[NDArray]:
-    """Derivatives of the own points by a shift of each joint along its three axes, (3, N, 3) each."""
+def _joint_shifts(world: World, theta: NDArray, of_parent: bool = False) -> list[NDArray]:
+    """Derivatives of the own points by a shift of each joint, (3, N, 3) each.
+
+    The shift is along three axes that turn with the joint's own link, or with its parent if the joint is attached
+    elsewhere there.
+    """
     frames, link = world.link_frames(theta, world.T_world_own), world.body.link
-    return [(link > joint)[:, None] * frames[joint + 1, :3, :3].T[:, None] for joint in world.scene.moving]
+    axes = lambda joint: frames[joint if of_parent else joint + 1, :3, :3].T
+    return [(link > joint)[:, None] * axes(joint)[:, None] for joint in world.scene.moving]
 
 
-def _similarity_motions(points: NDArray) -> NDArray:
-    """Derivatives of points (N, 3) m by a rotation, a translation and the scale, (7, N, 3)."""
-    arms = points - points.mean(0)
+def _similarity_motions(points: NDArray, centre: NDArray) -> NDArray:
+    """Derivatives of points (N, 3) m by a rotation about a centre, a translation and the scale, (7, N, 3)."""
+    arms = points - centre
     turns = [np.cross(axis, arms) for axis in np.eye(3)]
     return np.array([*turns, *(np.broadcast_to(axis, arms.shape) for axis in np.eye(3)), arms])
 

@@ -53,6 +53,7 @@ FOCAL, BASELINE, CENTRE_PX = (0.85, 1.15), (0.8, 1.2), 30.0  # of another head, 
 LENS_K1 = 0.03, 0.06  # of both cameras, negative
 SHORT = 0.1, 0.3  # share of a motion by which an arm stops short
 SEVEN, SEVEN_OFFSET_DEG = tuple(range(1, 8)), 30.0
+SEVERAL = 5  # postures of a demonstrator
 
 Rng = np.random.Generator
 Floats = NDArray[np.float64]
@@ -68,6 +69,7 @@ class Case:
     joints: tuple[int, ...] | None = None  # that move; None: those of the scene
     offset_deg: float | None = None  # as of `draw_postures`
     has_other_links: bool = False  # whether the bound of another body holds
+    postures: int = 1  # of the demonstrator, one after the other; the last one counts
     stops_short: bool = False  # whether the arm does
 
 
@@ -185,10 +187,23 @@ def _lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 CASES = (
     Case("none", None, _clean),
     *(
-        Case(f"links ±{share:.0%}", MisfitKind.ANOTHER_BODY, partial(_links, share), has_other_links=True)
-        for share in (0.05, 0.1)
+        Case(
+            f"links ±{share:.0%}{also}",
+            MisfitKind.ANOTHER_BODY,
+            partial(_links, share),
+            joints,
+            offset_deg,
+            has_other_links=True,
+            postures=postures,
+        )
+        for postures, of_postures in ((1, ""), (SEVERAL, ", five postures"))
+        for share, joints, offset_deg, of_joints in (
+            (0.05, None, None, ""),
+            (0.1, None, None, ""),
+            (0.05, SEVEN, SEVEN_OFFSET_DEG, ", seven joints"),
+        )
+        for also in (of_joints + of_postures,)
     ),
-    Case("links ±5%, seven joints", MisfitKind.ANOTHER_BODY, partial(_links, 0.05), SEVEN, SEVEN_OFFSET_DEG, True),
     Case("one point elsewhere", MisfitKind.POINT, _point),
     Case("points of one link elsewhere", MisfitKind.LINK_POINTS, _link_points),
     Case("three to five points mixed up", MisfitKind.MIXED_UP, _mixed_up),
@@ -210,7 +225,7 @@ class Row:
     error_deg: float  # of the worst joint
     expected_deg: float  # by the learner
     bound_deg: float  # Cramér-Rao bound of the worst joint for another body; NaN in other cases
-    motions: int
+    motions: int  # to imitate the last posture
 
     @property
     def noticed(self) -> bool:
@@ -276,16 +291,30 @@ def run_once(name: str, seed: list[int]) -> Row:
     session = Session(settings, open_eyes=lambda camera, scene, points: case.eyes(rng, scene, points))
     if case.stops_short and isinstance(session.embodiment, SimulatedRobot):
         session.embodiment.arm = StopsShort(session.scene, float(rng.uniform(*SHORT)))
-    last = session.run(MAX_MOTIONS, PATIENCE).last
+    last, before = session.run(MAX_MOTIONS, PATIENCE).last, 0
+    earlier: list[Floats] = []
+    for _ in range(1, case.postures):
+        earlier, before = [*earlier, last.theta_demo], last.motion
+        demonstrator_deg = draw_postures(scene, rng, case.offset_deg)["demonstrator_deg"]
+        session.pose(np.radians(demonstrator_deg))
+        last = session.run(MAX_MOTIONS, PATIENCE).last
     least = np.nan
     if case.has_other_links:
         noise_px = session.settings.noise_px / np.sqrt(session.settings.frames)
         visited = [moment.theta for moment in session.history]
-        least = float(np.degrees(bound(session.world, last.theta_demo, noise_px, visited, another_body=True).max()))
+        of_joints = bound(session.world, last.theta_demo, noise_px, visited, another_body=True, earlier=earlier)
+        least = float(np.degrees(of_joints.max()))
     word = None if last.misfit is None else last.misfit.kind
     said = "" if word is None else str(word)
     return Row(
-        name, said, word == case.word, last.status.is_claim, error_deg(last), expected_deg(last), least, last.motion
+        name,
+        said,
+        word == case.word,
+        last.status.is_claim,
+        error_deg(last),
+        expected_deg(last),
+        least,
+        last.motion - before,
     )
 
 

@@ -71,10 +71,10 @@ class BodyPair:
     difference: Difference = SAME
 
     @classmethod
-    def at_posture(cls, kinematics: ProjectiveKinematics, placement: Array, theta: Array) -> "BodyPair":
-        """Place the demonstrator by a similarity, (4, 4), in a posture, a displacement (m,) rad."""
-        parameters = np.concatenate([kinematics.parameters, np.zeros(N_SIMILARITY), theta])
-        return cls(parameters, kinematics.points, kinematics, placement, 1)
+    def at_postures(cls, kinematics: ProjectiveKinematics, placement: Array, postures: Array) -> "BodyPair":
+        """Place the demonstrator by a similarity, (4, 4), in postures, displacements (T, m) rad."""
+        parameters = np.concatenate([kinematics.parameters, np.zeros(N_SIMILARITY), postures.ravel()])
+        return cls(parameters, kinematics.points, kinematics, placement, len(postures))
 
     @cached_property
     def body(self) -> ProjectiveKinematics:
@@ -90,15 +90,15 @@ class BodyPair:
         angles = self.parameters[..., begin : begin + shape[0] * shape[1]]
         return angles.reshape(*angles.shape[:-1], *shape)
 
-    def unwound(self, theta: Array) -> "BodyPair":
-        """Turn the demonstrator's joints by whole turns to the angles nearest to a posture, (m,) rad.
+    def unwound(self, postures: Array) -> "BodyPair":
+        """Turn the demonstrator's joints by whole turns to the angles nearest to its postures, (T, m) rad.
 
         A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by the pitch at most
         of the joint's screw, which noise makes.
         """
         begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY
         rate = np.linalg.norm(self.parameters[N_FRAME : begin - N_SIMILARITY].reshape(-1, 6)[:, :3], axis=1)
-        turns = np.round((self.angles - theta) * rate / (2 * np.pi))
+        turns = np.round((self.angles - postures) * rate / (2 * np.pi))
         if not turns.any():
             return self
         angles = self.angles - turns * (2 * np.pi / np.maximum(rate, MIN_RATE))
@@ -217,23 +217,22 @@ class PairAdjustment:
         difference = np.where(np.repeat(alone, 2, -1), images - self.images, 0.0)
         return np.concatenate([difference[..., :2] + difference[..., 2:], np.zeros_like(difference[..., :1])], -1)
 
-    def starts(self, kinematics: ProjectiveKinematics, theta: Array, mirror: bool = False) -> list[BodyPair]:
-        """Return pairs with the demonstrator in a posture, (m,) rad, the best first.
+    def starts(self, kinematics: ProjectiveKinematics, postures: Array, mirror: bool = False) -> list[BodyPair]:
+        """Return pairs with the demonstrator in postures, (T, m) rad, the best first.
 
         Noise leaves open the frame (`with_shared_metric`) and the homography between the bodies. So there are two
         frames, and in each up to two similarities: of metric points, and the nearest to the homography. They reflect
         if the demonstrator is taken for a mirror image: one head cannot mirror a body.
         """
-        own, demo = kinematics.coordinates(theta[None])[0], kinematics.frame.coordinates(self.images[0])
-        both = self.visible_in_both[0]
-        own, demo = own[both], demo[both]
+        own, demo = kinematics.coordinates(postures), kinematics.frame.coordinates(self.images)
+        own, demo = own[self.visible_in_both], demo[self.visible_in_both]
         H = fit_homography(own, demo)
         pairs = []
         for body in (kinematics, with_shared_metric(kinematics, H)):
             A = body.metric_upgrade
             metric = fit_similarity(metric_points(A, own), metric_points(A, demo), mirror)
             pairs += [
-                BodyPair.at_posture(body, placement, theta)
+                BodyPair.at_postures(body, placement, postures)
                 for placement in (metric, nearest_similarity(H, A))
                 if (np.linalg.det(placement) < 0) == mirror
             ]

@@ -35,7 +35,7 @@ DESCEND ──> motion    if the step is worth one; none while the demonstrator 
 VERIFY  ──> motion    if evidence is missing that a motion can give
         ──> PLAN      if points that one camera alone sees may determine a joint that the others do not, or the final
                       adjustment allows no claim by kinematics
-        ──> REST      if the test has a result
+        ──> REST      if the test has a result, or it is another body, as in earlier postures
         ──> SEARCH    if E is too large or another transfer's, or more points may be visible elsewhere
 SEARCH  ──> motion    towards a posture where a restart begins
         ──> PLAN      if another transfer is left to try, or points that seem to be elsewhere are mixed up
@@ -94,6 +94,7 @@ from .rules import (
     take_step,
     travel,
     verification_motion,
+    with_earlier_postures,
     with_estimate,
     with_explanation,
     with_final_adjustment,
@@ -136,6 +137,7 @@ class TrustRegion:
             state.joints_to_probe,
             first_region(state.calibration, self.options),
             state.unit_px,
+            earlier=state.known_postures[: self.options.max_earlier],
             swaps=state.swaps,
             naming=state.naming,
             target_moved=(True, state.target_moved[1]),
@@ -229,6 +231,10 @@ def descend(state: TrustRegionState, context: StepContext) -> Outcome:
 def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     """Test whether the arm has arrived, and make a motion where evidence is missing."""
     state, context.place = rest_candidate(state, context)
+    state = with_earlier_postures(state, context)
+    if state.earlier and state.explanation is not None:
+        context.status = ServoStatus.NO_PROGRESS
+        return Phase.REST, state, None
     certificate = current_certificate(state, context)
     if certificate is None:
         return Phase.SEARCH, state, None
@@ -284,7 +290,9 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     if state.destination.displacement is None and not state.trusts_explanation:
         state = with_explanation(state, context)
         has_rested = state.destination.status is not None
-        state = replace(state, destination=Destination(context.place, context.status, at_joint_limit(context)))
+        at_limit = at_joint_limit(context)
+        goal = Destination(context.place, context.status, at_limit, context.by_explanation)
+        state = replace(state, destination=goal)
         if has_rested and is_cycling(state, context):
             return Phase.REST, stopped(state, context.status), np.zeros_like(context.place)
         state = replace(state, region=replace(state.region, descend_allowed=False))

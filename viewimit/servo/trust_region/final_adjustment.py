@@ -83,7 +83,7 @@ class FinalAdjustment:
     def fit(self, start: BodyPair, max_iter: int = MAX_ITER) -> PairFit:
         """Fit from one pair, in at most `max_iter` steps."""
         pair = self.problem.solve(start, max_iter)
-        unwound = pair.unwound(start.angles[0])
+        unwound = pair.unwound(start.angles)
         pair = pair if unwound is pair else self.problem.solve(unwound, max_iter)
         cost = float((self.problem.residuals(pair) ** 2).sum())
         raised, added = max(cost - self.own_cost, 0.0) / self.variance, sum(pair.difference.sizes(pair.n_joints))
@@ -104,7 +104,7 @@ class FinalAdjustment:
         return best
 
     def estimate(self, fit: PairFit, demo: Array) -> PostureEstimate:
-        """Return the posture of a fit. demo: (N, 4) px, the images that it is of."""
+        """Return the first posture of a fit. demo: (N, 4) px, the images that it is of."""
         std_error = fit.std * self.problem.angle_std(fit.pair)[0]
         return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas, demo)
 
@@ -180,31 +180,32 @@ def estimate_posture(
     """
     if observation.demo is None:
         return None
-    found = fit_same_body(kinematics, visits, observation.demo, observation.noise_px, theta, options)
+    demos = observation.demo[None]
+    found = fit_same_body(kinematics, visits, demos, observation.noise_px, theta[None], options)
     return None if found is None else found.estimate(observation.demo)
 
 
 def fit_same_body(
     kinematics: ProjectiveKinematics,
     visits: tuple[Visit, ...],
-    demo: Array,
+    demos: Array,
     noise_px: float,
-    theta: Array,
+    postures: Array,
     options: TrustRegionOptions,
 ) -> SameBody | None:
-    """Fit a demonstrator like the own body, from a posture near its own; None if too few points are visible.
+    """Fit a demonstrator like the own body, from postures near its own; None if too few points are visible.
 
-    demo: (N, 4) px in [l, r], NaN where hidden; noise_px: of an image coordinate; theta: (m,) rad. The rest is as of
-    `estimate_posture`.
+    demos: (T, N, 4) px in [l, r], NaN where hidden; noise_px: of an image coordinate; postures: (T, m) rad. The rest is
+    as of `estimate_posture`.
     """
     seen = observations_of(visits)
     problem = BundleAdjustment.of(kinematics, seen, noise_px).restricted_to_known(kinematics)
     fits: list[tuple[FinalAdjustment, PairFit]] = []
     for likely in likely_kinematics(kinematics, problem):
-        adjustment = FinalAdjustment.of(likely, seen, demo[None], noise_px)
+        adjustment = FinalAdjustment.of(likely, seen, demos, noise_px)
         if adjustment is None:
             return None
-        fit = adjustment.best_fit(adjustment.problem.starts(likely.kinematics, theta), options.max_body_sigmas)
+        fit = adjustment.best_fit(adjustment.problem.starts(likely.kinematics, postures), options.max_body_sigmas)
         fits += [] if fit is None else [(adjustment, fit)]
     of_choice: dict[bytes, tuple[FinalAdjustment, PairFit]] = {}
     for one in sorted(fits, key=lambda one: one[1].cost):

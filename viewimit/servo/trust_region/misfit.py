@@ -16,7 +16,7 @@ Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,7 +172,7 @@ def explain(
     demo, noise_px = observation.demo, max(observation.noise_px, NOISE_FLOOR_PX)
     if demo is None:
         return None
-    like_own = fit_same_body(kinematics, visits, demo, noise_px, theta, options)
+    like_own = fit_same_body(kinematics, visits, demo[None], noise_px, theta[None], options)
     if like_own is None or like_own.fit.sigmas < options.max_body_sigmas:
         return None
     if np.count_nonzero(like_own.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
@@ -203,8 +203,9 @@ class _Reasons:
 
     def all(self) -> Iterator[_Candidate]:
         """Yield each reason with its best fit."""
-        yield self._candidate(MisfitKind.TWO_HEADS, self._other_head)
-        yield min((self._shifted(start) for start in self._starts_of_links), key=_criterion)
+        other_head = _fit_other_head(self.adjustment, self.same.pair)
+        yield self._candidate(MisfitKind.TWO_HEADS, other_head)
+        yield self._candidate(MisfitKind.ANOTHER_BODY, _fit_another_body(self.adjustment, self.same.pair, other_head))
         yield from self._points()
         mirrored = self._mirrored()
         if mirrored is not None:
@@ -225,22 +226,6 @@ class _Reasons:
         freedom = problem.degrees_of_freedom + problem.own.degrees_of_freedom
         return float(np.log(freedom + pair.parameters.size + pair.points.size))
 
-    def _freed(self, start: BodyPair, difference: Difference, max_iter: int = MAX_ITER) -> PairFit:
-        return self.adjustment.fit(start.with_difference(difference), max_iter)
-
-    @cached_property
-    def _other_head(self) -> PairFit:
-        return self._freed(self.same.pair, Difference(other_head=True))
-
-    @property
-    def _starts_of_links(self) -> tuple[BodyPair, BodyPair]:
-        """The pair of like bodies, and that of another head: it absorbs more of what differs."""
-        other = self._other_head.pair
-        return self.same.pair, replace(other, parameters=other.parameters[:-N_FRAME], difference=SAME)
-
-    def _shifted(self, start: BodyPair) -> _Candidate:
-        return self._candidate(MisfitKind.ANOTHER_BODY, self._freed(start, Difference(shifted=True)))
-
     def _points(self) -> Iterator[_Candidate]:
         """Yield the best single point, and the best link, that leave enough points to compare the bodies by."""
         visible, pair = self.adjustment.problem.visible_in_both[0], self.same.pair
@@ -256,7 +241,8 @@ class _Reasons:
     def _with_points(
         self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = MAX_ITER
     ) -> _Candidate:
-        return self._candidate(kind, self._freed(self.same.pair, Difference(points=points), max_iter), points, choices)
+        start = self.same.pair.with_difference(Difference(points=points))
+        return self._candidate(kind, self.adjustment.fit(start, max_iter), points, choices)
 
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
@@ -272,7 +258,8 @@ class _Reasons:
         if not reflects.any():
             return None
         theta = postures[np.where(reflects, cost, np.inf).argmin()]
-        return self.adjustment.best_fit(problem.starts(kinematics, theta, mirror=True), options.max_body_sigmas)
+        starts = problem.starts(kinematics, theta[None], mirror=True)
+        return self.adjustment.best_fit(starts, options.max_body_sigmas)
 
     def _lens(self) -> _Candidate | None:
         """Fit a body like the own one to images that a lens bends.
@@ -290,7 +277,7 @@ class _Reasons:
         kinematics, lens = found
         own, theirs = lens.straightened(seen.images), lens.straightened(demo[None])[0]
         visits = tuple(replace(visit, own=images) for visit, images in zip(self.visits, own))
-        like_own = fit_same_body(kinematics, visits, theirs, noise_px, self.theta, self.options)
+        like_own = fit_same_body(kinematics, visits, theirs[None], noise_px, self.theta[None], self.options)
         if like_own is None:
             return None
         adjustment, fit = like_own.adjustment, like_own.fit
@@ -299,6 +286,56 @@ class _Reasons:
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
         return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
+
+
+def _fit_other_head(adjustment: FinalAdjustment, same: BodyPair) -> PairFit:
+    return adjustment.fit(same.with_difference(Difference(other_head=True)))
+
+
+def _fit_another_body(adjustment: FinalAdjustment, same: BodyPair, other_head: PairFit) -> PairFit:
+    """Fit another body, from the pair of like bodies and from that of another head: it absorbs more of what differs."""
+    other = other_head.pair
+    starts = same, replace(other, parameters=other.parameters[:-N_FRAME], difference=SAME)
+    fits = [adjustment.fit(start.with_difference(Difference(shifted=True))) for start in starts]
+    return min(fits, key=lambda fit: fit.raised)
+
+
+def explain_again(
+    kinematics: ProjectiveKinematics,
+    visits: tuple[Visit, ...],
+    demos: Array,
+    postures: Array,
+    noise_px: float,
+    options: TrustRegionOptions,
+) -> Explanation | None:
+    """Explain a demonstrator that is another body by one such body in several postures.
+
+    Parameters
+    ----------
+    kinematics, visits, options
+        As of `explain`.
+    demos : (T, N, 4) array
+        The demonstrator's images in [l, r], px; NaN where hidden.
+    postures : (T, m) array
+        Postures near those of the demonstrator [rad]; its base stays where it is.
+    noise_px : float
+        Standard deviation of an image coordinate.
+
+    Returns
+    -------
+    Explanation or None
+        With the first posture. None if noise does not explain what it leaves: the base has moved, or this is another
+        demonstrator.
+    """
+    like_own = fit_same_body(kinematics, visits, demos, max(noise_px, NOISE_FLOOR_PX), postures, options)
+    if like_own is None:
+        return None
+    adjustment, same = like_own.adjustment, like_own.fit.pair
+    fit = _fit_another_body(adjustment, same, _fit_other_head(adjustment, same))
+    if fit.sigmas >= options.max_body_sigmas:
+        return None
+    misfit = Misfit(MisfitKind.ANOTHER_BODY, links=link_changes(adjustment, fit))
+    return Explanation(misfit, adjustment.estimate(fit, demos[0]), np.inf)
 
 
 def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:

@@ -20,7 +20,7 @@ from .correspondences import find_swaps, swapped, with_swaps
 from .final_adjustment import estimate_posture
 from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
-from .misfit import Explanation, MisfitKind, explain
+from .misfit import Explanation, MisfitKind, explain, explain_again
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
 from .naming import find_naming, mixed_up, review_naming
 from .options import TrustRegionOptions
@@ -43,6 +43,7 @@ class StepContext:
     place: Displacement = field(init=False)  # (m,) rad, the posture to rest at, which VERIFY chooses
     status: ServoStatus = ServoStatus.MOVING  # to report at rest, which VERIFY and SEARCH choose
     certified: bool = False  # whether E allows a claim that the final adjustment refuses
+    by_explanation: bool = False  # whether `place` is the posture of an explanation
 
 
 def naming_model(context: StepContext) -> KinematicImages | None:
@@ -339,6 +340,17 @@ def find_explanation(state: TrustRegionState, context: StepContext) -> Explanati
     return None if found is None else replace(found, misfit=found.misfit.per_pixel(state.unit_px))
 
 
+def with_earlier_postures(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Adjust a demonstrator that was another body with its earlier postures; forget these if they do not fit."""
+    kinematics, observation, earlier = state.kinematics, context.observation, state.earlier
+    if not earlier or state.explanation is not None or kinematics is None or observation.demo is None:
+        return state
+    demos = np.array([observation.demo, *(one.demo for one in earlier)])
+    postures = np.array([context.place, *(one.theta for one in earlier)])
+    found = explain_again(kinematics, state.known, demos, postures, observation.noise_px, context.options)
+    return replace(state, earlier=()) if found is None else replace(state, explanation=found)
+
+
 def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
     """Return a reason that spares the search for a smaller E elsewhere; None without.
 
@@ -358,7 +370,7 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
 
     A claim about another body, or by images that a lens bends, rests on the adjustment alone: noise explains what it
     leaves, no other reason is nearly as good, and the expected error is small. Other cameras leave E as it is, so with
-    them E must allow the claim, too.
+    them E must allow the claim, too. Joint angles whose expected error is too large for a claim may still be imitated.
     """
     observation, options = context.observation, context.options
     found = find_explanation(state, context) if context.status is ServoStatus.NO_PROGRESS else None
@@ -366,12 +378,15 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
         return state
     state, kind, estimate = replace(state, explanation=found), found.misfit.kind, found.estimate
     place = np.clip(estimate.theta, observation.lower, observation.upper)
-    exact = estimate.std_error.max() < options.max_claimed_std
+    error = estimate.std_error.max()
     inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
     by_adjustment = kind in (MisfitKind.ANOTHER_BODY, MisfitKind.LENS)
     claimable = by_adjustment or (kind is MisfitKind.TWO_HEADS and context.certified)
-    if claimable and found.is_convincing(options.max_body_sigmas, options.clear_criterion) and exact and inside:
-        context.place = place
+    if not (claimable and inside and found.is_convincing(options.max_body_sigmas, options.clear_criterion)):
+        return state
+    if error < options.max_imitated_std:
+        context.place, context.by_explanation = place, True
+    if error < options.max_claimed_std:
         certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
         context.status = status_at_rest(certificate.status, state)
         state = replace(state, certificate=certificate)

@@ -66,6 +66,7 @@ class Destination:
     displacement: NDArray[np.float64] | None = None  # (m,) rad; None after the last motion to it, and without one
     status: ServoStatus | None = None  # to report on arrival; None if a restart begins there
     at_joint_limit: bool = False  # whether the predicted minimum is at a joint limit
+    by_explanation: bool = False  # whether it is the posture of an explanation, and no minimum of E
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,7 @@ class TrustRegionState:
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
     explanation: Explanation | None = None  # why no posture explains the demonstrator's images; None: not needed yet
+    earlier: tuple[PostureEstimate, ...] = ()  # earlier postures of a demonstrator that is another body, newest first
     target_moved: tuple[bool, bool] = (False, False)  # whether the demonstrator moved since the last motion; before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
     kinematics: ProjectiveKinematics | None = None  # that explain all visits and predict images everywhere
@@ -128,9 +130,16 @@ class TrustRegionState:
         return None if self.mismatch is None else Misfit(MisfitKind.ARM)
 
     @property
+    def known_postures(self) -> tuple[PostureEstimate, ...]:
+        """Postures of a demonstrator that is another body, newest first, with the present one if it is found."""
+        found = self.explanation
+        is_another = found is not None and found.misfit.kind is MisfitKind.ANOTHER_BODY
+        return (found.estimate, *self.earlier) if found is not None and is_another else self.earlier
+
+    @property
     def trusts_explanation(self) -> bool:
-        """Whether the arm is on its way to, or at, a posture that an explanation claims: E is not asked there."""
-        return self.explanation is not None and self.destination.status is ServoStatus.CONVERGED
+        """Whether the arm is on its way to, or at, the posture of an explanation: E is not asked there."""
+        return self.destination.by_explanation and self.destination.status is not None
 
     @property
     def known(self) -> tuple[Visit, ...]:

@@ -9,7 +9,7 @@ import pytest
 
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.draws import draw_marked_arm
-from viewimit.experiments.bench.unmatched import OtherPoints, judge
+from viewimit.experiments.bench.unmatched import CASES, OtherPoints, judge, run_once
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
@@ -115,6 +115,14 @@ def test_points_in_one_place_have_uncertain_names_of_equal_probability():
     naming = last.naming
     np.testing.assert_allclose(naming.probability[[3, 16]], 0.5, atol=0.05)
     assert (~naming.certain).sum() == 2 and last.status.is_claim
+
+
+def test_an_answer_that_a_first_round_of_refinement_does_not_reach_is_refined_on():
+    """The mirrored posture of symmetric markers fits as well; a round that ends at its reach, but for rounding, has not
+    found it yet."""
+    case = next(case for case in CASES if case.name == "symmetric markers, 0 px")
+    row = run_once(case, 31, [0, 31], 80)
+    assert row.two_answers and not row.status.is_claim and row.known_status.is_claim
 
 
 def test_names_stay_when_the_demonstrator_moves():

@@ -53,6 +53,7 @@ Array = NDArray[np.float64]
 Names = NDArray[np.int_]
 N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
 REACH_ROUNDS = 4  # of refinement, in which the reach of the posture grows
+INSIDE = 0.99  # share of the reach, from which a posture counts as at its end
 METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
 
 
@@ -319,7 +320,7 @@ class _Search:
             if not np.isfinite(E):
                 return None
             again = cheapest_pairs(self.distances(names, theta), count)
-            if (again == names).all() and np.abs(theta - before).max() < bound:
+            if (again == names).all() and np.abs(theta - before).max() < INSIDE * bound:
                 break
             names = again
         else:

@@ -247,6 +247,13 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
     assert 0.1 < last.misfit.amount < 2 * 0.06 * radius**3 * head.focal
 
 
+@pytest.mark.parametrize("k", [23, 31])
+def test_a_lens_is_named_where_a_rectification_absorbed_most_of_it(k):
+    """A rectification has unknowns, too, which count against it."""
+    row = run_once("a lens bends the images", [0, k])
+    assert row.right and row.claimed and row.error_deg < 2 * row.expected_deg
+
+
 @pytest.mark.parametrize("k", [10, 13])
 def test_a_lens_is_not_named_because_its_fit_knows_fewer_points(k):
     """A point near an axis was unknown with a lens, so its images cost nothing there."""

@@ -34,6 +34,7 @@ from .options import TrustRegionOptions
 Array = NDArray[np.float64]
 FEW_ITER = 4  # steps that show which points fit best
 FD_STEP = 1e-6  # of differences of a link's length
+N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification rests on
 MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
 
 
@@ -265,7 +266,8 @@ class _Reasons:
         """Fit a body like the own one to images that a lens bends.
 
         The own images alone have to show the lens, else this is no reason that is named: it might bend a mirror image,
-        or another body, into shape. Both fits know the same points: a cost of fewer ones would be smaller.
+        or another body, into shape. It may take the place of a rectification, which has unknowns, too. Both fits know
+        the same points: a cost of fewer ones would be smaller.
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         assert demo is not None  # by `explain`
@@ -282,7 +284,8 @@ class _Reasons:
             return None
         adjustment, fit = like_own.adjustment, like_own.fit
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
-        price = N_LENS * self._log_coordinates
+        replaced = N_FUNDAMENTAL if straight.rectification is not None and kinematics.rectification is None else 0
+        price = (N_LENS - replaced) * self._log_coordinates
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
         return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)

@@ -13,7 +13,7 @@ DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
           a verification motion if neither visits show that yet, nor kinematics that have predicted one. With noise, one
           adjustment of both bodies' images then gives the posture to rest at, and refuses a claim about another body
-          (`final_adjustment`).
+          (`final_adjustment`). Where the points came without names, other names are looked for before a claim.
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits. None is looked for if there is
           a convincing reason why the demonstrator is no body like the own one (`misfit`).
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
@@ -103,6 +103,7 @@ from .rules import (
     with_naming,
     with_partial_points,
     with_plan,
+    with_rival_sought,
     with_swap_search,
     with_swapped,
 )
@@ -249,6 +250,8 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
         if state.trusts_kinematics and not kinematics_suffice(state, context):
             return Phase.PLAN, with_kinematics_doubted(state, context), None
         state = with_final_adjustment(state, context)
+        if context.status.is_claim and state.destination.status is None:
+            state = with_rival_sought(state, context)
         context.status = status_at_rest(context.status, state)
         return Phase.REST, state, None
     return Phase.SEARCH, state, None

@@ -189,6 +189,23 @@ def review_naming(
     return search.with_answers(found, rival)
 
 
+def find_rival(
+    naming: Naming,
+    demo: Array,
+    model: KinematicImages,
+    lower: Array,
+    upper: Array,
+    options: TrustRegionOptions = DEFAULTS,
+) -> Naming:
+    """Look for another answer again, where later visits predict the images better. Parameters as of `find_naming`."""
+    search = _Search.begin(demo, model, lower, upper, options)
+    found = search.refine(search.inner(naming.names), naming.displacement)
+    if found is None or not found.accepted:
+        return naming
+    found = search.with_rival(found)
+    return replace(naming, rival=found.rival, rival_displacement=found.rival_displacement)
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """Points of both bodies that may have partners, n of each, and their hat matrices."""
@@ -433,25 +450,27 @@ class _Search:
         return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
 
     def with_rival(self, found: Naming) -> Naming:
-        """Look for other names of the same points that explain the images in another posture."""
+        """Look for other names of the reliable points that explain the images in another posture: the best of them."""
         names = self.inner(found.names)
-        own = np.flatnonzero(names >= 0)
+        own = np.flatnonzero((names >= 0) & self.reliable)
         own_hats = hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)[:, own]))
         demo_hat = hat_matrix(self.kinematics.affine_coordinates(self.demo[names[own]]))
+        least = np.inf
         for _, g, other in self.starts([Trial(names[own], own, demo_hat, own_hats)]):
-            if (other == names).all():
+            if (other[own] == names[own]).all():
                 continue
             rival = self.refine(other, self.postures[g])
             if rival is not None and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
-                found = self.with_answers(found, rival)
-                if found.is_ambiguous:
-                    break
+                answers = self.with_answers(found, rival)
+                if answers.is_ambiguous and rival.E < least:
+                    found, least = answers, rival.E
         return found
 
     def with_answers(self, found: Naming, rival: Naming) -> Naming:
         """Record another answer, if its names are others and its posture is distinct."""
         distance = np.abs(rival.displacement - found.displacement).max()
-        if (rival.names == found.names).all() or distance < self.options.naming_distinct:
+        same = (rival.names == found.names) | (rival.names < 0)
+        if same.all() or distance < self.options.naming_distinct:
             return found
         return replace(found, rival=rival.names, rival_displacement=rival.displacement)
 

@@ -22,7 +22,7 @@ from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
 from .misfit import Explanation, MisfitKind, explain, explain_again
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
-from .naming import find_naming, mixed_up, review_naming
+from .naming import find_naming, find_rival, mixed_up, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -85,6 +85,15 @@ def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustR
     if state.swaps.pairs or state.n_renamings >= context.options.naming_corrections:
         return state
     return replace(state, naming=found, n_renamings=state.n_renamings + 1)
+
+
+def with_rival_sought(state: TrustRegionState, context: StepContext) -> TrustRegionState:
+    """Look for other names that explain the images, before a claim: more visits than at first predict them now."""
+    naming, observation = state.naming, context.observation
+    if naming is None or naming.is_ambiguous or state.unnamed is None or (model := naming_model(context)) is None:
+        return state
+    found = find_rival(naming, state.unnamed, model, observation.lower, observation.upper, context.options)
+    return replace(state, naming=found)
 
 
 def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustRegionState, Displacement]:

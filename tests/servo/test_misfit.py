@@ -16,6 +16,7 @@ from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.servo import Misfit, MisfitKind, Observation, TrustRegion, TrustRegionOptions
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.correspondences import SwappedResiduals, swapped, transpositions
+from viewimit.servo.trust_region.final_adjustment import PostureEstimate
 from viewimit.servo.trust_region.image_models import observations_of
 from viewimit.servo.trust_region.misfit import LinkChange, explain
 from viewimit.servo.trust_region.options import DEFAULTS
@@ -111,12 +112,12 @@ def test_a_body_with_another_link_is_imitated_and_its_length_said():
 SHOWN_DEG = (60, -60), (20, -40), (75, -110), (40, -140), (30, -90)
 
 
-def imitated(change=lambda session, k: None, stretch=(0.02, -0.04)):
+def imitated(change=lambda session, k: None, stretch=(0.02, -0.04), shown=SHOWN_DEG):
     """The moments at which a learner has imitated another body in each posture shown. change: before each of them."""
     settings, found = Settings(start_deg=(20, -120), demonstrator_deg=SHOWN_DEG[0], seed=3, **NOISY), []
     robot = lambda scene, points: stretched(scene, Session(settings).world.robot, np.array(stretch))
     session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
-    for k, demonstrator_deg in enumerate(SHOWN_DEG):
+    for k, demonstrator_deg in enumerate(shown):
         change(session, k)
         session.pose(np.radians(demonstrator_deg))
         found.append(session.run(60 + session.snapshot.motion).last)
@@ -145,9 +146,48 @@ def test_joint_angles_that_are_too_uncertain_for_a_claim_are_imitated_without_on
     estimate = last.servo_state.explanation.estimate
     assert last.misfit.kind is MisfitKind.ANOTHER_BODY and last.status == "no-progress"
     assert DEFAULTS.max_claimed_std < estimate.std_error.max() < DEFAULTS.max_imitated_std
+    np.testing.assert_array_equal(last.certificate.std_error, estimate.std_error)
+    assert not last.certificate.status.is_claim
     there = session.history[0].theta + estimate.theta
     assert np.abs(last.theta - there).max() < 0.1 * estimate.std_error.max()
     assert np.abs(last.theta - last.theta_demo).max() < 3 * estimate.std_error.max()
+
+
+def test_the_same_images_once_more_tell_nothing_new():
+    """The demonstrator stays; then it comes back to a posture, in which its images repeat."""
+    stays = imitated(shown=SHOWN_DEG[:1] * 3)
+    np.testing.assert_allclose([one.expected_error for one in stays[1:]], stays[0].expected_error, rtol=0.1)
+    assert all(not one.servo_state.earlier for one in stays)
+    returns = imitated(shown=(*SHOWN_DEG[:2], SHOWN_DEG[0]))
+    assert [len(one.servo_state.earlier) for one in returns] == [0, 1, 1]
+
+
+def test_points_that_earlier_postures_do_not_replace_leave_a_joint_unobservable():
+    def hide(session, k):
+        see, outer = session.observer.demo, session.world.body.link > session.scene.moving[1]
+        if k == 1:
+            session.observer.demo = lambda *looked: (
+                np.where(outer[:, None], np.nan, see(*looked)[0]),
+                see(*looked)[1] & ~outer[:, None],
+            )
+
+    first, second = imitated(hide, shown=SHOWN_DEG[:2])
+    assert first.status == "converged" and second.status == "unobservable"
+
+
+def test_a_body_like_the_own_one_is_not_taken_for_another_because_it_was_before():
+    """As after a demonstrator of which the images of one posture contradicted by chance."""
+    settings = Settings(start_deg=(20, -120), demonstrator_deg=SHOWN_DEG[0], seed=3, **NOISY)
+    session = Session(settings)
+    session.run(60)
+    now = session.snapshot
+    demo = now.views.demo / now.servo_state.unit_px
+    doubted = PostureEstimate(now.theta_demo - session.history[0].theta, np.full(2, 0.001), 4.0, demo)
+    session.history.replace(now.with_fields(servo_state=replace(now.servo_state, earlier=(doubted,))))
+    session.pose(np.radians(SHOWN_DEG[1]))
+    assert len(session.snapshot.servo_state.earlier) == 1
+    last = session.run(120).last
+    assert last.status == "converged" and last.misfit is None and not last.servo_state.earlier
 
 
 def test_earlier_postures_of_a_demonstrator_that_has_been_moved_are_forgotten():

@@ -31,8 +31,8 @@ from .self_calibration import Body
 from .settings import USUAL_POINTS, BodyPoint, Settings
 from .snapshot import Snapshot
 
-# streams of the seed: the demonstrator, once; the own body, at every motion and at rest; which points are swapped; the
-# order of points without names
+# streams of the seed: the demonstrator, in each posture; the own body, at every motion and at rest; which points are
+# swapped; the order of points without names
 DEMO_LOOK, OWN_LOOK, REST_LOOK, MATCH, ORDER = 0, 1, 4, 5, 6
 REST_LOOKS = 8  # images of the own body at rest that measure the noise
 

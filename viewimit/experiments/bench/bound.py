@@ -47,7 +47,8 @@ def bound(
     seen : (N, 2) bool array, optional
         Which points are in which image of the demonstrator; None: all.
     another_body : bool
-        Whether its joints may be attached elsewhere. That one head sees both bodies is used then. Needs `visited`.
+        Whether its joints may be attached elsewhere, which is the same in each posture. That one head sees both bodies
+        is used then. Needs `visited`.
     earlier : sequence of (m,) arrays
         Other postures of the demonstrator that were seen, rad; unknown as the first, and all points visible.
 
@@ -142,8 +143,8 @@ def _joint_shifts(world: World, theta: NDArray, of_parent: bool = False) -> list
     elsewhere there.
     """
     frames, link = world.link_frames(theta, world.T_world_own), world.body.link
-    axes = lambda joint: frames[joint if of_parent else joint + 1, :3, :3].T
-    return [(link > joint)[:, None] * axes(joint)[:, None] for joint in world.scene.moving]
+    axes = frames[:-1] if of_parent else frames[1:]
+    return [(link > joint)[:, None] * axes[joint, :3, :3].T[:, None] for joint in world.scene.moving]
 
 
 def _similarity_motions(points: NDArray, centre: NDArray) -> NDArray:

@@ -184,26 +184,23 @@ def _lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     return ProjectedEyes(msgspec.structs.replace(scene, head=head), points)
 
 
+def _links_cases(also: str, postures: int) -> tuple[Case, ...]:
+    """Cases of other links, with `also` after their names."""
+    case = lambda share, name, *moving: Case(
+        f"links ±{share:.0%}{name}{also}",
+        MisfitKind.ANOTHER_BODY,
+        partial(_links, share),
+        *moving,
+        has_other_links=True,
+        postures=postures,
+    )
+    return case(0.05, ""), case(0.1, ""), case(0.05, ", seven joints", SEVEN, SEVEN_OFFSET_DEG)
+
+
 CASES = (
     Case("none", None, _clean),
-    *(
-        Case(
-            f"links ±{share:.0%}{also}",
-            MisfitKind.ANOTHER_BODY,
-            partial(_links, share),
-            joints,
-            offset_deg,
-            has_other_links=True,
-            postures=postures,
-        )
-        for postures, of_postures in ((1, ""), (SEVERAL, ", five postures"))
-        for share, joints, offset_deg, of_joints in (
-            (0.05, None, None, ""),
-            (0.1, None, None, ""),
-            (0.05, SEVEN, SEVEN_OFFSET_DEG, ", seven joints"),
-        )
-        for also in (of_joints + of_postures,)
-    ),
+    *_links_cases("", 1),
+    *_links_cases(", five postures", SEVERAL),
     Case("one point elsewhere", MisfitKind.POINT, _point),
     Case("points of one link elsewhere", MisfitKind.LINK_POINTS, _link_points),
     Case("three to five points mixed up", MisfitKind.MIXED_UP, _mixed_up),
@@ -297,7 +294,7 @@ def run_once(name: str, seed: list[int]) -> Row:
         earlier, before = [*earlier, last.theta_demo], last.motion
         demonstrator_deg = draw_postures(scene, rng, case.offset_deg)["demonstrator_deg"]
         session.pose(np.radians(demonstrator_deg))
-        last = session.run(MAX_MOTIONS, PATIENCE).last
+        last = session.run(before + MAX_MOTIONS, PATIENCE).last
     least = np.nan
     if case.has_other_links:
         noise_px = session.settings.noise_px / np.sqrt(session.settings.frames)

@@ -11,8 +11,8 @@ as its scale is the demonstrator's size.
 
 Unknown are A (8), twists (6 a joint), points (3 each), S (7) and the demonstrator's angles, m for each of its postures.
 All images have independent noise of one standard deviation, so the cost over its square is χ² with as many degrees of
-freedom as there are coordinates more than unknowns. The own images determine the body; the demonstrator's add
-3 N - 7 - m degrees of freedom.
+freedom as there are coordinates more than unknowns. The own images determine the body; the demonstrator's, in
+T postures, add 3 N T - 7 - m T degrees of freedom.
 
 References
 ----------
@@ -35,6 +35,7 @@ from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame
 Array = NDArray[np.float64]
 N_SIMILARITY = 7  # rotation vector, translation, logarithm of the scale
 MIN_METRIC = 1e-6  # smallest eigenvalue of a metric, relative to the largest
+LEFT_OPEN = 1e-12  # eigenvalue of the information, relative to the largest, that rounding leaves where there is none
 MAX_ITER = 200  # a nearly flat body leaves a narrow valley
 FTOL = 1e-5  # share of the cost: what angles still gain is far below their standard deviation
 
@@ -251,16 +252,19 @@ class PairAdjustment:
 
     def angle_std(self, pair: BodyPair) -> Array:
         """(T, m) rad: standard deviations of the demonstrator's angles for noise of 1 px."""
-        variances = np.diag(self.covariance(pair))
-        return np.sqrt(replace(pair, parameters=np.maximum(variances, 0.0)).angles)
+        return np.sqrt(replace(pair, parameters=np.diag(self.covariance(pair))).angles)
 
     def covariance(self, pair: BodyPair) -> Array:
-        """(P, P): of the parameters for noise of 1 px."""
+        """(P, P): of the parameters for noise of 1 px. What the images leave open has a very large variance."""
         P = len(pair.parameters)
         A, B, C = normal_equations(jacobian(pair, self.residuals, self.residuals(pair)), P)
         known = np.linalg.pinv(C, hermitian=True)
         schur = A + np.diag(self.prior_weights(pair)) - np.tensordot(B @ known, B, ([0, 2], [0, 2]))
-        return np.linalg.pinv(schur, hermitian=True)
+        size = np.sqrt(np.diag(schur))
+        scale = np.where(size > 0, size, 1.0)
+        values, vectors = np.linalg.eigh(schur / np.outer(scale, scale))
+        vectors = vectors / scale[:, None]
+        return vectors / np.maximum(values, LEFT_OPEN * values[-1]) @ vectors.T
 
 
 def rotations(vectors: Array) -> Array:

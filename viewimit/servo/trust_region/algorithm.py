@@ -13,7 +13,8 @@ DESCEND   Move to the minimum of the predicted E.
 VERIFY    Test whether the arm has arrived: E must leave no room for a displacement, and rise in every direction. Make
           a verification motion if neither visits show that yet, nor kinematics that have predicted one. With noise, one
           adjustment of both bodies' images then gives the posture to rest at, and refuses a claim about another body
-          (`final_adjustment`). Where the points came without names, other names are looked for before a claim.
+          (`final_adjustment`). A demonstrator that was another body in earlier postures is adjusted in all of them.
+          Where the points came without names, other names are looked for before a claim.
 SEARCH    Look for a smaller E: try the next transfer, then restart far from all visits. None is looked for if there is
           a convincing reason why the demonstrator is no body like the own one (`misfit`).
 REST      Return to the best posture and report: converged, unobservable, settled or no progress.
@@ -103,7 +104,6 @@ from .rules import (
     with_naming,
     with_partial_points,
     with_plan,
-    with_rival_sought,
     with_swap_search,
     with_swapped,
 )
@@ -132,13 +132,13 @@ class TrustRegion:
         return initial_state(in_units(observation, unit_px), unit_px, self.options)
 
     def retarget(self, state: TrustRegionState, observation: Observation) -> TrustRegionState:
-        """Return the state after the demonstrator moved: visits and kinematics stay."""
+        """Return the state after the demonstrator moved: visits, kinematics and how another body differs stay."""
         return TrustRegionState(
             state.visits,
             state.joints_to_probe,
             first_region(state.calibration, self.options),
             state.unit_px,
-            earlier=state.known_postures[: self.options.max_earlier],
+            earlier=state.known_postures(self.options),
             swaps=state.swaps,
             naming=state.naming,
             target_moved=(True, state.target_moved[1]),
@@ -250,9 +250,7 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
         if state.trusts_kinematics and not kinematics_suffice(state, context):
             return Phase.PLAN, with_kinematics_doubted(state, context), None
         state = with_final_adjustment(state, context)
-        if context.status.is_claim and state.destination.status is None:
-            state = with_rival_sought(state, context)
-        context.status = status_at_rest(context.status, state)
+        state, context.status = status_at_rest(context.status, state, context)
         return Phase.REST, state, None
     return Phase.SEARCH, state, None
 
@@ -287,8 +285,8 @@ def rest(state: TrustRegionState, context: StepContext) -> Outcome:
     """Return to the best posture, and stop there.
 
     On arrival E is measured again. If that makes another posture the best, REST follows once more, but not for ever.
-    Where no posture explains the demonstrator's images, the reason is looked for first. If it is another body, the arm
-    goes to its joint angles, and E is not asked again.
+    Where no posture explains the demonstrator's images, the reason is looked for first. If that gives the joint angles,
+    as of another body, the arm goes there, and E is not asked again.
     """
     if state.destination.displacement is None and not state.trusts_explanation:
         state = with_explanation(state, context)

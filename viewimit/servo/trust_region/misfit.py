@@ -265,9 +265,9 @@ class _Reasons:
     def _lens(self) -> _Candidate | None:
         """Fit a body like the own one to images that a lens bends.
 
-        The own images alone have to show the lens, else this is no reason that is named: it might bend a mirror image,
-        or another body, into shape. It may take the place of a rectification, which has unknowns, too. Both fits know
-        the same points: a cost of fewer ones would be smaller.
+        The own images alone have to favour the lens, by the same criterion, else this is no reason that is named: it
+        might bend a mirror image, or another body, into shape. It may take the place of a rectification, which has
+        unknowns, too. Both fits know the same points: a cost of fewer ones would be smaller.
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         assert demo is not None  # by `explain`
@@ -327,11 +327,11 @@ def explain_again(
     Returns
     -------
     Explanation or None
-        With the first posture. None if noise does not explain what it leaves: the base has moved, or this is another
-        demonstrator.
+        With the first posture. None if it may be a body like the own one, or if noise does not explain what another
+        body leaves: the base has moved, or this is another demonstrator.
     """
     like_own = fit_same_body(kinematics, visits, demos, max(noise_px, NOISE_FLOOR_PX), postures, options)
-    if like_own is None:
+    if like_own is None or like_own.fit.sigmas < options.max_body_sigmas:
         return None
     adjustment, same = like_own.adjustment, like_own.fit.pair
     fit = _fit_another_body(adjustment, same, _fit_other_head(adjustment, same))

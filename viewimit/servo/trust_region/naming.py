@@ -53,7 +53,7 @@ Array = NDArray[np.float64]
 Names = NDArray[np.int_]
 N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
 REACH_ROUNDS = 4  # of refinement, in which the reach of the posture grows
-INSIDE = 0.99  # share of the reach, from which a posture counts as at its end
+AT_REACH = 0.99  # share of a round's reach, from which the posture may be beyond it
 METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
 
 
@@ -124,7 +124,7 @@ def find_naming(
     for left_out in range(options.naming_left_out + 1):
         found = search.best(left_out)
         if found is not None and found.accepted:
-            return search.with_rival(search.with_points(found))
+            return search.with_rival(search.with_points(found), options.naming_accept)
         if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
             best = found
     return best
@@ -184,7 +184,7 @@ def review_naming(
     if naming.rival is None or naming.rival_displacement is None:
         return found
     rival = search.refine(search.inner(naming.rival), naming.rival_displacement)
-    if rival is None or rival.E > options.naming_rival * max(found.E, rival.E_noise):
+    if rival is None or rival.E > options.naming_rival * max(found.E, found.E_noise, rival.E_noise):
         return found
     return search.with_answers(found, rival)
 
@@ -202,7 +202,7 @@ def find_rival(
     found = search.refine(search.inner(naming.names), naming.displacement)
     if found is None or not found.accepted:
         return naming
-    found = search.with_rival(found)
+    found = search.with_rival(found, options.naming_rival)
     return replace(naming, rival=found.rival, rival_displacement=found.rival_displacement)
 
 
@@ -337,7 +337,7 @@ class _Search:
             if not np.isfinite(E):
                 return None
             again = cheapest_pairs(self.distances(names, theta), count)
-            if (again == names).all() and np.abs(theta - before).max() < INSIDE * bound:
+            if (again == names).all() and np.abs(theta - before).max() < AT_REACH * bound:
                 break
             names = again
         else:
@@ -449,8 +449,11 @@ class _Search:
         names = names[self.placed]
         return np.where(names < 0, -1, np.searchsorted(self.shown, np.maximum(names, 0)))
 
-    def with_rival(self, found: Naming) -> Naming:
-        """Look for other names of the reliable points that explain the images in another posture: the best of them."""
+    def with_rival(self, found: Naming, share: float) -> Naming:
+        """Look for other names of the reliable points that explain the images in another posture: the best of them.
+
+        share: of the E of the naming, or of noise, that the other answer may leave.
+        """
         names = self.inner(found.names)
         own = np.flatnonzero((names >= 0) & self.reliable)
         own_hats = hat_matrix(self.kinematics.affine_coordinates(self.predict(self.postures)[:, own]))
@@ -460,7 +463,7 @@ class _Search:
             if (other[own] == names[own]).all():
                 continue
             rival = self.refine(other, self.postures[g])
-            if rival is not None and rival.E < self.options.naming_accept * max(found.E, found.E_noise, rival.E_noise):
+            if rival is not None and rival.E < share * max(found.E, found.E_noise, rival.E_noise):
                 answers = self.with_answers(found, rival)
                 if answers.is_ambiguous and rival.E < least:
                     found, least = answers, rival.E

@@ -99,7 +99,7 @@ class TrustRegionOptions:
     clear_criterion: float = 10.0  # by which the best reason's criterion is smaller than others', to base a claim on it
     early_criterion: float = 70.0  # the same, to spare the search elsewhere: later visits may show another reason
     max_claimed_std: float = _deg(0.75)  # rad, expected error: if larger, no claim about another body or by kinematics
-    max_imitated_std: float = _deg(3.0)  # rad, expected error: if larger, another body's joint angles are not imitated
+    max_imitated_std: float = _deg(3.0)  # rad, expected error: if larger, the angles of an explanation are not imitated
     max_earlier: int = 7  # earlier postures of a demonstrator that is another body, adjusted with the present one
     misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same

@@ -112,10 +112,14 @@ def naming_motion(state: TrustRegionState, context: StepContext) -> tuple[TrustR
     return move(replace(state, n_naming_motions=state.n_naming_motions + 1), context, target)
 
 
-def status_at_rest(status: ServoStatus, state: TrustRegionState) -> ServoStatus:
+def status_at_rest(
+    status: ServoStatus, state: TrustRegionState, context: StepContext
+) -> tuple[TrustRegionState, ServoStatus]:
     """Return the status to report; where other names explain the images as well, nothing is claimed."""
+    if status.is_claim and state.destination.status is None:
+        state = with_rival_sought(state, context)
     ambiguous = state.naming is not None and state.naming.is_ambiguous
-    return ServoStatus.SETTLED if ambiguous and status.is_claim else status
+    return state, ServoStatus.SETTLED if ambiguous and status.is_claim else status
 
 
 def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -350,14 +354,24 @@ def find_explanation(state: TrustRegionState, context: StepContext) -> Explanati
 
 
 def with_earlier_postures(state: TrustRegionState, context: StepContext) -> TrustRegionState:
-    """Adjust a demonstrator that was another body with its earlier postures; forget these if they do not fit."""
-    kinematics, observation, earlier = state.kinematics, context.observation, state.earlier
-    if not earlier or state.explanation is not None or kinematics is None or observation.demo is None:
+    """Adjust a demonstrator that was another body with its earlier postures; forget these if they do not fit.
+
+    The same images once more are no new ones. If the angles remain uncertain, as where points are hidden, E decides.
+    """
+    kinematics, observation, options = state.kinematics, context.observation, context.options
+    if not state.earlier or state.explanation is not None or kinematics is None or observation.demo is None:
+        return state
+    other = [one for one in state.earlier if not np.array_equal(one.demo, observation.demo, equal_nan=True)]
+    earlier = tuple(other)
+    state = replace(state, earlier=earlier)
+    if not earlier:
         return state
     demos = np.array([observation.demo, *(one.demo for one in earlier)])
     postures = np.array([context.place, *(one.theta for one in earlier)])
-    found = explain_again(kinematics, state.known, demos, postures, observation.noise_px, context.options)
-    return replace(state, earlier=()) if found is None else replace(state, explanation=found)
+    found = explain_again(kinematics, state.known, demos, postures, observation.noise_px, options)
+    if found is None:
+        return replace(state, earlier=())
+    return replace(state, explanation=found) if found.estimate.std_error.max() < options.max_imitated_std else state
 
 
 def explained_early(state: TrustRegionState, context: StepContext) -> Explanation | None:
@@ -379,7 +393,7 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
 
     A claim about another body, or by images that a lens bends, rests on the adjustment alone: noise explains what it
     leaves, no other reason is nearly as good, and the expected error is small. Other cameras leave E as it is, so with
-    them E must allow the claim, too. Joint angles whose expected error is too large for a claim may still be imitated.
+    them E must allow the claim, too. Angles whose expected error is too large for a claim may still be imitated.
     """
     observation, options = context.observation, context.options
     found = find_explanation(state, context) if context.status is ServoStatus.NO_PROGRESS else None
@@ -387,19 +401,20 @@ def with_explanation(state: TrustRegionState, context: StepContext) -> TrustRegi
         return state
     state, kind, estimate = replace(state, explanation=found), found.misfit.kind, found.estimate
     place = np.clip(estimate.theta, observation.lower, observation.upper)
-    error = estimate.std_error.max()
     inside = (np.abs(place - estimate.theta) < estimate.std_error).all()
     by_adjustment = kind in (MisfitKind.ANOTHER_BODY, MisfitKind.LENS)
     claimable = by_adjustment or (kind is MisfitKind.TWO_HEADS and context.certified)
     if not (claimable and inside and found.is_convincing(options.max_body_sigmas, options.clear_criterion)):
         return state
-    if error < options.max_imitated_std:
-        context.place, context.by_explanation = place, True
+    error = estimate.std_error.max()
+    if error >= options.max_imitated_std:
+        return state
+    context.place, context.by_explanation = place, True
+    certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
     if error < options.max_claimed_std:
-        certificate = certificate_of(estimate.std_error, max(observation.noise_px, NOISE_FLOOR_PX) * state.unit_px)
-        context.status = status_at_rest(certificate.status, state)
-        state = replace(state, certificate=certificate)
-    return state
+        state, context.status = status_at_rest(certificate.status, state, context)
+        return replace(state, certificate=certificate)
+    return replace(state, certificate=replace(certificate, verified=False))
 
 
 def may_verify(certificate: Certificate, state: TrustRegionState, context: StepContext) -> bool:

@@ -129,12 +129,14 @@ class TrustRegionState:
             return Misfit(MisfitKind.ARM, amount=self.shortfall.share)
         return None if self.mismatch is None else Misfit(MisfitKind.ARM)
 
-    @property
-    def known_postures(self) -> tuple[PostureEstimate, ...]:
-        """Postures of a demonstrator that is another body, newest first, with the present one if it is found."""
+    def known_postures(self, options: TrustRegionOptions) -> tuple[PostureEstimate, ...]:
+        """Postures of a demonstrator that is another body, newest first, with the present one if it convinces."""
         found = self.explanation
-        is_another = found is not None and found.misfit.kind is MisfitKind.ANOTHER_BODY
-        return (found.estimate, *self.earlier) if found is not None and is_another else self.earlier
+        if found is None or found.misfit.kind is not MisfitKind.ANOTHER_BODY:
+            return self.earlier
+        if not found.is_convincing(options.max_body_sigmas, options.clear_criterion):
+            return self.earlier
+        return (found.estimate, *self.earlier)[: options.max_earlier]
 
     @property
     def trusts_explanation(self) -> bool:

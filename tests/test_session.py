@@ -243,7 +243,7 @@ def test_too_few_points_hold_the_arm_still_and_say_so():
 
 
 def test_points_that_are_not_seen_in_all_four_views_take_no_part():
-    session = Session(Settings.paper(transfer="linear", missing=0.1, seed=3))
+    session = Session(Settings.paper(transfer="linear", missing=0.1, seed=4))
     now = session.snapshot
     assert 5 <= now.usable.sum() < 10
     np.testing.assert_array_equal(now.usable, now.views.visible.all(-1))

@@ -186,15 +186,12 @@ def _lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 
 def _links_cases(also: str, postures: int) -> tuple[Case, ...]:
     """Cases of other links, with `also` after their names."""
-    case = lambda share, name, *moving: Case(
-        f"links ±{share:.0%}{name}{also}",
-        MisfitKind.ANOTHER_BODY,
-        partial(_links, share),
-        *moving,
-        has_other_links=True,
-        postures=postures,
+    word, few, more = MisfitKind.ANOTHER_BODY, partial(_links, 0.05), partial(_links, 0.1)
+    return (
+        Case(f"links ±5%{also}", word, few, has_other_links=True, postures=postures),
+        Case(f"links ±10%{also}", word, more, has_other_links=True, postures=postures),
+        Case(f"links ±5%, seven joints{also}", word, few, SEVEN, SEVEN_OFFSET_DEG, True, postures),
     )
-    return case(0.05, ""), case(0.1, ""), case(0.05, ", seven joints", SEVEN, SEVEN_OFFSET_DEG)
 
 
 CASES = (

@@ -69,11 +69,7 @@ def bound(
         unknown = np.vstack([unknown, own])
     else:
         unknown = unknown[:, :PROJECTIVE]
-    by_angles = np.zeros((len(unknown), J.shape[1] * len(angles)))
-    row = 0
-    for k, of_posture in enumerate(angles):
-        by_angles[row : row + len(of_posture), k * J.shape[1] : (k + 1) * J.shape[1]] = of_posture
-        row += len(of_posture)
+    by_angles = _block_diagonal(angles, len(unknown))
     J, unknown = by_angles[:, : J.shape[1]], np.hstack([by_angles[:, J.shape[1] :], unknown])
     size = np.linalg.norm(unknown, axis=0)
     U, sigma, _ = np.linalg.svd(unknown / np.where(size > 0, size, 1.0), full_matrices=False)
@@ -83,6 +79,16 @@ def bound(
     lost = information <= (MIN_IMAGE_MOTION * np.linalg.norm(J, axis=0).max()) ** 2
     variances = (directions[:, ~lost] ** 2 / information[~lost]).sum(1)
     return noise_px * np.where((np.abs(directions[:, lost]) > MIN_IMAGE_MOTION).any(1), np.inf, np.sqrt(variances))
+
+
+def _block_diagonal(blocks: Sequence[NDArray], rows: int) -> NDArray:
+    """Place blocks of m columns along the diagonal, with rows of zeros below up to this number: each posture's images
+    depend on its own angles only."""
+    found, row = np.zeros((rows, sum(block.shape[1] for block in blocks))), 0
+    for k, block in enumerate(blocks):
+        found[row : row + len(block), k * block.shape[1] : (k + 1) * block.shape[1]] = block
+        row += len(block)
+    return found
 
 
 def _demo_images(world: World, theta: NDArray, another_body: bool) -> tuple[NDArray, NDArray]:

@@ -361,12 +361,12 @@ def with_earlier_postures(state: TrustRegionState, context: StepContext) -> Trus
     kinematics, observation, options = state.kinematics, context.observation, context.options
     if not state.earlier or state.explanation is not None or kinematics is None or observation.demo is None:
         return state
-    other = [one for one in state.earlier if not np.array_equal(one.demo, observation.demo, equal_nan=True)]
-    earlier = tuple(other)
+    demo = observation.demo
+    earlier = tuple(one for one in state.earlier if not np.array_equal(one.demo, demo, equal_nan=True))
     state = replace(state, earlier=earlier)
     if not earlier:
         return state
-    demos = np.array([observation.demo, *(one.demo for one in earlier)])
+    demos = np.array([demo, *(one.demo for one in earlier)])
     postures = np.array([context.place, *(one.theta for one in earlier)])
     found = explain_again(kinematics, state.known, demos, postures, observation.noise_px, options)
     if found is None:

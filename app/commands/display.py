@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from viewimit.language import _, ngettext
+from viewimit.wording import plural
 
 from ..model.choices import FLAGS, LARGE, NO_POINT, SWITCHED
 from ..model.page_model import PageModel
@@ -14,7 +14,7 @@ CLIENT_REPORTED = {
     "truth": "truth",
     "flat": "flat",
 }  # fields of View, by link
-NO_FLAG = _("{value} is neither 0 nor 1")
+NO_FLAG = "{value} is neither 0 nor 1"
 
 
 @command("choose_point", latest=True)
@@ -25,9 +25,7 @@ def choose_point(
     """Choose a body point, or none."""
     count = len(model.session.world.body)
     if point is not None and not 0 <= point < count:
-        refusal = ngettext(
-            "there is no point {point}, only {n} point", "there is no point {point}; there are {n}", count
-        )
+        refusal = plural("there is no point {point}, only {n} point", "there is no point {point}; there are {n}", count)
         raise ValueError(refusal.format(point=point, n=count))
     model.show(chosen=point)
 
@@ -45,7 +43,7 @@ def next_point(model: PageModel) -> None:
 
 
 @command("switch", latest=True, order_independent=True)
-def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, _("there is no switch {value}"))], on: bool) -> None:
+def switch(model: PageModel, name: Annotated[str, one_of(SWITCHED, "there is no switch {value}")], on: bool) -> None:
     """Set one of the switches of `View`."""
     model.show(**{name: on})
 
@@ -93,9 +91,7 @@ def build_up(model: PageModel, *, now: float) -> None:
 @command("large", order_independent=True, link=True)
 def enlarge(
     model: PageModel,
-    what: Annotated[
-        str, one_of({str(k): what for k, what in enumerate(LARGE)}, _("there is no panel or image {value}"))
-    ],
+    what: Annotated[str, one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or image {value}")],
 ) -> None:
     """Enlarge a panel or an image, by its index in LARGE; the one that is large already: all as before."""
     model.show(large=None if model.view.large == what else what)

@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _
 from viewimit.servo import SERVOS
 
 from ..model.choices import AMOUNTS, joint_choices
@@ -12,8 +11,8 @@ from ..model.points import layout_choices
 from ..model.queue import choice, named, one_of, text
 from .registry import command
 
-Transfer = Annotated[str, lambda value: named(value, TRANSFERS, _("there is no transfer {value}"))]
-Servo = Annotated[str, lambda value: named(value, SERVOS, _("there is no servo {value}"))]
+Transfer = Annotated[str, lambda value: named(value, TRANSFERS, "there is no transfer {value}")]
+Servo = Annotated[str, lambda value: named(value, SERVOS, "there is no servo {value}")]
 
 
 @command("transfer", latest=True, moves=True)
@@ -29,7 +28,7 @@ def change_servo(model: PageModel, name: Servo) -> None:
 @command("disturbance", latest=True, moves=True)
 def change_disturbance(
     model: PageModel,
-    name: Annotated[str, one_of({name: name for name in AMOUNTS}, _("there is no disturbance {value}"))],
+    name: Annotated[str, one_of({name: name for name in AMOUNTS}, "there is no disturbance {value}")],
     value: float,
 ) -> None:
     """Change a disturbance. value: in the units of its slider."""
@@ -56,7 +55,7 @@ def switch_camera(model: PageModel, on: bool) -> None:
 def free_joints(model: PageModel, name: Annotated[str, text]) -> None:
     """Let other joints move, by the name of the choice; which there are depends on the scene."""
     settings = model.session.settings
-    joints = choice(name, joint_choices(settings), _("there is no choice of joints {value}"))
+    joints = choice(name, joint_choices(settings), "there is no choice of joints {value}")
     if joints != settings.joints:  # what the page has now may be meant by it
         model.undoable.change(**model.freedom.fields(settings, model.session.scene, joints))
 
@@ -64,7 +63,7 @@ def free_joints(model: PageModel, name: Annotated[str, text]) -> None:
 @command("points", latest=True, moves=True)
 def choose_layout(model: PageModel, name: Annotated[str, text]) -> None:
     """Choose a layout of body points by its name; which there are depends on the scene."""
-    fields = choice(name, layout_choices(model.session.settings), _("there is no layout {value}"))
+    fields = choice(name, layout_choices(model.session.settings), "there is no layout {value}")
     if fields:
         model.undoable.change(**fields)
 

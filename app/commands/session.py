@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.glossary import glossary
 from viewimit.drawing.svg import count_motions, count_points, escape
-from viewimit.language import _
 from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
@@ -24,7 +23,7 @@ from ..sessions.link import decode
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
-Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, _("the glossary has no entry {value}"))]
+Word = Annotated[str, one_of(lambda: {key: key for key in glossary()}, "the glossary has no entry {value}")]
 Angles = Annotated[tuple[float, ...], lambda value: tuple(map(number, value.split(",")))]  # degrees, "25,-45"
 Position = Annotated[NDArray, lambda value: np.array(value, float)]  # (3,) m in the world
 
@@ -67,7 +66,7 @@ def undo(model: PageModel, *, now: float) -> None:
         parts = [left.preset.name, count_motions(left.motions)]
         if model.points.on:
             parts.append(count_points(len(model.session.world.body)))
-        model.say(_("Back is what was here before: {what}.").format(what=", ".join(parts)), now + MESSAGE_S)
+        model.say("Back is what was here before: {what}.".format(what=", ".join(parts)), now + MESSAGE_S)
 
 
 @command("reset", moves=True)
@@ -95,7 +94,7 @@ def scrub(model: PageModel, motion: int) -> None:
 
 @command("speed", latest=True)
 def choose_speed(
-    model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, _("there is no speed {value}"))]
+    model: PageModel, motions_per_second: Annotated[float, one_of(SPEEDS, "there is no speed {value}")]
 ) -> None:
     """Choose the speed by its name; 0 is as fast as it computes."""
     model.player.speed = motions_per_second
@@ -110,7 +109,7 @@ def choose_preset(model: PageModel, name: Annotated[str, text]) -> None:
     """Begin with a preset of the page's list."""
     if name != modified(model.preset.name):  # which it is already
         offered = {**model.presets.offered, model.preset.name: model.preset}
-        model.undoable.begin_preset(choice(name, offered, _("there is no preset {value}")))
+        model.undoable.begin_preset(choice(name, offered, "there is no preset {value}"))
 
 
 @command("pose_joint", latest=True, moves=True)
@@ -152,7 +151,7 @@ def start_there(model: PageModel) -> None:
     """Start where the see-through arm is."""
     moment = model.display.preview.moment
     if moment is None:
-        raise ValueError(_("there is no ghost arm to start from"))
+        raise ValueError("there is no ghost arm to start from")
     model.undoable.start_at(tuple(np.degrees(moment.theta).tolist()))
 
 
@@ -161,9 +160,9 @@ def show_word(model: PageModel, key: Word) -> None:
     """Begin with the settings in which an entry of the glossary is seen; at once where that takes motions."""
     entry = glossary()[key]
     speed = 0.0 if entry.plays else model.player.speed
-    lesson = _("{symbol}, {name}: where it is bad.") if entry.bad else _("{symbol}, {name}.")
+    lesson = "{symbol}, {name}: where it is bad." if entry.bad else "{symbol}, {name}."
     lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
-    title = _("Show me: {symbol}").format(symbol=entry.symbol)
+    title = f"Show me: {entry.symbol}"
     model.glossary_demo.show(key, Preset(title, entry.show, speed, lesson), model.view)
     model.show(help=False)
     if entry.plays:
@@ -222,7 +221,7 @@ def restore_session(model: PageModel, kept: Text) -> None:
         try:
             page = decode(kept, model.begun)
         except ValueError as error:
-            why = _("what this tab has kept cannot be restored, so the session begins again: {why}")
+            why = "what this tab has kept cannot be restored, so the session begins again: {why}"
             raise ValueError(why.format(why=error)) from None
         model.following.begin(page, Arrived, is_own=True)
 
@@ -235,7 +234,7 @@ def resend_all(model: PageModel) -> None:
 
 @command("unsaved", latest=True, link=True)
 def tell_unsaved(
-    model: PageModel, unsaved: Annotated[bool, one_of({"": False, "storage": True}, _("there is no problem {value}"))]
+    model: PageModel, unsaved: Annotated[bool, one_of({"": False, "storage": True}, "there is no problem {value}")]
 ) -> None:
     """Take whether the browser's storage cannot keep the session, as it is full or forbidden."""
     model.unsaved = unsaved

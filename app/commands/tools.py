@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from viewimit.experiments import EXPERIMENTS
-from viewimit.language import _
 
 from ..model import pictures
 from ..model.motions import MOST_BYTES, NAMES
@@ -17,7 +16,7 @@ MESSAGE_S = 6.0  # s that a message stays
 
 @command("experiment", latest=True)
 def choose_experiment(
-    model: PageModel, name: Annotated[str, lambda value: named(value, EXPERIMENTS, _("there is no experiment {value}"))]
+    model: PageModel, name: Annotated[str, lambda value: named(value, EXPERIMENTS, "there is no experiment {value}")]
 ) -> None:
     model.experiments.chosen = name
 
@@ -41,7 +40,7 @@ def show_imitation(model: PageModel, *, now: float) -> None:
     if model.display.playback.playing:
         model.display.playback.stop()
     elif run is None or run.imitation is None:
-        raise ValueError(_("there is no imitation to be seen before the experiment is done"))
+        raise ValueError("there is no imitation to be seen before the experiment is done")
     else:
         model.player.pause()
         model.display.playback.play(run.imitation, now)
@@ -50,7 +49,7 @@ def show_imitation(model: PageModel, *, now: float) -> None:
 @command("motion", latest=True, moves=True)
 def choose_motion(
     model: PageModel,
-    name: Annotated[str, one_of({title: name for name, title in NAMES.items()}, _("there is no motion {value}"))],
+    name: Annotated[str, one_of({title: name for name, title in NAMES.items()}, "there is no motion {value}")],
 ) -> None:
     """Choose one of the demonstrator's motions by its title."""
     model.motions.choose(name)
@@ -134,13 +133,13 @@ def _choose_last(model: PageModel) -> None:
 def save_replay(model: PageModel, *, now: float) -> None:
     """Send the visitor the session as one page that needs no server."""
     pictures.save_replay(model)
-    model.say(_("Writing the replay: one file that opens anywhere, without a server …"), now + MESSAGE_S)
+    model.say("Writing the replay: one file that opens anywhere, without a server …", now + MESSAGE_S)
 
 
 @command("picture", latest=True)
 def choose_picture(
     model: PageModel,
-    name: Annotated[str, one_of({title: name for name, title in PICTURES.items()}, _("there is no picture {value}"))],
+    name: Annotated[str, one_of({title: name for name, title in PICTURES.items()}, "there is no picture {value}")],
 ) -> None:
     """Choose which panel is saved as a picture."""
     model.show(picture=name)
@@ -148,7 +147,7 @@ def choose_picture(
 
 @command("picture_format", latest=True)
 def choose_format(
-    model: PageModel, name: Annotated[str, one_of({name: name for name in FORMATS}, _("there is no format {value}"))]
+    model: PageModel, name: Annotated[str, one_of({name: name for name in FORMATS}, "there is no format {value}")]
 ) -> None:
     model.show(picture_as=name)
 
@@ -157,4 +156,4 @@ def choose_format(
 def save_picture(model: PageModel, *, now: float) -> None:
     """Send the visitor a picture of the chosen panel."""
     pictures.save_picture(model, now)
-    model.say(_("Drawing the picture, in colours of print and with its caption …"), now + MESSAGE_S)
+    model.say("Drawing the picture, in colours of print and with its caption …", now + MESSAGE_S)

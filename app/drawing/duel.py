@@ -14,10 +14,10 @@ from viewimit.drawing.landscape import draw_small, small_plane
 from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _, ngettext, sentences
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.scene import Scene
+from viewimit.wording import plural, sentences
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
@@ -33,24 +33,22 @@ MAX_VERTICES = 240  # of a curve or path
 ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
 CLASSES = ("own", "opponent")
 STATES = {  # of a learner by name
-    ServoStatus.READY: _("The {name} is at the start, {angle}° off."),
-    ServoStatus.REHEARSING: _("The {name} is still moving, {angle}° off."),
-    ServoStatus.MOVING: _("The {name} is still moving, {angle}° off."),
-    ServoStatus.CONVERGED: _("The {name} converged, {angle}° off."),
-    ServoStatus.SETTLED: _("The {name} settled, {angle}° off."),
-    ServoStatus.UNOBSERVABLE: _("The {name} cannot determine all joints, {angle}° off."),
-    ServoStatus.NO_PROGRESS: _("The {name} makes no progress, {angle}° off."),
-    ServoStatus.TOO_FEW_POINTS: _("The {name} sees too few points, {angle}° off."),
-    ServoStatus.MAX_MOTIONS: _("The {name} made all its steps, {angle}° off."),
+    ServoStatus.READY: "The {name} is at the start, {angle}° off.",
+    ServoStatus.REHEARSING: "The {name} is still moving, {angle}° off.",
+    ServoStatus.MOVING: "The {name} is still moving, {angle}° off.",
+    ServoStatus.CONVERGED: "The {name} converged, {angle}° off.",
+    ServoStatus.SETTLED: "The {name} settled, {angle}° off.",
+    ServoStatus.UNOBSERVABLE: "The {name} cannot determine all joints, {angle}° off.",
+    ServoStatus.NO_PROGRESS: "The {name} makes no progress, {angle}° off.",
+    ServoStatus.TOO_FEW_POINTS: "The {name} sees too few points, {angle}° off.",
+    ServoStatus.MAX_MOTIONS: "The {name} made all its steps, {angle}° off.",
 }
-PAUSED = _("The {name} is paused, {angle}° off.")
-NAMES = (_("learner"), _("opponent"))
-TITLES = (_("Learner: {transfer}"), _("Opponent: {transfer}"))
+PAUSED = "The {name} is paused, {angle}° off."
+NAMES = ("learner", "opponent")
+TITLES = ("Learner: {transfer}", "Opponent: {transfer}")
 ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
-SENTENCE = _("Two learners, one start, one demonstrator: which method arrives first?")
-WHY = _(
-    "Choose the opponent's transfer and servo above, then begin.\nBoth start at the same place and move step by step."
-)
+SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
+WHY = "Choose the opponent's transfer and servo above, then begin.\nBoth start at the same place and move step by step."
 ARRIVED_DEG = 1.0  # largest joint error of a learner that has arrived
 
 
@@ -78,7 +76,7 @@ def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np
     parts = []
     for k in range(2):
         plane = small_plane(scene, MAX_HEIGHT)
-        inside = plane.frame("vi-plane") + plane.message(_("computing …")) + plane.ends()
+        inside = plane.frame("vi-plane") + plane.message("computing …") + plane.ends()
         if found:
             inside = draw_small(plane, found[k], found[k].minimum[None], theta_demo)
         parts.append(_column(k, inside))
@@ -120,8 +118,8 @@ def draw_errors(standings: Sequence[Standing]) -> str:
     ticks = sorted({0, last // 2, last})
     parts = [
         plot.frame(
-            _("Largest joint error"),
-            _("log, over the steps"),
+            "Largest joint error",
+            "log, over the steps",
             [(tick, str(tick)) for tick in ticks],
             [(value, f"{words}°") for value, words in decade_ticks(low, high, 3)],
             LEFT,
@@ -148,12 +146,12 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
     aim = f"{ARRIVED_DEG:g}"
     if own is None and other is None:
         if all(standing.snapshot.status.has_ended for standing in standings):
-            words = _("Neither came within {angle}° of the demonstrator.")
+            words = "Neither came within {angle}° of the demonstrator."
         else:
-            words = _("Neither is within {angle}° of the demonstrator yet.")
+            words = "Neither is within {angle}° of the demonstrator yet."
         return words.format(angle=aim), _whereabouts(standings, (0, 1), playing)
     if own is not None and own == other:
-        tie = ngettext(
+        tie = plural(
             "A tie: both were within {angle}° of the demonstrator after {n} step.",
             "A tie: both were within {angle}° of the demonstrator after {n} steps.",
             own,
@@ -161,7 +159,7 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
         return tie.format(angle=aim, n=own), ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = ngettext(
+    won = plural(
         "The {name} was first within {angle}°, after {n} step.",
         "The {name} was first within {angle}°, after {n} steps.",
         soonest,
@@ -169,7 +167,7 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
     late = standings[1 - first].arrived
     if late is None:
         return won, _whereabouts(standings, (1 - first,), playing)
-    text = ngettext("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
+    text = plural("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
     return won, text.format(name=NAMES[1 - first], n=late)
 
 
@@ -187,8 +185,8 @@ def _words(standing: Standing, k: int) -> str:
     snapshot, x = standing.snapshot, k * (COLUMN + GAP)
     settings, y = snapshot.settings, TOP + MAX_HEIGHT + BELOW
     figures = (
-        (_("steps"), str(snapshot.motion), ""),
-        (_("largest error"), svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
+        ("steps", str(snapshot.motion), ""),
+        ("largest error", svg.short(standing.errors_deg[-1], ONE_DIGIT_TO), "°"),
         ("E", svg.short(snapshot.E, ONE_DIGIT_TO), " px²"),
     )
     parts = [

@@ -12,9 +12,9 @@ from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.language import _, ngettext, sentences
 from viewimit.servo.trust_region.options import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
+from viewimit.wording import plural, sentences
 
 WIDTH, NARROW, HEIGHT, INSET = 150, 74, 22, 8  # px of a posture bar, in one column and in two
 MIN_IN_COLUMNS = 4  # joints that stand in two columns, so that they fit beside the demonstrator's sliders
@@ -88,7 +88,7 @@ def draw_body_points(
         height = ROW * len(joints)
         bars = draw_bars(joints, spread, POINTS_WIDTH, ROW)
         lines.append(
-            f'{_("Joint error per pixel of noise")}<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>'
+            f'Joint error per pixel of noise<svg class="vi" viewBox="0 0 {POINTS_WIDTH} {height}">{bars}</svg>'
         )
     words = _next_point(joints, proposal, searching)
     return "".join(f"<div>{line}</div>" for line in (*lines, svg.escape(words)) if line)
@@ -99,18 +99,18 @@ def describe_body_points(
 ) -> str:
     """Say the same in a sentence or two; parameters as for `draw_body_points`."""
     if information.std_per_px is None:
-        costs = _("a transfer needs {n}").format(n=MIN_POINTS)
+        costs = f"a transfer needs {MIN_POINTS}"
     else:
         costs = _worst_costs(joints, information.std_per_px)
     words = "; ".join(filter(None, (_count(information), costs, _flatness(information))))
-    return sentences(words, _next_point(joints, proposal, searching) or _("Click an arm to place one."))
+    return sentences(words, _next_point(joints, proposal, searching) or "Click an arm to place one.")
 
 
 def _count(information: PointInformation) -> str:
     count, seen = information.count, information.visible
     if seen == count:
-        return ngettext("{n} point", "{n} points", count).format(n=count)
-    text = ngettext("{n} point, {visible} in all images", "{n} points, {visible} in all images", count)
+        return plural("{n} point", "{n} points", count).format(n=count)
+    text = plural("{n} point, {visible} in all images", "{n} points, {visible} in all images", count)
     return text.format(n=count, visible=seen)
 
 
@@ -122,13 +122,13 @@ def _flatness(information: PointInformation) -> str:
 
 def _next_point(joints: Sequence[int], proposal: Proposal | None, searching: bool) -> str:
     if searching:
-        return _("Looking for the best next point …")
+        return "Looking for the best next point …"
     if proposal is None:
         return ""
     after = proposal.after.std_per_px
     if after is None:
-        return _("The hollow point would help most.")
-    return _("The hollow point would help most: {costs}.").format(costs=_worst_costs(joints, after))
+        return "The hollow point would help most."
+    return f"The hollow point would help most: {_worst_costs(joints, after)}."
 
 
 def _worst_costs(joints: Sequence[int], spread: NDArray[np.float64]) -> str:

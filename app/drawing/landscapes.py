@@ -11,8 +11,8 @@ from viewimit.drawing import svg
 from viewimit.drawing.landscape import SMALL_WIDTH, draw_bars, draw_small, small_plane
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _, ngettext, sentences
 from viewimit.simulation.scene import Scene
+from viewimit.wording import plural, sentences
 
 GAP, ROW = 10, 111  # px between columns, height of a row
 MAX_HEIGHT, TOP = 62, 15  # px of a plot, and above it
@@ -30,9 +30,9 @@ def draw_compared(scene: Scene, studied: TransferStudy, theta_demo: NDArray[np.f
 
 def draw_costs(joints: Sequence[int], transfer: str, spread: NDArray[np.float64] | None) -> str:
     """Draw what 1 px of noise costs at each joint, (m,) rad, by one transfer; None with too few points."""
-    bars, words = "", _("Fewer than five points are visible.")
+    bars, words = "", "Fewer than five points are visible."
     if spread is not None:
-        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), _("° per pixel of noise")
+        bars, words = draw_bars(joints, spread, SMALL_WIDTH, (MAX_HEIGHT + 10) / len(joints)), "° per pixel of noise"
     return _placed(transfer, bars, words, (8, 0, SMALL_WIDTH, MAX_HEIGHT))
 
 
@@ -72,11 +72,9 @@ def describe_landscape(studied: TransferStudy) -> str:
     """Say bias and shape of a landscape in a few words."""
     count = len(studied.minima)
     if count == 0:
-        return _("no minimum")
+        return "no minimum"
     bias = svg.number(float(np.abs(studied.bias_deg).max()))
-    text = ngettext(
-        "bias {bias}° · {n} minimum · basin {share} %", "bias {bias}° · {n} minima · basin {share} %", count
-    )
+    text = plural("bias {bias}° · {n} minimum · basin {share} %", "bias {bias}° · {n} minima · basin {share} %", count)
     return text.format(bias=bias, n=count, share=svg.number(100 * studied.basin, 0))
 
 
@@ -100,8 +98,8 @@ def describe_basin(found: Basin) -> str:
     """Count how many runs end where and how many claim to have arrived, as HTML."""
     count, made = found.count, len(found.endings)
     if made < len(found.starts):
-        return _("{n} of {all} learners have come to rest …").format(n=made, all=len(found.starts))
-    text = _(
+        return f"{made} of {len(found.starts)} learners have come to rest …"
+    text = (
         "{there_mark} <b>{there} of {all}</b> end at the demonstrator, {lowest_mark} {lowest} at the smallest E,"
         " {elsewhere_mark} {elsewhere} elsewhere."
     )
@@ -116,11 +114,11 @@ def describe_basin(found: Basin) -> str:
     )
     claims, false = sum(count(place, True) for place in CLASSES), count("elsewhere", True)
     if false:
-        text = _("{n} claim to have converged (filled), <b>{false} of them falsely</b>.")
+        text = "{n} claim to have converged (filled), <b>{false} of them falsely</b>."
     elif claims:
-        text = _("{n} claim to have converged (filled), none of them falsely.")
+        text = "{n} claim to have converged (filled), none of them falsely."
     else:
-        text = _("None claims to have converged.")
+        text = "None claims to have converged."
     return sentences(said, text.format(n=claims, false=false))
 
 

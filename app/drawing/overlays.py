@@ -16,7 +16,6 @@ from viewimit.drawing.landscape import HINT, HINT_PLACE
 from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
-from viewimit.language import _
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
@@ -74,10 +73,10 @@ def point_links(count: int, whole: bool) -> str:
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(f"large/{FIRST_IMAGE + k}", _("Enlarge image {view}").format(view=view), _corners(size[0]))
+        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge image {view}", _corners(size[0]))
         inside[view] = around + nearest + large
-    construct = link("construction/0", _("Build up how the point is transferred"), _("▸ Build it up <kbd>C</kbd>"))
-    return _over_images(inside, construct, whole, " vi-links", f' role="group" aria-label="{_("Points to choose")}"')
+    construct = link("construction/0", "Build up how the point is transferred", "▸ Build it up <kbd>C</kbd>")
+    return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')
 
 
 def proposed_marks(views: FourViews, windows: Windows, whole: bool) -> str:
@@ -116,7 +115,7 @@ def _link(view: str, i: int, kind: str, stop: bool = False) -> str:
     name = str(i)
     shown = f'<circle class="vi-touched" r="{HALO}"/><text class="vi-b vi-mid" y="{NUMBER_DROP}">{name}</text>'
     inside = f'<g class="vi-at-{view}{i}"><circle class="{kind}" r="{HIT}"/>{shown}</g>'
-    return link(f"point/{i}", _("point {name}").format(name=name), inside, stop)
+    return link(f"point/{i}", f"point {name}", inside, stop)
 
 
 def point_places(
@@ -195,7 +194,7 @@ def posture_links(scene: Scene) -> str:
             stop = up % STOP_DEG == 0 and across % STOP_DEG == 0
             one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
             (stops if stop else others).append(one)
-    group = f'<g role="group" aria-label="{_("Poses for the learner")}">{"".join(others + stops)}</g>'
+    group = f'<g role="group" aria-label="Poses for the learner">{"".join(others + stops)}</g>'
     left, top, *__ = plane.box
     hint = svg.text(left + HINT_PLACE[0], top + HINT_PLACE[1], HINT, "vi-2nd vi-halo vi-hint")
     return plane.wrap(hint + group, "vi-over vi-links vi-cells")
@@ -229,10 +228,10 @@ def draw_see_through(scene: Scene, moment: Snapshot) -> str:
 
 def describe_see_through(scene: Scene, moment: Snapshot) -> str:
     """Describe a previewed posture, and that the arm has not moved."""
-    posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else _("this pose")
+    posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this pose"
     if not np.isfinite(moment.E):
-        return _("At ({pose}) too few points are visible for an E. The arm has not moved.").format(pose=posture)
-    text = _("At ({pose}) E would be {E} px². The arm has not moved.")
+        return f"At ({posture}) too few points are visible for an E. The arm has not moved."
+    text = "At ({pose}) E would be {E} px². The arm has not moved."
     return text.format(pose=posture, E=svg.short(moment.E))
 
 
@@ -252,14 +251,14 @@ def motion_links(last: int, width: int = 424) -> str:
     cells = "".join(
         link(
             f"moment/{motion}",
-            _("Look at step {n}").format(n=motion),
+            f"Look at step {motion}",
             f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
             stop=motion % (end // 4) == 0,
         )
         for k, motion in enumerate(motions.tolist())
     )
     group = f'<g class="vi-motions">{cells}</g>'
-    hint = svg.text(width, 12, _("click: go back to that step"), "vi-2nd vi-end vi-hint")
+    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
     return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
 
 
@@ -288,7 +287,7 @@ def beside(key: str) -> str:
 
 def linked_cards() -> str:
     """Build all cards with links to their examples."""
-    back = link("restore/0", _("Back to what was here before"), _("Back to before"))
+    back = link("restore/0", "Back to what was here before", "Back to before")
     restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
     return cards(lambda key: _show(key) + restore)
 
@@ -310,7 +309,7 @@ def current_values(values: Mapping[str, float], shown: str | None = None) -> str
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
             number = str(value) if isinstance(value, int) else svg.short(value)  # a count has no decimals
-            words = _("now {value}").format(value=f"{number}{scale.unit}")
+            words = "now {value}".format(value=f"{number}{scale.unit}")
             rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
     return f"<style>{''.join(rules)}</style>"
 
@@ -319,7 +318,7 @@ def _show(key: str) -> str:
     """Build the link to an entry's example."""
     entry = glossary()[key]
     if entry.bad:
-        name, words = _("Show me a bad one: {symbol}"), _("Show me a bad one")
+        name, words = "Show me a bad one: {symbol}", "Show me a bad one"
     else:
-        name, words = _("Show me: {symbol}"), _("Show me")
+        name, words = "Show me: {symbol}", "Show me"
     return f'<span class="vi-show">{link(f"show/{key}", name.format(symbol=entry.symbol), words)}</span>'

@@ -17,12 +17,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from viewimit.language import _, ngettext
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
+from viewimit.wording import plural
 
 from . import camera_child
 
@@ -127,7 +127,7 @@ class CameraProcess:
             may = [key for key, place in self._places.items() if now - place.used > IDLE_S]
         if not may:
             n = len(self._places)
-            refusal = ngettext(
+            refusal = plural(
                 "camera images are in use by {n} other: try again later",
                 "camera images are in use by {n} others: try again later",
                 n,
@@ -143,9 +143,9 @@ class CameraProcess:
         with self._turn:
             if key in self._given_away:
                 self._given_away.discard(key)
-                raise CameraLost(_("another visitor has the place for camera images now"))
+                raise CameraLost("another visitor has the place for camera images now")
             if key not in self._places or self._stopped:
-                raise CameraLost(_("the process of the camera images has ended"))
+                raise CameraLost("the process of the camera images has ended")
             self._places[key].used = self._clock()
             try:
                 connection = self._send(key, what, *arguments)
@@ -154,7 +154,7 @@ class CameraProcess:
                 kind, *content = connection.recv()
             except (EOFError, OSError):
                 self._end()
-                raise CameraLost(_("the process of the camera images has ended unexpectedly")) from None
+                raise CameraLost("the process of the camera images has ended unexpectedly") from None
         if kind == "refused":
             raise ValueError(content[0])
         if kind == "failed":
@@ -284,7 +284,7 @@ class SessionEyes:
         require_eyes(sensor, scene)
         width, height = scene.head.image
         if width * height > MOST_PX:
-            refusal = _("camera images of {width} × {height} px are too large for a page: 1280 × 720 are the most")
+            refusal = "camera images of {width} × {height} px are too large for a page: 1280 × 720 are the most"
             raise ValueError(refusal.format(width=width, height=height))
         key, noise_px = self._process.open(scene, self._key)
         self._key = key

@@ -13,8 +13,6 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from viewimit.language import _
-
 from .child import stand_back
 
 NICENESS = 10  # sessions go first
@@ -84,7 +82,7 @@ def _zipped(paths: list[Path]) -> bytes:
         for path in paths:
             archive.write(path, path.name)
     if buffer.tell() > MOST_BYTES:
-        refusal = _("the files take {size} MB, more than the {most} MB a page is sent")
+        refusal = "the files take {size} MB, more than the {most} MB a page is sent"
         raise ValueError(refusal.format(size=buffer.tell() >> 20, most=MOST_BYTES >> 20))
     return buffer.getvalue()
 

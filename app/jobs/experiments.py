@@ -16,7 +16,6 @@ from multiprocessing.connection import Connection
 
 from viewimit.analysis.trajectory import Imitation
 from viewimit.experiments.paper.common import Claim
-from viewimit.language import _
 from viewimit.loop.settings import Settings
 
 from . import experiment_child
@@ -98,7 +97,7 @@ class ExperimentWorker:
         """A newer request takes the place of the page's waiting one. Raises ValueError while one of the page runs."""
         with self._changed:
             if self._running_of(page_id) is not None:
-                raise ValueError(_("an experiment of this page still runs: wait for it, or cancel it"))
+                raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
             self._waiting[page_id] = _Job(
                 page_id, self._visitor_of(page_id), request, tell, Run(request.name, request=request)
             )
@@ -164,8 +163,8 @@ class ExperimentWorker:
         except Exception as error:  # one page's fault must not end the others' experiments
             if not isinstance(error, OSError):  # no process, no folder
                 traceback.print_exc()
-            return _("it could not be run: {why}").format(why=error)
-        return _("its process ended unexpectedly")
+            return f"it could not be run: {error}"
+        return "its process ended unexpectedly"
 
     @contextlib.contextmanager
     def _process(self, job: _Job, folder: str):
@@ -207,7 +206,7 @@ class ExperimentWorker:
         with self._changed:
             others = any(waiting.visitor != job.visitor for waiting in self._waiting.values())
             if seconds > LONGEST_S and others and job.run.goes_on:
-                problem = _("it took {n:.0f} minutes, and others wait").format(n=LONGEST_S / 60)
+                problem = f"it took {LONGEST_S / 60:.0f} minutes, and others wait"
                 self._tell(job, state="failed", problem=problem)
                 self._end(job)
 

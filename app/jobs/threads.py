@@ -11,7 +11,6 @@ from typing import Any
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.drawing.export.panels import compute_landscape
-from viewimit.language import _
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
 
@@ -164,7 +163,7 @@ class ScriptPlayer:
             for __ in job.passes:
                 spent = self._clock() - began
                 if job.spent_s + spent > MAX_CPU_S:
-                    return ValueError(_("it takes more than {time:g} s to compute").format(time=MAX_CPU_S))
+                    return ValueError(f"it takes more than {MAX_CPU_S:g} s to compute")
                 if spent > TURN_S:
                     job.spent_s += spent
                     return False

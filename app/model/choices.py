@@ -6,7 +6,6 @@ from typing import Any
 
 from viewimit.drawing import svg
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _
 from viewimit.loop.settings import FIELDS, Setting, Settings, disturbances, given
 from viewimit.loop.simulated_robot import complete
 from viewimit.servo import SERVOS
@@ -16,14 +15,14 @@ from viewimit.simulation.scene import Scene, load_robot, load_scene
 FLAGS = {"0": False, "1": True}  # as links have them
 
 SPEEDS = {
-    _("1 in 2 s"): 0.5,
-    _("1 a second"): 1.0,
-    _("2 a second"): 2.0,
-    _("4 a second"): 4.0,
-    _("10 a second"): 10.0,
-    _("all it can"): 0.0,
+    "1 in 2 s": 0.5,
+    "1 a second": 1.0,
+    "2 a second": 2.0,
+    "4 a second": 4.0,
+    "10 a second": 10.0,
+    "all it can": 0.0,
 }  # motions a second; 0 is as fast as it computes
-NO_POINT = _("none")
+NO_POINT = "none"
 
 
 def transfer_names() -> dict[str, str]:
@@ -37,7 +36,7 @@ def servo_names() -> dict[str, str]:
 
 def modified(preset: str) -> str:
     """A preset whose settings have been changed. This word comes first, as a narrow list cuts off the end."""
-    return _("(modified) {preset}").format(preset=preset)
+    return f"(modified) {preset}"
 
 
 # The sliders of the folder Disturbances: what each stands for in the settings, in the units of the page.
@@ -72,7 +71,7 @@ class Count(Amount):
     def asked(self, value: float) -> int:
         found = round(value)
         if not self.low <= found <= self.high:
-            refusal = _("{name} must be between {low} and {high}, got {value}")
+            refusal = "{name} must be between {low} and {high}, got {value}"
             raise ValueError(refusal.format(name=self.label, low=self.low, high=self.high, value=found))
         return found
 
@@ -96,7 +95,7 @@ AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 
 MANY_POINTS = 16  # that more joints than the scene's need at least
 WORDS = (
-    _("none"), _("one"), _("two"), _("three"), _("four"), _("five"), _("six"), _("seven"), _("eight"), _("nine"),
+    "none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
 )  # fmt: skip
 
 
@@ -104,7 +103,7 @@ def joint_choices(settings: Settings) -> dict[str, tuple[int, ...] | None]:
     """What `Settings.joints` may become, by name; the present ones included."""
     scene = load_scene(settings.scene, settings.robot)
     every = load_robot(scene.robot).movable_joints
-    choices = {_name(scene.moving_joints): None, _("all {count}").format(count=_number(len(every))): every}
+    choices = {_name(scene.moving_joints): None, f"all {_number(len(every))}": every}
     if settings.joints is not None and settings.joints not in (every, scene.moving_joints):
         choices[_name(settings.joints)] = settings.joints
     return choices
@@ -148,7 +147,7 @@ def _converted(angles_deg: tuple[float, ...], scene: Scene, after: Scene) -> tup
 
 def _name(joints: tuple[int, ...]) -> str:
     names = ", ".join(map(svg.joint_symbol, joints))
-    return _("{count}: {joints}").format(count=_number(len(joints)), joints=names)
+    return f"{_number(len(joints))}: {names}"
 
 
 def _number(count: int) -> str:
@@ -171,42 +170,42 @@ class Preset:
 
 PRESETS = [
     Preset(
-        _("Paper, Section 5.3"),
+        "Paper, Section 5.3",
         Settings.paper(),
         2,
-        _("Ten points, four pictures. Press Play and watch the conflict shrink."),
+        "Ten points, four pictures. Press Play and watch the conflict shrink.",
         "paper",
     ),
     Preset(
-        _("Beyond the paper"),
+        "Beyond the paper",
         Settings(),
         2,
-        _("Our best method: exact in three steps, as it predicts images before it moves."),
+        "Our best method: exact in three steps, as it predicts images before it moves.",
         "best",
     ),
     Preset(
-        _("The paper's own law"),
+        "The paper's own law",
         Settings.paper(servo="gradient", start_deg=(30, -60)),
         0,
-        _("The paper's law as printed. Its steps shrink with E, so it slows to a crawl."),
+        "The paper's law as printed. Its steps shrink with E, so it slows to a crawl.",
         "gradient",
     ),
     Preset(
-        _("The paper's law, retuned"),
+        "The paper's law, retuned",
         Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
         0,
-        _("With a larger gain it comes near in hundreds of steps, but never stands still."),
+        "With a larger gain it comes near in hundreds of steps, but never stands still.",
         "retuned",
     ),
     Preset(
-        _("Linear combination of views"),
+        "Linear combination of views",
         Settings.paper(transfer="linear", start_deg=(75, -150)),
         2,
-        _("Just as accurate. It intersects no lines, so parallel ones cannot spoil it."),
+        "Just as accurate. It intersects no lines, so parallel ones cannot spoil it.",
         "linear",
     ),
     Preset(
-        _("Seven joints"),
+        "Seven joints",
         Settings(
             joints=tuple(range(1, 8)),
             points=16,
@@ -214,82 +213,82 @@ PRESETS = [
             start_deg=(-10, 25, 10, -50, -15, 75, 60),
         ),
         2,
-        _("Seven unknowns. The wrist is hardest to see, as it moves its points least."),
+        "Seven unknowns. The wrist is hardest to see, as it moves its points least.",
         "seven",
     ),
     Preset(
-        _("Verged cameras"),
+        "Verged cameras",
         Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
         2,
-        _("Each camera looks at the gaze point itself. The lowest E is at a wrong pose."),
+        "Each camera looks at the gaze point itself. The lowest E is at a wrong pose.",
         "verged",
     ),
     Preset(
-        _("Toed-in cameras"),
+        "Toed-in cameras",
         Settings(scene="panda-toed", start_deg=(25, -45)),
         2,
-        _("Two different cameras, toed in. Matched points alone rectify their images."),
+        "Two different cameras, toed in. Matched points alone rectify their images.",
         "toed",
     ),
     Preset(
-        _("Demonstrator faces the learner"),
+        "Demonstrator faces the learner",
         Settings.paper(scene="panda-facing", start_deg=(25, -45)),
         2,
-        _("Near and far swap for a demonstrator that faces the learner: far from exact."),
+        "Near and far swap for a demonstrator that faces the learner: far from exact.",
         "facing",
     ),
     Preset(
-        _("Few points"),
+        "Few points",
         Settings.paper(points=5, start_deg=(25, -45)),
         2,
-        _("With four points E is always 0. With five it is nearly flat: no joint is found."),
+        "With four points E is always 0. With five it is nearly flat: no joint is found.",
         "few",
     ),
     Preset(
-        _("Nearly coplanar points"),
+        "Nearly coplanar points",
         Settings.paper(scene="panda-flat", start_deg=(25, -45)),
         2,
-        _("The points nearly lie in one plane, so one coordinate is left to chance."),
+        "The points nearly lie in one plane, so one coordinate is left to chance.",
         "flat",
     ),
     Preset(
-        _("Half a pixel of noise"),
+        "Half a pixel of noise",
         Settings.paper(noise_px=0.5, start_deg=(25, -45)),
         2,
-        _("Noise moves the minimum itself by degrees, because the transfer amplifies it."),
+        "Noise moves the minimum itself by degrees, because the transfer amplifies it.",
         "noise",
     ),
     Preset(
-        _("Points get lost"),
+        "Points get lost",
         Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
         2,
-        _("A point counts if all four images show it. Below five, the arm holds still."),
+        "A point counts if all four images show it. Below five, the arm holds still.",
         "lost",
     ),
     Preset(
-        _("Points without names"),
+        "Points without names",
         Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
         2,
-        _("The points come in any order. After two test moves the learner names them."),
+        "The points come in any order. After two test moves the learner names them.",
         "unnamed",
     ),
     Preset(
-        _("KUKA iiwa"),
+        "KUKA iiwa",
         Settings.paper(scene="iiwa", start_deg=(25, -25)),
         2,
-        _("Another robot, the same method: it knows no robot."),
+        "Another robot, the same method: it knows no robot.",
         "iiwa",
     ),
     Preset(
-        _("Camera images"),
+        "Camera images",
         Settings(sensor="rendered"),
         2,
-        _("Rendered pictures. Only coloured balls that are detected in them count."),
+        "Rendered pictures. Only coloured balls that are detected in them count.",
         "images",
     ),
 ]
 
-AS_STARTED = _("As started")
+AS_STARTED = "As started"
 
 
 def presets_from(asked: Settings) -> dict[str, Preset]:

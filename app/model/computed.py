@@ -10,7 +10,6 @@ from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -62,7 +61,7 @@ class OwnLandscape:
             return
         if isinstance(made, Exception):
             world = self.made.world
-            why = with_minus(_("no landscape: {why}").format(why=made))[:60]
+            why = with_minus(f"no landscape: {made}")[:60]
             made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
         if made.world is self.made.world:
             self.made = made
@@ -95,7 +94,7 @@ class DuelLandscapes:
 
     def take(self, made: Ground | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(_("no landscapes for the duel: {why}").format(why=made))
+            raise ValueError(f"no landscapes for the duel: {made}")
         if made.world is self._world:
             self.html = made.html
 
@@ -123,7 +122,7 @@ class Basins:
         if self.run is not None:
             self._end()
         elif len(session.scene.moving_joints) != 2:
-            raise ValueError(_("starts are spread over two moving joints; choose two under Joints"))
+            raise ValueError("starts are spread over two moving joints; choose two under Joints")
         else:
             self._asked, self._count = _without_start(session.settings), self._count + 1
             request = Request(f"basin {self._count}", msgspec.structs.replace(self._asked, sensor="projected"))
@@ -142,7 +141,7 @@ class Basins:
         self.run = run
         if run.state == "failed":
             self.run = None
-            raise ValueError(_("the starts could not be tried: {why}").format(why=run.problem))
+            raise ValueError(f"the starts could not be tried: {run.problem}")
 
     def _end(self) -> None:
         if self.going_on:
@@ -188,7 +187,7 @@ class Comparison:
             return
         if self._asked is None or self._asked[0] is not world:
             self._compared.clear()
-            self.html = waiting(_("computing …"))
+            self.html = waiting("computing …")
         self._asked = asked
         for transfer in TRANSFERS:
             make = partial(make_compared, asked, world, snapshot, transfer)
@@ -197,7 +196,7 @@ class Comparison:
 
     def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(_("nothing to compare for the {name} transfer: {why}").format(name=transfer, why=made))
+            raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
         if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
             return
         self._compared[transfer] = made
@@ -271,11 +270,11 @@ class Experiments:
         self.latest = self.runs[run.name] = run
         if run.state == "failed":
             title = EXPERIMENTS[run.name].short_title
-            raise ValueError(_("{title} failed: {why}").format(title=title, why=run.problem))
+            raise ValueError(f"{title} failed: {run.problem}")
 
     def download(self) -> None:
         if self.shown is None or not self.shown.archive:
-            raise ValueError(_("there is nothing to download before the experiment is done"))
+            raise ValueError("there is nothing to download before the experiment is done")
         self._send(f"viewimit-{self.chosen}.zip", self.shown.archive)
 
     def _on_result(self, run: Run) -> None:

@@ -15,13 +15,13 @@ from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _, either, ngettext, sentences
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
+from viewimit.wording import either, plural, sentences
 
 from ..jobs.camera_images import RemoteEyes
 from .choices import View
@@ -76,8 +76,8 @@ class SeeThrough:
     def look(self, theta: NDArray) -> None:
         """theta: (m,) rad. Raises ValueError for a posture out of limits, or where every look is a picture."""
         if self._session.settings.sensor == "rendered":
-            raise ValueError(_("a ghost arm has no camera images: switch them off to look without a step"))
-        self._theta = self._session.scene.require_posture(theta, _("ghost arm's"))
+            raise ValueError("a ghost arm has no camera images: switch them off to look without a step")
+        self._theta = self._session.scene.require_posture(theta, "ghost arm's")
         self._from, self._seen = self._session.snapshot.theta, None
 
     def let_go(self) -> None:
@@ -98,10 +98,10 @@ class SeeThrough:
 # A motion that was imitated in an experiment, seen in the scene and in the images: nothing of the session moves.
 
 WORLD = {  # settings in which it is to be seen as it was
-    "scene": _("scene"),
-    "robot": _("robot"),
-    "joints": _("joints"),
-    "points": _("points"),
+    "scene": "scene",
+    "robot": "robot",
+    "joints": "joints",
+    "points": "points",
 }
 
 
@@ -123,10 +123,10 @@ class Imitated:
         """Raises ValueError if the session is in another world, or where every look is a picture."""
         settings = self._session.settings
         if settings.sensor == "rendered":
-            raise ValueError(_("an imitation has no camera images: switch them off to see it"))
+            raise ValueError("an imitation has no camera images: switch them off to see it")
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:
-            refusal = _("{name} was made with other {settings}: run it again, or go back")
+            refusal = "{name} was made with other {settings}: run it again, or go back"
             raise ValueError(refusal.format(name=imitation.name, settings=", ".join(map(WORLD.__getitem__, differs))))
         self._shown, self._from, self._began, self._seen = imitation, self._session.snapshot, now, None
 
@@ -154,7 +154,7 @@ class Imitated:
         if self._shown is None or self._seen is None:
             return ""
         step_s, last = self._shown.step_s, len(self._shown.theta) - 1
-        text = _("{name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s.")
+        text = "{name}, imitated by a frozen transfer: {now:.1f} of {end:.1f} s."
         return text.format(name=self._shown.name, now=self._seen[0] * step_s, end=last * step_s)
 
     def _frame(self, now: float) -> int:
@@ -391,35 +391,35 @@ class Rehearsal:
     def words(self) -> str:
         """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
-            text = _("Watches itself: {n} of {all} postures.")
+            text = "Watches itself: {n} of {all} postures."
             return text.format(n=self.seen, all=self.seen + self.to_go)
         able = SERVOS[self.servo].predicts
         if not self.held:
-            return "" if able else _("Only for {servos}.").format(servos=_able())
+            return "" if able else f"Only for {_able()}."
         if not able:
-            text = ngettext(
+            text = plural(
                 "Remembers {n} posture; only for {servos}.", "Remembers {n} postures; only for {servos}.", self.seen
             )
             return text.format(n=self.seen, servos=_able())
         if self.holds is False:
-            text = ngettext(
+            text = plural(
                 "Remembers {n} posture, which does not hold here: it probes.",
                 "Remembers {n} postures, which do not hold here: it probes.",
                 self.seen,
             )
             return text.format(n=self.seen)
         if self.holds is None:
-            text = ngettext(
+            text = plural(
                 "Remembers {n} posture; Play imitates with it.",
                 "Remembers {n} postures; Play imitates with them.",
                 self.seen,
             )
             return text.format(n=self.seen)
-        held = ngettext("Remembers {n} posture, which holds.", "Remembers {n} postures, which hold.", self.seen)
+        held = plural("Remembers {n} posture, which holds.", "Remembers {n} postures, which hold.", self.seen)
         if self.rests:
-            text = ngettext("Imitated in {n} step.", "Imitated in {n} steps.", self.motions)
+            text = plural("Imitated in {n} step.", "Imitated in {n} steps.", self.motions)
         else:
-            text = ngettext("Imitates: {n} step.", "Imitates: {n} steps.", self.motions)
+            text = plural("Imitates: {n} step.", "Imitates: {n} steps.", self.motions)
         return sentences(held.format(n=self.seen), text.format(n=self.motions))
 
 
@@ -435,7 +435,7 @@ def rehearsal_of(session: Session) -> Rehearsal:
 def require_use(servo: str) -> None:
     """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
     if not SERVOS[servo].predicts:
-        refusal = _("{servo} makes no use of a rehearsal; choose {others}")
+        refusal = "{servo} makes no use of a rehearsal; choose {others}"
         raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
 
 

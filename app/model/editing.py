@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import msgspec
 from numpy.typing import NDArray
 
-from viewimit.language import _
 from viewimit.loop.script import Log
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session
@@ -289,9 +288,9 @@ class GlossaryDemo:
         """
         before, player = self.before, self._undoable.player
         if before is None:
-            raise ValueError(_("nothing is shown in place of what was here"))
+            raise ValueError("nothing is shown in place of what was here")
         if len(before.entry.runs) != len(player.runners):
-            raise ValueError(_("a duel has begun or ended since: end or begin it again first"))
+            raise ValueError("a duel has begun or ended since: end or begin it again first")
         player.pause()
         self._undoable.resume(before.entry)
         self._undoable.past.replace(before.past)

@@ -10,7 +10,6 @@ import msgspec
 import numpy as np
 
 from viewimit.drawing.export.panels import largest_residual
-from viewimit.language import _
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.session import Session
 
@@ -22,7 +21,7 @@ from .page_model import PageModel
 from .services import Redraw
 
 MESSAGE_STAYS = 30.0  # s
-FROM_LINK = _("From a link")
+FROM_LINK = "From a link"
 
 
 def saved_page(model: PageModel, branches: WeakKeyDictionary[UndoEntry, Branch | None] | None = None) -> SavedPage:
@@ -45,7 +44,7 @@ def saved_page(model: PageModel, branches: WeakKeyDictionary[UndoEntry, Branch |
     motion = model.motions.file
     if motion is not None and len(motion) > MAX_MOTION:
         motion = None
-        incomplete.append(_("the recorded motion is too long to be kept: save it to a file"))
+        incomplete.append("the recorded motion is too long to be kept: save it to a file")
     return SavedPage(
         present=present or Branch(preset=model.preset.name, speed=model.player.speed),
         past=tuple(reversed(past)) if present is not None else (),
@@ -68,9 +67,9 @@ def _branch(entry: UndoEntry, incomplete: list[str]) -> Branch | None:
             runs.append(Run(script=log.script(snapshots[-1].motion), cursor=cursor))
         except ValueError as error:
             if not runs:
-                incomplete.append(_("its steps are not kept: {why}").format(why=error))
+                incomplete.append(f"its steps are not kept: {error}")
                 return None
-            incomplete.append(_("the duel's opponent is not kept"))
+            incomplete.append("the duel's opponent is not kept")
     return Branch(runs=tuple(runs), at=entry.at, preset=entry.preset.name, speed=entry.speed)
 
 
@@ -85,7 +84,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     why = "" if played.error is None else str(played.error) or type(played.error).__name__
     complaints = [page.incomplete] if page.incomplete else []
     if not sessions and not page.commanded:
-        raise ValueError(_("the link cannot be followed: {why}").format(why=why))
+        raise ValueError(f"the link cannot be followed: {why}")
     model.player.pause()
     with nullcontext() if played.is_own else model.past.recording_undo(whole=True):
         try:
@@ -95,14 +94,10 @@ def become(model: PageModel, played: Played, now: float) -> None:
             sessions, why = [], str(error)
         if not sessions:
             _restart(model, page)
-            text = (
-                _("only its posture and settings are here: {why}")
-                if why
-                else _("only its posture and settings are here")
-            )
+            text = "only its posture and settings are here: {why}" if why else "only its posture and settings are here"
             complaints.append(text.format(why=why))
         elif not whole:
-            complaints.append(_("what Undo would go back to is not all here: {why}").format(why=why))
+            complaints.append(f"what Undo would go back to is not all here: {why}")
     if played.is_own:
         model.past.replace(())
     if sessions:
@@ -110,7 +105,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
         model.past.replace((*model.past.everything, *before))
         if page.commanded and page.commanded != tuple(model.session.snapshot.commanded.tolist()):
             off = np.abs(model.session.snapshot.commanded - page.commanded).max()
-            text = _("computed again here, the arm is {angle:.2g}° from where it was")
+            text = "computed again here, the arm is {angle:.2g}° from where it was"
             complaints.append(text.format(angle=np.degrees(off)))
     _show(model, page, played.is_own)
     model.undoable.after_restart()
@@ -123,7 +118,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
             complaints.append(str(error))
     model.resends_all = played.is_own and not complaints  # else the tab keeps its larger text until a change
     if complaints:
-        text = _("Not all of this session is back: {complaints}.")
+        text = "Not all of this session is back: {complaints}."
         model.say(text.format(complaints="; ".join(complaints)), now + MESSAGE_STAYS)
 
 
@@ -151,7 +146,7 @@ def _undo_entry(model: PageModel, branch: Branch, sessions: list[Session]) -> Un
 def _preset(model: PageModel, branch: Branch, unknown: str) -> Preset:
     """The preset of a branch. unknown: the name of one that this page does not offer."""
     settings = branch.runs[0].script.settings if branch.runs else model.session.settings
-    other = Preset(unknown, settings, branch.speed, _("As it was sent."))
+    other = Preset(unknown, settings, branch.speed, "As it was sent.")
     return model.presets.offered.get(branch.preset, other)
 
 
@@ -267,10 +262,10 @@ class Keeper:
 def _less(page: SavedPage) -> SavedPage:
     """A page with less to keep."""
     if page.past:
-        why = _("what Undo goes back to is too long to be kept")
+        why = "what Undo goes back to is too long to be kept"
         return msgspec.structs.replace(page, past=page.past[1:], incomplete=why)
     if page.motion is not None:
-        why = _("the recorded motion is too long to be kept")
+        why = "the recorded motion is too long to be kept"
         return msgspec.structs.replace(page, motion=None, incomplete=why)
     present = msgspec.structs.replace(page.present, runs=())
-    return msgspec.structs.replace(page, present=present, incomplete=_("its steps are too many to be kept"))
+    return msgspec.structs.replace(page, present=present, incomplete="its steps are too many to be kept")

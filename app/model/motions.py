@@ -19,14 +19,14 @@ from viewimit.analysis.trajectory import (
     make_motion,
     require_motion,
 )
-from viewimit.language import _, ngettext
 from viewimit.loop.session import Session
 from viewimit.simulation.scene import Scene
+from viewimit.wording import plural
 
 from .queue import RunInBackground
 
 RECORDED = "recorded"  # a motion's name
-TITLES = {"sinusoid": _("sinusoid"), "circle": _("circle of the hand"), RECORDED: _("recorded")}
+TITLES = {"sinusoid": "sinusoid", "circle": "circle of the hand", RECORDED: "recorded"}
 NAMES = {name: TITLES.get(name, name) for name in (*MOTIONS, RECORDED)}
 MOST_BYTES = 2 << 20  # of a file
 FILE = "viewimit-motion.json"
@@ -96,18 +96,18 @@ class Motions:
         """State and sentence, as the line under the scene has them."""
         if self.recorder is not None:
             if self.recorder.seconds == 0:
-                return "recording", _("move the demonstrator by its sliders or its hand.")
-            text = _("{time:.1f} s of the demonstrator's motion.")
+                return "recording", "move the demonstrator by its sliders or its hand."
+            text = "{time:.1f} s of the demonstrator's motion."
             return "recording", text.format(time=self.recorder.seconds)
         if (played := self._played) is not None:
             now, last = self.moment
-            text = _("{name}, {now:.1f} of {end:.1f} s.")
+            text = "{name}, {now:.1f} of {end:.1f} s."
             return "replaying", text.format(name=self._title(played.motion), now=now, end=last)
         if self.name == RECORDED and self.recorded is not None:
             frames = len(self.recorded.theta_deg)
-            text = ngettext("{name}: {time:.1f} s, {n} frame", "{name}: {time:.1f} s, {n} frames", frames)
+            text = plural("{name}: {time:.1f} s, {n} frame", "{name}: {time:.1f} s, {n} frames", frames)
             return "ready", text.format(name=self._title(self.recorded), time=self.recorded.seconds, n=frames)
-        return "ready", _("about the present posture")
+        return "ready", "about the present posture"
 
     def _title(self, motion: Motion) -> str:
         """Of the chosen motion; of one from a file, the beginning of its name there."""
@@ -168,7 +168,7 @@ class Motions:
         self._require_no_recording()
         last = self.moment[1]
         if not 0 <= seconds <= last:
-            refusal = _("the motion has no moment at {time:g} s; it lasts {end:g} s")
+            refusal = "the motion has no moment at {time:g} s; it lasts {end:g} s"
             raise ValueError(refusal.format(time=seconds, end=last))
         if self.shown is not None:
             self.shown.pause()
@@ -186,7 +186,7 @@ class Motions:
         """data: what a file holds, or its size if that is too large."""
         self._require_no_recording()
         if not isinstance(data, bytes):
-            refusal = _("a motion's file has at most {most} MB, this one {size:.1f} MB")
+            refusal = "a motion's file has at most {most} MB, this one {size:.1f} MB"
             raise ValueError(refusal.format(most=MOST_BYTES >> 20, size=data / 2**20))
         self._keep(decode_motion(data, self._session.scene))
 
@@ -194,7 +194,7 @@ class Motions:
         """A motion that was made in the background, if it still goes about the demonstrator's posture in this scene."""
         then, self._then = self._then, None
         if isinstance(made, Exception):
-            raise ValueError(_("there is no such motion here: {why}").format(why=made))
+            raise ValueError(f"there is no such motion here: {made}")
         name, scene, theta, found = made
         here = self._session.snapshot.theta_demo
         if then and name == self.name and scene is self._session.scene and np.array_equal(theta, here):
@@ -245,13 +245,13 @@ class Motions:
 
     def _require_recorded(self) -> Motion:
         if self.recorded is None:
-            raise ValueError(_("nothing is recorded yet: record a motion, or load one"))
+            raise ValueError("nothing is recorded yet: record a motion, or load one")
         require_motion(self.recorded, self._session.scene)
         return self.recorded
 
     def _require_no_recording(self) -> None:
         if self.recorder is not None:
-            raise ValueError(_("a motion is being recorded: stop that first"))
+            raise ValueError("a motion is being recorded: stop that first")
 
 
 def _seconds(frame: int, step_s: float) -> float:
@@ -290,7 +290,7 @@ class Recorder:
     def finish(self) -> Motion:
         """The recorded motion, resampled in steps of STEP_S. Raises ValueError if nothing moved."""
         if len(self._times) < 2:
-            raise ValueError(_("nothing was recorded: the demonstrator did not move"))
+            raise ValueError("nothing was recorded: the demonstrator did not move")
         frames = min(int(np.ceil(self.seconds / STEP_S - 1e-6)) + 1, MAX_FRAMES)
         asked = self._times[0] + STEP_S * np.arange(frames)
         theta = [np.interp(asked, self._times, angle) for angle in np.transpose(self._postures)]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from viewimit.drawing.export.panels import largest_residual
 from viewimit.drawing.export.perspective import Viewpoint
-from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
@@ -157,7 +156,7 @@ class PageModel:
 
     def _send_saved(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):
-            raise ValueError(_("it could not be saved: {why}").format(why=made))
+            raise ValueError(f"it could not be saved: {made}")
         self.send(made.name, made.data)
 
     def close(self) -> None:

@@ -29,7 +29,7 @@ from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.language import _, ngettext
+from viewimit.wording import plural
 
 from ..drawing.duel import draw_errors_alone, draw_race
 from ..jobs.png_child import render
@@ -81,9 +81,9 @@ def lacking() -> str:
     if typeset:
         return NO_PNG
     if render:
-        text = _("Equations need {typesetter}: {install}; other pictures do not")
+        text = "Equations need {typesetter}: {install}; other pictures do not"
     else:
-        text = _("PNG needs {renderer}, Equations need {typesetter}: {install}; other pictures, as SVG, need neither")
+        text = "PNG needs {renderer}, Equations need {typesetter}: {install}; other pictures, as SVG, need neither"
     return text.format(renderer=RENDERER, typesetter=TYPESETTER, install=INSTALL)
 
 
@@ -102,13 +102,13 @@ def _images(model: PageModel) -> Picture:
     moment = model.displayed.image_snapshot
     if model.view.rectified:
         bodies = model.displayed.arms_in_images[0]
-        title = ngettext(
+        title = plural(
             "The images as seen and as rectified, after {n} step",
             "The images as seen and as rectified, after {n} steps",
             moment.motion,
         )
         return Picture.of(stack([draw_rectified(moment, bodies, True)], title.format(n=moment.motion)))
-    title = ngettext(
+    title = plural(
         "The learner’s four images after {n} step", "The learner’s four images after {n} steps", moment.motion
     )
     return Picture.of(four_images(model.displayed.draw_images(print_size=True), title.format(n=moment.motion)))
@@ -116,18 +116,18 @@ def _images(model: PageModel) -> Picture:
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture.of(stack([model.comparison.html], _("E over the postures of the learner, by all transfers")))
+        return Picture.of(stack([model.comparison.html], "E over the postures of the learner, by all transfers"))
     if model.landscape.made is None:
-        raise ValueError(_("the landscape is not there yet"))
+        raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path = picture.draw_path(session.history, session.cursor)
-    title = ngettext(
+    title = plural(
         "E over the postures of the learner, and its path over {n} step",
         "E over the postures of the learner, and its path over {n} steps",
         session.cursor,
     )
     if len(session.scene.moving_joints) != 2:
-        title = ngettext(
+        title = plural(
             "Joint error per pixel of noise, over {n} step",
             "Joint error per pixel of noise, over {n} steps",
             session.cursor,
@@ -140,7 +140,7 @@ def _curves(model: PageModel) -> Picture:
     E_true = None if made is None else made.E_true
     joints = session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    title = ngettext(
+    title = plural(
         "Conflict E and joint angles over {n} step", "Conflict E and joint angles over {n} steps", session.cursor
     )
     return Picture.of(stack([drawn], title.format(n=session.cursor)))
@@ -149,7 +149,7 @@ def _curves(model: PageModel) -> Picture:
 def _equations(model: PageModel) -> Picture:
     require_typesetter()
     text, motion = equations_of(model.snapshot, model.view.chosen), model.snapshot.motion
-    title = ngettext(
+    title = plural(
         "The equations with their numbers after {n} step", "The equations with their numbers after {n} steps", motion
     )
     return Picture(partial(typeset_equations, text, title.format(n=motion)))
@@ -158,11 +158,11 @@ def _equations(model: PageModel) -> Picture:
 def _duel(model: PageModel) -> Picture:
     duel, opponent, scene = model.duel, model.duel.opponent, model.session.scene
     if opponent is None:
-        raise ValueError(_("there is no duel: begin one in its tab"))
+        raise ValueError("there is no duel: begin one in its tab")
     standings = duel.standings
     cited = cite_both(model.session, opponent)
     race = draw_race(scene, (model.session, opponent), standings)
-    title = ngettext("A duel after {n} step: {methods}", "A duel after {n} steps: {methods}", model.snapshot.motion)
+    title = plural("A duel after {n} step: {methods}", "A duel after {n} steps: {methods}", model.snapshot.motion)
     title = title.format(n=model.snapshot.motion, methods=cited.title)
     figure = overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
@@ -173,7 +173,7 @@ def _duel(model: PageModel) -> Picture:
 def _experiment(model: PageModel) -> Picture:
     run = model.experiments.shown
     if run is None or run.request is None or not run.claims:
-        raise ValueError(_("the experiment is not done yet: run it in its tab"))
+        raise ValueError("the experiment is not done yet: run it in its tab")
     figure, asked = stack([run.figure], EXPERIMENTS[run.name].title), run.request
     text = draw_claims(run.claims)
     cited = cite_experiment(run.name, asked.settings, asked.options.get("motion"))
@@ -189,11 +189,11 @@ FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
     "Experiments": _experiment,
 }
 PICTURES = {  # titles, by what a view has chosen
-    "Images": _("Images"),
-    "Landscape": _("Landscape"),
-    "Curves": _("Curves"),
-    "Equations": _("Equations"),
-    "Duel": _("Duel"),
-    "Experiments": _("Experiments"),
-    SPACE: _("3-D view"),
+    "Images": "Images",
+    "Landscape": "Landscape",
+    "Curves": "Curves",
+    "Equations": "Equations",
+    "Duel": "Duel",
+    "Experiments": "Experiments",
+    SPACE: "3-D view",
 }

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.analysis.convergence import ErrorTrace
-from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
@@ -250,7 +249,7 @@ class Duel:
     def standings(self) -> tuple[Standing, Standing]:
         """The visitor's and the opponent's. Raises ValueError without a duel."""
         if self.opponent is None:
-            raise ValueError(_("there is no duel"))
+            raise ValueError("there is no duel")
         own, other = self._traces
         return _standing(self._session, own), _standing(self.opponent, other)
 

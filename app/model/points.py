@@ -15,7 +15,6 @@ from viewimit.analysis.observability import PointInformation, Proposal, best_nex
 from viewimit.drawing.svg import count_points
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.language import _
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
@@ -28,7 +27,7 @@ from .queue import RunInBackground
 
 MOST_POINTS = 64
 DIGITS = 4  # of a metre
-HEADING = _("Body points by hand, from viewimit's page: use it by --scene, or edit it")
+HEADING = "Body points by hand, from viewimit's page: use it by --scene, or edit it"
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +70,7 @@ class PointEditing:
             self._on = False
             return
         if self._session.settings.sensor == "rendered":
-            raise ValueError(_("camera images show the markers that the arm wears: switch them off to edit points"))
+            raise ValueError("camera images show the markers that the arm wears: switch them off to edit points")
         self._on = True
 
     def let_go(self) -> bool:
@@ -87,7 +86,7 @@ class PointEditing:
         self._require_on()
         points = self._points()
         if len(points) >= MOST_POINTS:
-            raise ValueError(_("there are {n} points already: remove one first").format(n=MOST_POINTS))
+            raise ValueError(f"there are {MOST_POINTS} points already: remove one first")
         x, y, z = (round(value, DIGITS) for value in local)
         self._lay((*points, (link, x, y, z)))
 
@@ -96,9 +95,9 @@ class PointEditing:
         self._require_on()
         points = self._points()
         if point is None:
-            raise ValueError(_("no point is chosen: click one, or press N"))
+            raise ValueError("no point is chosen: click one, or press N")
         if len(points) <= MIN_POINTS:
-            refusal = _("no transfer can do with fewer than {n} points: place another one first")
+            refusal = "no transfer can do with fewer than {n} points: place another one first"
             raise ValueError(refusal.format(n=MIN_POINTS))
         self._lay((*points[:point], *points[point + 1 :]))
 
@@ -119,7 +118,7 @@ class PointEditing:
         """A proposal that was made in the background, if it is still of these points in this posture."""
         searching, self._asked = self._searching, None
         if isinstance(made, Exception):
-            raise ValueError(_("no point to propose: {why}").format(why=made))
+            raise ValueError(f"no point to propose: {made}")
         world, moment, proposal = made
         if searching and self.on and self._still(world, moment.theta_demo):
             self._made = world, moment.theta_demo, proposal
@@ -151,7 +150,7 @@ class PointEditing:
         """The scene as it is, with the points by hand alone if there are any; of a URDF no folder of the server's."""
         scene, by_hand = self._session.scene, self._session.settings.body_points is not None
         if by_hand:
-            scene = msgspec.structs.replace(scene, title=_("{scene}, points by hand").format(scene=scene.title))
+            scene = msgspec.structs.replace(scene, title=f"{scene.title}, points by hand")
         name = "".join(c if c.isalnum() else "-" for c in self._session.world.robot.name)
         file = f"viewimit-{name}-{self._session.settings.points}-points.toml"
         self._send(file, saved_scene(scene, HEADING).encode())
@@ -169,7 +168,7 @@ class PointEditing:
 
     def _require_on(self) -> None:
         if not self.on:
-            raise ValueError(_("the points are not being edited: press E, or Edit points"))
+            raise ValueError("the points are not being edited: press E, or Edit points")
 
     def _forget_proposal(self) -> None:
         self._asked = self._made = None
@@ -202,4 +201,4 @@ def chosen_layout(settings: Settings) -> str:
     """The name of the layout that there is now."""
     if settings.body_points is None:
         return count_points(settings.points)
-    return _("{n} by hand").format(n=len(settings.body_points))
+    return f"{len(settings.body_points)} by hand"

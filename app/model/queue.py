@@ -7,8 +7,6 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from viewimit.language import _
-
 PENDING_LIMIT = 200  # actions that wait, per page
 MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
 JITTER_ALLOWANCE = 0.2  # s by which a network may delay one, so that several come at once
@@ -285,7 +283,7 @@ def number(value) -> float:
     except (TypeError, ValueError, OverflowError):
         found = math.nan
     if not math.isfinite(found):
-        raise ValueError(_("{value} is not a number").format(value=_quoted(value)))
+        raise ValueError(f"{_quoted(value)} is not a number")
     return found
 
 
@@ -304,14 +302,14 @@ def named(value, entries: Mapping[str, Titled], refusal: str) -> str:
 def switch(value) -> bool:
     """Raises ValueError."""
     if not isinstance(value, bool):
-        raise ValueError(_("{value} is neither on nor off").format(value=_quoted(value)))
+        raise ValueError(f"{_quoted(value)} is neither on nor off")
     return value
 
 
 def text(value: object) -> str:
     """Take any text. Raises ValueError."""
     if not isinstance(value, str):
-        raise ValueError(_("{value} is not a text").format(value=_quoted(value)))
+        raise ValueError(f"{_quoted(value)} is not a text")
     return value
 
 

@@ -8,7 +8,6 @@ import msgspec
 import numpy as np
 
 from viewimit.drawing.export.panels import largest_residual
-from viewimit.language import _
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script, Steps
 from viewimit.loop.session import Session
@@ -130,21 +129,21 @@ def _nearest(settings: Settings) -> Preset:
 def _read(text: str, begun: Settings) -> SavedPage:
     """Read a readable link. Without a preset it differs from what the server was started with."""
     if len(text) > MAX_READABLE:
-        refusal = _("the link is too long: {n} characters of {most}")
+        refusal = "the link is too long: {n} characters of {most}"
         raise ValueError(refusal.format(n=len(text), most=MAX_READABLE))
     pairs = parse_qsl(text, keep_blank_values=True)
     fields = dict(pairs)
     allowed = ("preset", *FIELDS, "steps", "speed", "point", *SWITCHES)
     for name in fields:
         if name not in allowed:
-            refusal = _("the link has a field that is not known, {name!r}; there are {names}")
+            refusal = "the link has a field that is not known, {name!r}; there are {names}"
             raise ValueError(refusal.format(name=name[:40], names=", ".join(allowed)))
     if len(fields) < len(pairs):
-        raise ValueError(_("the link has a field twice"))
+        raise ValueError("the link has a field twice")
     key = fields.pop("preset", None)
     offered = {preset.key: preset for preset in PRESETS}
     if key is not None and key not in offered:
-        refusal = _("the link has a preset that is not here, {name!r}; there are {names}")
+        refusal = "the link has a preset that is not here, {name!r}; there are {names}"
         raise ValueError(refusal.format(name=key[:40], names=", ".join(offered)))
     preset = next(iter(presets_from(begun).values())) if key is None else offered[key]
     settings = _settings(fields, complete(preset.settings), begun)
@@ -161,7 +160,7 @@ def _speed(text: str) -> float:
     """Read steps a second; 0 is as fast as it computes."""
     offered = {f"{speed:g}": speed for speed in SPEEDS.values()}
     if text not in offered:
-        refusal = _("the link's speed must be one of {speeds}, got {value!r}")
+        refusal = "the link's speed must be one of {speeds}, got {value!r}"
         raise ValueError(refusal.format(speeds=", ".join(offered), value=text[:40]))
     return offered[text]
 
@@ -182,7 +181,7 @@ def _settings(fields: Mapping[str, str], base: Settings, begun: Settings) -> Set
 
 
 def _impossible(error: Exception) -> ValueError:
-    return ValueError(_("the link cannot be opened: {why}").format(why=" ".join(str(error).split())[:200]))
+    return ValueError("the link cannot be opened: {why}".format(why=" ".join(str(error).split())[:200]))
 
 
 def _point(text: str | None) -> int | None:
@@ -194,13 +193,13 @@ def _switches(fields: Mapping[str, str]) -> dict[str, bool]:
     defaults = {name: getattr(View(), name) for name in SWITCHES}
     for name in SWITCHES:
         if name in fields and fields[name] not in FLAGS:
-            refusal = _("the link's {name} is neither 0 nor 1: {value!r}")
+            refusal = "the link's {name} is neither 0 nor 1: {value!r}"
             raise ValueError(refusal.format(name=name, value=fields[name][:40]))
     return defaults | {name: FLAGS[fields[name]] for name in SWITCHES if name in fields}
 
 
 def _number(name: str, text: str, most: int) -> int:
     if not (text.isascii() and text.isdecimal() and int(text) <= most):
-        refusal = _("the link's {name} must be a whole number up to {most}, got {value!r}")
+        refusal = "the link's {name} must be a whole number up to {most}, got {value!r}"
         raise ValueError(refusal.format(name=name, most=most, value=text[:40]))
     return int(text)

@@ -10,8 +10,6 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from viewimit.language import _
-
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, JobResult, Queued
@@ -138,7 +136,7 @@ class CommandLoop:
                 self._model.player.seen_from(now, self._asked_at)
         except CameraLost as lost:
             self._model.undoable.leave_pictures()
-            self._model.refuse(_("{why}: back to projected points.").format(why=lost), now + MESSAGE_STAYS)
+            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
 
     def _apply(self, entry: Queued, now: float) -> None:
         """Carry out one command; one that cannot be is said, and the others go on."""

@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle
 
-from viewimit.language import _
 from viewimit.loop.settings import Settings
 from viewimit.simulation.world import World
 
@@ -108,7 +107,7 @@ class Page:
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
         self.model.player.pause()
-        text = _("This session met an error, {error!r}. Reset starts again.").format(error=error)
+        text = f"This session met an error, {error!r}. Reset starts again."
         self.model.say(text, np.inf)
         show_fault(self.layout, text)
 

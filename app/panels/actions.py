@@ -9,8 +9,6 @@ from typing import Annotated
 
 import msgspec
 
-from viewimit.language import _
-
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, Rejected
 from ..sessions.link import MAX_TEXT
@@ -38,7 +36,7 @@ class Message(msgspec.Struct, forbid_unknown_fields=True):
 def read_message(text: str) -> Message:
     """Decode a message. Raises ValueError for an invalid one."""
     if len(text) > MAX_CHARS:
-        refusal = _("{n} characters of actions; at most {most} are read")
+        refusal = "{n} characters of actions; at most {most} are read"
         raise ValueError(refusal.format(n=len(text), most=MAX_CHARS))
     return msgspec.json.decode(text, type=Message)
 
@@ -76,7 +74,7 @@ class Actions:
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
         if command is None or not command.link:
-            refusal = _("this page has no control {name!r}: reload it")
+            refusal = "this page has no control {name!r}: reload it"
             self._queue.put(Rejected(refusal.format(name=control), ("action", control)))
         else:
             self._queue.call(control, *[value] * len(command.parsers), sender=("action", control))

@@ -8,9 +8,9 @@ from viser import Icon
 
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
-from viewimit.language import _, ngettext
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
+from viewimit.wording import plural
 
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
@@ -22,15 +22,15 @@ from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
 
 REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
-    (_("Goal in L and R"), "goal"),
-    (_("Rays"), "rays"),
-    (_("Residuals, 3-D"), "residuals"),
-    (_("Hand gizmo"), "gizmo"),
-    (_("Whole frames"), "whole_frames"),
-    (_("Raw, rectified"), "rectified"),
-    (_("Shadows"), "shadows"),
-    (_("Still picture"), "flat"),
-    (_("Dark"), "dark"),
+    ("Goal in L and R", "goal"),
+    ("Rays", "rays"),
+    ("Residuals, 3-D", "residuals"),
+    ("Hand gizmo", "gizmo"),
+    ("Whole frames", "whole_frames"),
+    ("Raw, rectified", "rectified"),
+    ("Shadows", "shadows"),
+    ("Still picture", "flat"),
+    ("Dark", "dark"),
 )
 ICONS = {  # 24 x 24, strokes
     "images": '<path d="M4 4h6v16H4zM14 4h6v16h-6z"/>',
@@ -38,20 +38,20 @@ ICONS = {  # 24 x 24, strokes
     "controls": '<path d="M3 8h12M19 8h2M3 16h2M9 16h12"/><circle cx="17" cy="8" r="2"/><circle cx="7" cy="16" r="2"/>',
     "scene": '<path d="M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9"/>',
 }
-VIEWS = {"images": _("Images"), "landscape": _("Landscape"), "controls": _("Controls"), "scene": _("3-D")}
+VIEWS = {"images": "Images", "landscape": "Landscape", "controls": "Controls", "scene": "3-D"}
 
 
 def display(layout: Layout, model: PageModel) -> None:
     gui, queue = layout.gui, layout.queue
-    with layout.folder(_("Display")):
-        chosen = gui.add_dropdown(_("Point"), [NO_POINT], initial_value=NO_POINT)
-        points = gui.add_dropdown(_("Layout"), [count_points(10)])
-        rectify = gui.add_checkbox(_("Rectify"), True, hint=_("the images, where their matched points ask for it"))
-        camera = layout.checkbox(_("Camera images"), lambda model: model.settings.sensor == "rendered", "camera")
+    with layout.folder("Display"):
+        chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
+        points = gui.add_dropdown("Layout", [count_points(10)])
+        rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matched points ask for it")
+        camera = layout.checkbox("Camera images", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
         for label, name in SWITCHES:
             layout.checkbox(label, partial(_is_on, name), "switch", name)
-        layout.button((_("Fit view"), None), "fit_view")
+        layout.button(("Fit view", None), "fit_view")
     queue.on_value(chosen, "choose_point")
     queue.on_value(points, "points")
     layout.value(rectify, lambda model: model.settings.rectify == "auto", "rectify")
@@ -81,7 +81,7 @@ def display(layout: Layout, model: PageModel) -> None:
 
 
 def _count_markers(count: int) -> str:
-    return ngettext("{n} marker", "{n} markers", count).format(n=count)
+    return plural("{n} marker", "{n} markers", count).format(n=count)
 
 
 def _set_theme(layout: Layout, dark: bool) -> None:
@@ -124,11 +124,11 @@ def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
 
     def draw(model: PageModel) -> None:
         address = html.escape((lab_address(model.snapshot) or "/lab").removeprefix("/"))
-        words = _("This window is small for the instrument. The lab shows the same on any screen.")
-        lab, anyway = _("Open the lab"), _("Open the instrument anyway")
+        words = "This window is small for the instrument. The lab shows the same on any screen."
+        lab, anyway = "Open the lab", "Open the instrument anyway"
         put_html(
             offer,
-            f'<div class="vi-small" role="dialog" aria-label="{_("A small window")}"><p>{words}</p>'
+            f'<div class="vi-small" role="dialog" aria-label="A small window"><p>{words}</p>'
             f'<a href="{address}">{lab}</a><button type="button">{anyway}</button></div>',
         )
 
@@ -139,7 +139,7 @@ def views(layout: Layout, model: PageModel) -> None:
     """The tabs of a window that is too small for all at once: layout.css shows the one that is chosen, without the
     server."""
     tabs = "".join(_tab(name, label, checked=name == "images") for name, label in VIEWS.items())
-    layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="{_("View")}">{tabs}</div>')
+    layout.gui.add_html(f'<div class="vi-views" role="radiogroup" aria-label="View">{tabs}</div>')
 
 
 def _tab(name: str, label: str, checked: bool) -> str:
@@ -166,8 +166,8 @@ def _enlarge_links(large: str | None) -> str:
     links = "".join(
         f'<div class="vi-enlarge vi-enlarge-{what}">{link(f"large/{LARGE.index(shown)}", name, icon)}</div>'
         for what, shown, name in (
-            ("images", large if large not in (None, "figures") else "images", _("Images, large or not")),
-            ("figures", "figures", _("Figures, large or not")),
+            ("images", large if large not in (None, "figures") else "images", "Images, large or not"),
+            ("figures", "figures", "Figures, large or not"),
         )
     )
     mark = f'<i class="vi-large vi-large-{large}"></i>' if large else ""
@@ -176,27 +176,25 @@ def _enlarge_links(large: str | None) -> str:
 
 # The folder in which body points are edited: begin and end, remove, propose, save, and what the points tell.
 
-EDIT, DONE = (_("Edit points"), Icon.POINT), (_("Done"), Icon.CHECK)
-PROPOSE, TAKE = (_("Best next"), Icon.BULB), (_("Take it"), Icon.BULB)
-ABOUT = _("Mark both arms yourself: click an arm to place a point, or a point to choose it.")
+EDIT, DONE = ("Edit points", Icon.POINT), ("Done", Icon.CHECK)
+PROPOSE, TAKE = ("Best next", Icon.BULB), ("Take it", Icon.BULB)
+ABOUT = "Mark both arms yourself: click an arm to place a point, or a point to choose it."
 
 
 def points(layout: Layout, model: PageModel) -> None:
-    with layout.folder(_("Points"), lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
-        layout.button(
-            lambda model: DONE if model.points.on else EDIT, "edit_points", hint=_("on both arms, by clicks; E")
-        )
-        layout.button((_("Save scene"), Icon.DOWNLOAD), "scene", hint=_("as a file for viewimit imitate --scene"))
+    with layout.folder("Points", lambda model: str(len(model.session.world.body))), layout.row(quiet=True):
+        layout.button(lambda model: DONE if model.points.on else EDIT, "edit_points", hint="on both arms, by clicks; E")
+        layout.button(("Save scene", Icon.DOWNLOAD), "scene", hint="as a file for viewimit imitate --scene")
         layout.button(
             lambda model: PROPOSE if model.points.proposal is None else TAKE,
             "best",
-            hint=_("the point that would help most; B"),
+            hint="the point that would help most; B",
             enabled=lambda model: model.points.shown.on and not model.points.shown.searching,
         )
         layout.button(
-            (_("Remove"), Icon.TRASH),
+            ("Remove", Icon.TRASH),
             "remove",
-            hint=_("the chosen point; Delete"),
+            hint="the chosen point; Delete",
             enabled=lambda model: model.points.on and model.view.chosen is not None,
         )
         status = layout.gui.add_html("")

@@ -9,7 +9,6 @@ from viewimit.drawing.theme import rgb
 from viewimit.estimation.equations import MISSING, with_minus
 from viewimit.experiments import EXPERIMENTS
 from viewimit.experiments.paper.common import Claim, verdict
-from viewimit.language import _
 
 from ..drawing.overlays import asks
 from ..jobs.experiments import Run
@@ -18,31 +17,31 @@ from ..model.motions import NAMES
 from ..model.page_model import PageModel
 from .panel import Layout, put, put_html, put_max
 
-SEE, STOP = (_("See it"), Icon.MOVIE), (_("Stop"), Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
-RUN, CANCEL = (_("Run"), Icon.PLAYER_PLAY), (_("Cancel"), Icon.PLAYER_STOP)
-POINTS_ONLY = f'<div class="vi-points-only">{_("Experiments look at projected points, not at camera images.")}</div>'
+SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
+RUN, CANCEL = ("Run", Icon.PLAYER_PLAY), ("Cancel", Icon.PLAYER_STOP)
+POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
 PASS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
-    f'<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>{_("pass")}'
+    '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'
 )
 MISS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><rect x="1.5" y="1.5" width="13" height="13" rx="2"'
-    f' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>{_("miss")}</b>'
+    ' class="vi-mark-miss"/><path d="M5 5l6 6m0-6l-6 6" class="vi-mark-line"/></svg><b>miss</b>'
 )
 MARKS = {True: PASS, False: MISS, None: MISSING}
 
 
 def experiments(layout: Layout, model: PageModel) -> None:
-    with layout.tab(_("Experiments")):
+    with layout.tab("Experiments"):
         with layout.row():
             layout.dropdown(
-                _("Experiment"),
+                "Experiment",
                 list(titles().values()),
                 lambda model: EXPERIMENTS[model.experiments.chosen].title,
                 "experiment",
             )
             layout.dropdown(
-                _("Trajectory"),
+                "Trajectory",
                 list(NAMES.values()),
                 lambda model: NAMES[model.motions.name],
                 "motion",
@@ -54,7 +53,7 @@ def experiments(layout: Layout, model: PageModel) -> None:
             layout.button(
                 lambda model: SEE if model.displayed.playback is None else STOP, "imitation", visible=_can_be_seen
             )
-            layout.button((_("Download figure and data"), Icon.DOWNLOAD), "download", enabled=_can_be_taken)
+            layout.button(("Download figure and data", Icon.DOWNLOAD), "download", enabled=_can_be_taken)
         layout.html(lambda model: POINTS_ONLY if model.experiments.ignores_pictures else "")
         figure, claims = layout.gui.add_html(""), layout.gui.add_html("")
         layout.gui.add_html(asks(("Q", "bias", "basin")))
@@ -86,11 +85,11 @@ def _can_be_taken(model: PageModel) -> bool:
 def draw_progress(run: Run | None, chosen: str) -> str:
     """One line. run: None before any; it is named unless it is of the experiment that is chosen."""
     if run is None:
-        title, state, share, words = _("experiment"), "idle", 0.0, _("not run yet")
+        title, state, share, words = "experiment", "idle", 0.0, "not run yet"
     else:
         title, state, share, words = EXPERIMENTS[run.name].short_title, run.state, run.share, _words(run)
         if run.name != chosen:
-            words = _("{experiment}: {state}").format(experiment=title, state=words)
+            words = f"{title}: {words}"
     percent = round(100 * share)
     return (
         f'<div class="vi-progress vi-progress-{state}"><div class="vi-progress-bar" role="progressbar"'
@@ -102,27 +101,27 @@ def draw_progress(run: Run | None, chosen: str) -> str:
 
 def _words(run: Run) -> str:
     if run.state == "waiting":
-        return _("waiting, {n} before you").format(n=run.before) if run.before else _("starting …")
+        return f"waiting, {run.before} before you" if run.before else "starting …"
     if run.state == "running":
-        return _("{percent} %").format(percent=round(100 * run.share))
+        return f"{round(100 * run.share)} %"
     if run.state == "writing":
-        return _("writing the files …")
+        return "writing the files …"
     if run.state == "done":
         said = verdict(run.claims)
-        return _("done: {verdict}").format(verdict=said) if said else _("done in {time:.0f} s").format(time=run.seconds)
+        return f"done: {said}" if said else f"done in {run.seconds:.0f} s"
     if run.state == "cancelled":
-        return _("cancelled at {percent} %").format(percent=round(100 * run.share))
-    return _("failed: {why}").format(why=with_minus(run.problem))
+        return f"cancelled at {round(100 * run.share)} %"
+    return f"failed: {with_minus(run.problem)}"
 
 
 def draw_verdict(run: Run | None) -> str:
     """The table of an experiment's claims, or why it has failed; nothing as long as there is neither."""
     if run is not None and run.problem:
-        failed = _("{title} failed: {why}").format(title=EXPERIMENTS[run.name].short_title, why=with_minus(run.problem))
+        failed = f"{EXPERIMENTS[run.name].short_title} failed: {with_minus(run.problem)}"
         return f'<div class="vi-claims"><p>{svg.escape(failed)}</p></div>'
     if run is None or not run.claims:
         return ""
-    head = "".join(f"<th>{words}</th>" for words in ("", _("paper"), _("here"), _("tolerance"), ""))
+    head = "".join(f"<th>{words}</th>" for words in ("", "paper", "here", "tolerance", ""))
     rows = "".join(_row(claim) for claim in run.claims)
     said = f"<p><b>{svg.escape(verdict(run.claims))}</b></p>"
     return f'<div class="vi-claims">{said}<table><tr>{head}</tr>{rows}</table></div>'
@@ -136,33 +135,33 @@ def _row(claim: Claim) -> str:
 
 # The tab Follow: record the demonstrator's motion, replay it, go through it, keep it in a file.
 
-ABOUT = _(
+ABOUT = (
     "Here the demonstrator moves along a path: choose one, record your own while you move it, or load one from a file."
     " While the page plays, the learner follows it. Fig. 10 under Experiments imitates it."
 )
-RECORD, REPLAY = (_("Record"), Icon.PLAYER_RECORD), (_("Move the demonstrator"), Icon.PLAYER_PLAY)
+RECORD, REPLAY = ("Record", Icon.PLAYER_RECORD), ("Move the demonstrator", Icon.PLAYER_PLAY)
 
 
 def motions(layout: Layout, model: PageModel) -> None:
-    with layout.tab(_("Follow")):
+    with layout.tab("Follow"):
         layout.gui.add_html(f'<div class="vi-about">{ABOUT}</div>')
         with layout.row():
-            layout.dropdown(_("Chosen motion"), list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
+            layout.dropdown("Chosen motion", list(NAMES.values()), lambda model: NAMES[model.motions.name], "motion")
             layout.button(lambda model: STOP if model.motions.recording else RECORD, "record", color=rgb("stopped"))
             layout.button(lambda model: STOP if model.motions.replaying else REPLAY, "replay")
         time = layout.slider(
-            _("Time (s)"),
+            "Time (s)",
             0.0,
             1.0,
             0.05,
             lambda model: model.motions.moment[0],
             "motion_time",
-            hint=_("of the chosen motion"),
+            hint="of the chosen motion",
         )
         with layout.row():
             layout.html(_said)
-            layout.button((_("Save"), Icon.DOWNLOAD), "save_motion")
-            load = layout.gui.add_upload_button(_("Load"), icon=Icon.UPLOAD, mime_type="application/json")
+            layout.button(("Save", Icon.DOWNLOAD), "save_motion")
+            load = layout.gui.add_upload_button("Load", icon=Icon.UPLOAD, mime_type="application/json")
 
         def show_length(model: PageModel) -> None:
             seconds, last = model.motions.moment

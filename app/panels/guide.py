@@ -11,7 +11,6 @@ import numpy as np
 from viewimit.drawing.images.panel import residual_lengths
 from viewimit.drawing.svg import escape
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _
 from viewimit.servo import SERVOS
 
 from ..drawing.overlays import button, current_values, linked_cards, listed
@@ -35,23 +34,23 @@ class Key:
 
 
 KEYS = (
-    Key(_("space"), "space", _("play"), _("Play or pause"), "play", True),
-    Key("→", "arrowright", _("step"), _("Make one step"), "step", True),
-    Key("←", "arrowleft", _("undo"), _("Undo one step; at a start, go back to what was before it"), "undo"),
-    Key("R", "R", _("reset"), _("Reset to the start"), "reset"),
-    Key("N", "N", _("next point"), _("Choose the next point"), "next_point"),
-    Key("G", "G", _("goal"), _("Show the goal in L and R, or hide it"), "goal"),
-    Key("C", "C", _("construct"), _("Build up, step by step, how the chosen point is transferred"), "construction"),
-    Key("V", "V", _("view"), _("Fit the view"), "fit_view"),
-    Key("H", "H", _("help"), _("Help"), "help", True),
-    Key("M", "M", _("large"), _("Images large, then figures, then all as before"), "next_larger"),
-    Key("E", "E", _("edit points"), _("Edit the points of both arms, or end that"), "edit_points"),
-    Key("B", "B", _("best next"), _("Propose the point that would help most; press again to place it"), "best"),
-    Key(_("Del"), "delete", _("remove point"), _("Remove the chosen point"), "remove"),
-    Key("⌫", "backspace", _("the same"), _("Remove the chosen point, by Backspace"), "remove"),
-    Key("L", "L", _("link"), _("A link to what the page shows, and the code that repeats it"), "share"),
-    Key("S", "S", _("picture"), _("Save a picture of the panel chosen under Save"), "save_picture"),
-    Key(_("Esc"), "escape", _("close"), _("Close the help, a large panel or the ghost arm"), "dismiss"),
+    Key("space", "space", "play", "Play or pause", "play", True),
+    Key("→", "arrowright", "step", "Make one step", "step", True),
+    Key("←", "arrowleft", "undo", "Undo one step; at a start, go back to what was before it", "undo"),
+    Key("R", "R", "reset", "Reset to the start", "reset"),
+    Key("N", "N", "next point", "Choose the next point", "next_point"),
+    Key("G", "G", "goal", "Show the goal in L and R, or hide it", "goal"),
+    Key("C", "C", "construct", "Build up, step by step, how the chosen point is transferred", "construction"),
+    Key("V", "V", "view", "Fit the view", "fit_view"),
+    Key("H", "H", "help", "Help", "help", True),
+    Key("M", "M", "large", "Images large, then figures, then all as before", "next_larger"),
+    Key("E", "E", "edit points", "Edit the points of both arms, or end that", "edit_points"),
+    Key("B", "B", "best next", "Propose the point that would help most; press again to place it", "best"),
+    Key("Del", "delete", "remove point", "Remove the chosen point", "remove"),
+    Key("⌫", "backspace", "the same", "Remove the chosen point, by Backspace", "remove"),
+    Key("L", "L", "link", "A link to what the page shows, and the code that repeats it", "share"),
+    Key("S", "S", "picture", "Save a picture of the panel chosen under Save", "save_picture"),
+    Key("Esc", "escape", "close", "Close the help, a large panel or the ghost arm", "dismiss"),
 )
 
 
@@ -67,9 +66,9 @@ def keys(layout: Layout, model: PageModel) -> None:
             card.close()
             card = None
         if model.view.help:
-            card = gui.add_modal(_("viewimit: what is seen here"))
+            card = gui.add_modal("viewimit: what is seen here")
             with card:
-                done = gui.add_button(_("Close"))  # first, so that it has the focus and is in sight
+                done = gui.add_button("Close")  # first, so that it has the focus and is in sight
                 gui.add_html(help_html(key_caps(KEYS)))
             layout.queue.on_click(done, "help")
 
@@ -90,47 +89,47 @@ def key_caps(keys: Iterable[Key]) -> str:
 
 
 PARAGRAPHS = (
-    _("<b>Two robots, one pair of eyes.</b> The stereo head is the learner's. It looks at the demonstrator (l, r), then"
+    ("<b>Two robots, one pair of eyes.</b> The stereo head is the learner's. It looks at the demonstrator (l, r), then"
       " at its own arm (L, R). It knows nothing but points in these four images: no model of an arm, no calibration."),
-    _("<b>Two views give a line.</b> Click a point, or press N: where it lies in l puts it on a line in L; r gives a"
+    ("<b>Two views give a line.</b> Click a point, or press N: where it lies in l puts it on a line in L; r gives a"
       " second line. The lines are computed as if both arms were in the same pose. A hollow diamond is where the lines"
       " put the point. While the poses differ, the lines are wrong, and so are the diamonds."),
-    _("<b>A wrong pose makes a conflict.</b> Where the poses differ, no lines can fit all points. The misfit that"
+    ("<b>A wrong pose makes a conflict.</b> Where the poses differ, no lines can fit all points. The misfit that"
       " remains, the arrows e from diamonds to dots, is the conflict; E is their mean square. An arrow is a"
       " contradiction, not a signpost. The grey ghost in L and R is the goal, which the learner does not know:"
       " only there do dots and diamonds meet. With the paper's lines they miss each other even there by a pixel or two,"
       " as these neglect that near things look larger. G hides it."),
-    _("<b>The conflict drives the arm.</b> Press Play. The learner moves, learns what that changes in its images, and"
+    ("<b>The conflict drives the arm.</b> Press Play. The learner moves, learns what that changes in its images, and"
       " goes where E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch"
       " yourself first: it goes through 12 postures with nobody to imitate, and needs no test steps then."),
-    _("<b>Touch it.</b> Click the landscape: the learner starts there. With Preview the posture, a ghost arm goes there"
+    ("<b>Touch it.</b> Click the landscape: the learner starts there. With Preview the posture, a ghost arm goes there"
       " instead, and nothing moves. Try 20 starts sends twenty learners. Click a curve: back to that moment. Undo takes"
       " back resets and presets, too."),
-    _("<b>Disturb it.</b> Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take"
+    ("<b>Disturb it.</b> Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take"
       " a preset that breaks the method. The strip under the scene says what the learner itself knows, and beneath it"
       " what is true. A ? says what a number means."),
-    _("<b>Race two methods.</b> The tab Duel sends a second learner, a ghost arm, from your learner's start, with"
+    ("<b>Race two methods.</b> The tab Duel sends a second learner, a ghost arm, from your learner's start, with"
       " another transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
-    _("<b>Mark the arms yourself.</b> Edit points, or E: where you click an arm, both get one more point. The strip"
+    ("<b>Mark the arms yourself.</b> Edit points, or E: where you click an arm, both get one more point. The strip"
       " says how far a pixel of noise then turns each joint. Best next shows the place that would help most, hollow"
       " until you take it. Save scene keeps the points in a file for <code>viewimit imitate --scene</code>."),
-    _("<b>Look with cameras.</b> Camera images, under Display, shows both arms with coloured balls in rendered"
+    ("<b>Look with cameras.</b> Camera images, under Display, shows both arms with coloured balls in rendered"
       " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
       " picture is taken on the way. Landscapes and experiments remain those of projected points."),
-    _("<b>Show it to a class.</b> Press P, or add <code>?present</code> to the address: larger letters, no controls, a"
+    ("<b>Show it to a class.</b> Press P, or add <code>?present</code> to the address: larger letters, no controls, a"
       " ring about the pointer. What is true is hidden until you press T. For lessons with a class, start"
       " <code>viewimit class</code>."),
-    _("<b>Repeat the paper.</b> The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, compares them"
+    ("<b>Repeat the paper.</b> The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, compares them"
       " with the paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab"
       " Follow; See it shows both arms as it was imitated."),
 )  # fmt: skip
-NOTE = _(
+NOTE = (
     "Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the simulation's truth, for the"
     " viewer only. No transfer or servo is given any of it."
 )
 
 
-METHODS = ((_("Transfers"), TRANSFERS), (_("Servos"), SERVOS))
+METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
 def help_html(keys: str) -> str:
@@ -143,13 +142,13 @@ def help_html(keys: str) -> str:
         + "</dl>"
         for title, methods in METHODS
     )
-    words = f'<p><b>{_("What the numbers mean")}</b></p><div class="vi-entries">{listed()}</div>'
+    words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
     return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{words}{note}</div>'
 
 
 def _method(assumes: str, limitations: str) -> str:
     """Describe a method in two sentences."""
-    return _("Assumes: {assumes} Fails: {limitations}").format(assumes=assumes, limitations=limitations)
+    return f"Assumes: {assumes} Fails: {limitations}"
 
 
 # What explains the page: links to the lab's lessons, the offer of one of them, and the glossary's cards.
@@ -208,11 +207,11 @@ def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     """The page's name and three buttons, at every size."""
     first = next(iter(lessons), "")
     tour = TOUR if first in ORDER else first
-    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', _("Tour"), "</a>")] if tour else []
+    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', "Tour", "</a>")] if tour else []
     shown = "".join(f'{start}<span class="vi-head-button">{words}</span>{end}' for start, words, end in buttons)
-    for what, words in (("share", _("Share")), ("help", _("Help"))):
+    for what, words in (("share", "Share"), ("help", "Help")):
         shown += button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
-    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="{_("Page")}">{shown}</nav></div>'
+    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
 
 
 def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
@@ -222,15 +221,15 @@ def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
         f'<a href="lab/{name}{back}" title="{escape(lesson.title)}">{escape(lesson.short)}</a>'
         for name, lesson in lessons.items()
     )
-    listed = f'<div class="vi-lessons">{_("Lessons: {lessons}").format(lessons=links)}</div>'
+    listed = f'<div class="vi-lessons">{f"Lessons: {links}"}</div>'
     if not _offered(model) or not lessons:
         return listed
     first = next(iter(lessons))
     name = TOUR if first in ORDER else first  # a lecturer's own come first
     tour = lessons[name]
-    take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">{_("Begin <kbd>Enter</kbd>")}</span></a>'
-    no = button("dismiss/0", _("Not now"), f'<span class="vi-button vi-text">{_("Not now <kbd>Esc</kbd>")}</span>')
-    words = _("<b>New here?</b> {title}, {n} min: {about}")
+    take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
+    no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
+    words = "<b>New here?</b> {title}, {n} min: {about}"
     words = f"<span>{words.format(title=escape(tour.title), n=tour.minutes, about=escape(tour.about))}</span>"
     return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
 

@@ -4,7 +4,6 @@ from functools import partial
 from typing import Any
 
 from viewimit.drawing.images.rectified import draw_rectified
-from viewimit.language import _
 
 from ..drawing.overlays import point_links, point_places, proposed_marks
 from ..model.page_model import PageModel
@@ -12,7 +11,7 @@ from .panel import Layout, put_html
 
 
 def images(layout: Layout, model: PageModel) -> None:
-    with layout.upper_tab(_("Images")):
+    with layout.upper_tab("Images"):
         shown, links, proposed = (layout.gui.add_html("") for k in range(3))
         layout.named["images"] = shown
         layout.drawing(_key, partial(_draw, shown, proposed))

@@ -7,10 +7,10 @@ from viser import Icon
 from viewimit.drawing.glossary import key_of
 from viewimit.drawing.svg import number
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _, ngettext
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.settings import MAX_SEED, given
 from viewimit.servo import SERVOS
+from viewimit.wording import plural
 
 from ..drawing.joint_bars import draw_learner
 from ..drawing.overlays import beside
@@ -30,16 +30,16 @@ from ..model.displayed import rehearsal_of
 from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
 
-MOTIONS = {_("Step"): "step", _("Undo"): "undo", _("Reset"): "reset"}  # commands
-PLAY, PAUSE = (_("Play"), Icon.PLAYER_PLAY), (_("Pause"), Icon.PLAYER_PAUSE)
-FOLLOWING = _("Following · pause"), Icon.PLAYER_PAUSE
+MOTIONS = {"Step": "step", "Undo": "undo", "Reset": "reset"}  # commands
+PLAY, PAUSE = ("Play", Icon.PLAYER_PLAY), ("Pause", Icon.PLAYER_PAUSE)
+FOLLOWING = "Following · pause", Icon.PLAYER_PAUSE
 
 
 def situation(layout: Layout, model: PageModel) -> None:
     """The preset, with a sentence on what it shows."""
     gui = layout.gui
     gui.add_html('<span class="vi-situation"></span>')
-    preset = gui.add_dropdown(_("Preset"), list(model.presets.offered), initial_value=model.preset.name)
+    preset = gui.add_dropdown("Preset", list(model.presets.offered), initial_value=model.preset.name)
     layout.queue.on_value(preset, "preset")
     more: tuple[str, ...] = ()  # options besides the presets
 
@@ -61,11 +61,11 @@ def copy(layout: Layout, model: PageModel) -> None:
     """The buttons that move the learner."""
     gui = layout.gui
     with layout.named["tray"]:
-        gui.add_html(f'<h3 class="vi-part"><b>2</b> {_("Let the learner copy it")}</h3>')
+        gui.add_html('<h3 class="vi-part"><b>2</b> Let the learner copy it</h3>')
         gui.add_html('<span class="vi-play-row"></span>')
         layout.button(_play_look, "play")
     gui.add_html('<span class="vi-steps-row"></span>')
-    motion = gui.add_button_group(_("Motion"), list(MOTIONS))
+    motion = gui.add_button_group("Motion", list(MOTIONS))
 
     @motion.on_click
     async def call_chosen(event) -> None:
@@ -82,17 +82,17 @@ def _play_look(model: PageModel) -> Look:
 
 def history(layout: Layout, model: PageModel) -> None:
     count = layout.gui.add_html("")
-    slider = layout.slider(_("History"), 0, 1, 1, lambda model: model.player.cursor, "moment", period=SLOW)
+    slider = layout.slider("History", 0, 1, 1, lambda model: model.player.cursor, "moment", period=SLOW)
 
     def show_length(model: PageModel) -> None:
         cursor, last = model.player.cursor, model.player.last
         put_max(slider, max(last, 1))
         put(slider, cursor)
-        step = _("Step {n} of {last}").format(n=cursor, last=last)
+        step = f"Step {cursor} of {last}"
         put_html(count, f'<div class="vi-count"><span>{step}</span></div>')
 
     layout.drawing(lambda model: (model.player.cursor, model.player.last), show_length, period=SLOW)
-    layout.dropdown(_("Speed"), list(SPEEDS), _speed, "speed", period=SLOW)
+    layout.dropdown("Speed", list(SPEEDS), _speed, "speed", period=SLOW)
 
 
 def _name(model: PageModel) -> str:
@@ -107,10 +107,10 @@ def _speed(model: PageModel) -> str:
 
 # The demonstrator's joints, and the learner's: their sliders, bars, and what the learner has seen of itself before.
 
-WATCH, STOP = (_("Watch yourself first"), Icon.EYE), (_("Stop"), Icon.PLAYER_STOP)
-FORGET = _("Forget"), Icon.ERASER
+WATCH, STOP = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP)
+FORGET = "Forget", Icon.ERASER
 MANY = 4  # joints, whose angles are too long for a folder's name
-HINT = ngettext(
+HINT = plural(
     "The learner goes through {n} posture, with nobody to imitate, and needs no test steps then.",
     "The learner goes through {n} postures, with nobody to imitate, and needs no test steps then.",
     DEFAULT_POSTURES,
@@ -119,11 +119,11 @@ HINT = ngettext(
 
 def demonstrator(layout: Layout, model: PageModel) -> None:
     """First of what stays in sight on every window: in a folder without a frame, which `copy` goes on with."""
-    layout.named["tray"] = layout.gui.add_folder(_("Pose and play"))
+    layout.named["tray"] = layout.gui.add_folder("Pose and play")
     with layout.named["tray"]:
-        layout.gui.add_html(f'<h3 class="vi-part vi-tray"><b>1</b> {_("Pose the demonstrator")}</h3>')
+        layout.gui.add_html('<h3 class="vi-part vi-tray"><b>1</b> Pose the demonstrator</h3>')
         inside = layout.gui.add_folder(None)
-        layout.gui.add_html(f'<div class="vi-or">{_("… or drag the arrows at its hand")}</div>')
+        layout.gui.add_html('<div class="vi-or">… or drag the arrows at its hand</div>')
     sliders = JointSliders(layout, inside, "{joint}", "pose_joint")
 
     def show(model: PageModel) -> None:
@@ -136,8 +136,8 @@ def demonstrator(layout: Layout, model: PageModel) -> None:
 def learner(layout: Layout, model: PageModel) -> None:
     """Bars beside the demonstrator's."""
     layout.gui.add_html(
-        f'<h3 class="vi-part">{_("Learner")} <span>(<i class="vi-is-now"></i> {_("now")}, '
-        f'<i class="vi-is-goal vi-tells"></i><span class="vi-tells"> {_("goal")}</span>)</span></h3>'
+        '<h3 class="vi-part">Learner <span>(<i class="vi-is-now"></i> now, '
+        '<i class="vi-is-goal vi-tells"></i><span class="vi-tells"> goal</span>)</span></h3>'
     )
     bars = layout.gui.add_html("")
 
@@ -161,7 +161,7 @@ def learner(layout: Layout, model: PageModel) -> None:
 def start(layout: Layout, model: PageModel) -> None:
     """Where the learner starts: a slider a joint, which asks for the same as a click on the landscape; and what it has
     seen of itself before."""
-    folder = layout.folder(_("Start"), lambda model: _angles(given(model.settings.start_deg)))
+    folder = layout.folder("Start", lambda model: _angles(given(model.settings.start_deg)))
     with folder:
         with layout.row(quiet=True):
             layout.button(
@@ -169,7 +169,7 @@ def start(layout: Layout, model: PageModel) -> None:
             )
             layout.html(lambda model: f'<div class="vi-remembers">{rehearsal_of(model.session).words}</div>')
         inside = layout.gui.add_folder(None)
-    sliders = JointSliders(layout, inside, _("Start {joint}"), "start_joint", _("The learner starts again there."))
+    sliders = JointSliders(layout, inside, "Start {joint}", "start_joint", "The learner starts again there.")
 
     def show_start(model: PageModel) -> None:
         sliders.show(model, given(model.settings.start_deg))
@@ -178,7 +178,7 @@ def start(layout: Layout, model: PageModel) -> None:
 
 
 def _angles(angles_deg: Sequence[float]) -> str:
-    return ", ".join(f"{number(angle, 0)}°" for angle in angles_deg) if len(angles_deg) < MANY else _("own")
+    return ", ".join(f"{number(angle, 0)}°" for angle in angles_deg) if len(angles_deg) < MANY else "own"
 
 
 def _rehearsal_look(model: PageModel) -> Look:
@@ -191,13 +191,13 @@ def _rehearsal_look(model: PageModel) -> Look:
 
 def method(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with layout.folder(_("Method"), _method):
+    with layout.folder("Method", _method):
         gui.add_html(beside("transfer"))
         transfers, servos = list(transfer_names().values()), list(servo_names().values())
-        layout.dropdown(_("Transfer"), transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
+        layout.dropdown("Transfer", transfers, lambda model: TRANSFERS[model.settings.transfer].title, "transfer")
         gui.add_html(beside("servo"))
-        layout.dropdown(_("Servo"), servos, lambda model: SERVOS[model.settings.servo].title, "servo")
-        joints = gui.add_dropdown(_("Joints"), ["–"], initial_value="–")
+        layout.dropdown("Servo", servos, lambda model: SERVOS[model.settings.servo].title, "servo")
+        joints = gui.add_dropdown("Joints", ["–"], initial_value="–")
         layout.queue.on_value(joints, "joints")
     offered: list[str] = []
 
@@ -213,13 +213,13 @@ def method(layout: Layout, model: PageModel) -> None:
 
 def disturbances(layout: Layout, model: PageModel) -> None:
     gui = layout.gui
-    with layout.folder(_("Disturbances"), _disturbances):
+    with layout.folder("Disturbances", _disturbances):
         for amount in OF_IMAGES:
             _add_amount(layout, amount, model)
-        with gui.add_folder(_("Actuator errors, random seed"), expand_by_default=False):
+        with gui.add_folder("Actuator errors, random seed", expand_by_default=False):
             for amount in OF_ARMS:
                 _add_amount(layout, amount, model)
-            seed = gui.add_number(_("Seed"), model.settings.seed, min=0, max=MAX_SEED, step=1)
+            seed = gui.add_number("Seed", model.settings.seed, min=0, max=MAX_SEED, step=1)
             layout.value(seed, lambda model: model.settings.seed, "seed")
 
 
@@ -233,7 +233,7 @@ def _disturbances(model: PageModel) -> str:
     """The first two, by their names."""
     amounts = {amount.label: amount.shown(model.settings) for amount in (*OF_IMAGES, *OF_ARMS)}
     there = [label for label, shown in amounts.items() if shown > (label == FRAMES.label) or shown < 0]
-    return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or _("none")
+    return (", ".join(there[:2]).lower() + (" …" if len(there) > 2 else "")) or "none"
 
 
 def _add_amount(layout: Layout, amount: Amount, model: PageModel) -> None:

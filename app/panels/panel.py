@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 from viser import ClientHandle, GuiButtonHandle, IconName
 
 from viewimit.drawing.export.engine_scene import joint_name
-from viewimit.language import _
 
 from ..lab.lessons.format import Lesson
 from ..model.page_model import PageModel
@@ -28,7 +27,7 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
-NAME = _("{name}: {chosen}")  # of a folder, with the choice in it
+NAME = "{name}: {chosen}"  # of a folder, with the choice in it
 
 
 class ClientInfo(NamedTuple):

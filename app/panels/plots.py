@@ -11,7 +11,6 @@ from viewimit.drawing.equations import draw_equations
 from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.glossary import ask
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.language import _
 from viewimit.servo import SERVOS
 
 from ..drawing import duel as drawing
@@ -20,21 +19,19 @@ from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
 
-COMPARE, ALONE = (_("Compare all transfers"), Icon.LAYOUT_GRID), (_("This transfer alone"), Icon.SQUARE)
+COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
-FROM_STARTS = _("Try 20 starts"), Icon.CHART_DOTS
-CANCEL, HIDE = (_("Cancel"), Icon.PLAYER_STOP), (_("Hide the starts"), Icon.EYE_OFF)
-STARTS = _(
-    "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
-)
-WAITING = f'<div class="vi-basin">{_("Twenty learners set out …")}</div>'
-LOOK_ONLY = _("Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there.")
+FROM_STARTS = "Try 20 starts", Icon.CHART_DOTS
+CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
+STARTS = "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
+WAITING = '<div class="vi-basin">Twenty learners set out …</div>'
+LOOK_ONLY = "Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there."
 
 
 def landscape(layout: Layout, model: PageModel) -> None:
     """A click chooses a posture."""
     gui = layout.gui
-    with layout.tab(_("Landscape")):
+    with layout.tab("Landscape"):
         ground, path = gui.add_html(""), gui.add_html("")
         preview, links = gui.add_html(""), gui.add_html("")
         cost = gui.add_html(f'<div class="vi-corner">{ask("cost")}</div>')
@@ -45,7 +42,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
             layout.checkbox(
-                _("Preview the posture"), lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+                "Preview the posture", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
             )
         for over in (ground, path, preview, links, cost, basin):
             layout.bind(lambda model: not _compares(model), partial(put_visible, over))
@@ -107,7 +104,7 @@ def _starts_look(model: PageModel) -> tuple:
 
 def curves(layout: Layout, model: PageModel) -> None:
     """E and the joint errors of each motion. A click goes to a motion."""
-    with layout.tab(_("Curves")):
+    with layout.tab("Curves"):
         shown, over = layout.gui.add_html(""), layout.gui.add_html("")
 
         def draw(model: PageModel) -> None:
@@ -129,7 +126,7 @@ def curves(layout: Layout, model: PageModel) -> None:
 
 def equations(layout: Layout, model: PageModel) -> None:
     """The paper's equations with their present numbers."""
-    with layout.tab(_("Equations")):
+    with layout.tab("Equations"):
         shown = layout.gui.add_html("")
         layout.gui.add_html(asks(("lambda", "rho", "D")))
         layout.drawing(
@@ -141,22 +138,20 @@ def equations(layout: Layout, model: PageModel) -> None:
 
 # The tab Duel: the opponent's method, both paths, standings.
 
-BEGIN, END = (_("Begin duel"), Icon.SWORDS), (_("End duel"), Icon.PLAYER_STOP)
+BEGIN, END = ("Begin duel", Icon.SWORDS), ("End duel", Icon.PLAYER_STOP)
 
 
 def duel(layout: Layout, model: PageModel) -> None:
     transfers, servos = list(transfer_names().values()), list(servo_names().values())
-    with layout.tab(_("Duel")):
+    with layout.tab("Duel"):
         with layout.row():
             layout.dropdown(
-                _("Opponent's transfer"),
+                "Opponent's transfer",
                 transfers,
                 lambda model: TRANSFERS[model.duel.transfer].title,
                 "opponent_transfer",
             )
-            layout.dropdown(
-                _("Opponent's servo"), servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo"
-            )
+            layout.dropdown("Opponent's servo", servos, lambda model: SERVOS[model.duel.servo].title, "opponent_servo")
             layout.button(lambda model: BEGIN if model.duel.opponent is None else END, "duel")
         layout.html(lambda model: model.duel_landscapes.html)
         race, errors = layout.gui.add_html(""), layout.gui.add_html("")

@@ -8,9 +8,9 @@ from typing import Any
 import segno
 from viser import Icon
 
-from viewimit.language import _, listed
 from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
+from viewimit.wording import listed
 
 from ..lab.page import lab_address
 from ..model.page_model import PageModel
@@ -19,11 +19,11 @@ from ..model.readable_link import NotReadable, write_link
 from ..sessions.link import encode_link, files_named
 from .panel import SLOWEST, Layout, put_html
 
-REPLAY = _("all steps as one file that any browser opens, without a server")
-PICTURE = _("at print size, in colours of print, with the caption that makes it citable; S")
+REPLAY = "all steps as one file that any browser opens, without a server"
+PICTURE = "at print size, in colours of print, with the caption that makes it citable; S"
 MOST_IN_QR = 1_200  # characters that a telephone still reads from a screen
 SCALE, BORDER = 3, 2  # px a module of a QR code, and modules around it
-ONLY_HERE = _(
+ONLY_HERE = (
     "Start the server with <code>--host 0.0.0.0</code> so that others on your network can open this link."
     " Now it opens on this machine only."
 )
@@ -33,11 +33,11 @@ WIDTH = 420  # px of a link's QR code, if its modules are not smaller than that:
 def save(layout: Layout, model: PageModel) -> None:
     """The folder in which the session is saved as a replay, and panels as pictures."""
     gui = layout.gui
-    with layout.folder(_("Save")):
-        layout.button((_("Save replay"), Icon.MOVIE), "save_replay", hint=REPLAY)
-        layout.dropdown(_("Picture"), list(PICTURES.values()), lambda model: PICTURES[model.view.picture], "picture")
-        layout.dropdown(_("As"), list(FORMATS), lambda model: model.view.picture_as, "picture_format")
-        layout.button((_("Save picture"), Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
+    with layout.folder("Save"):
+        layout.button(("Save replay", Icon.MOVIE), "save_replay", hint=REPLAY)
+        layout.dropdown("Picture", list(PICTURES.values()), lambda model: PICTURES[model.view.picture], "picture")
+        layout.dropdown("As", list(FORMATS), lambda model: model.view.picture_as, "picture_format")
+        layout.button(("Save picture", Icon.PHOTO_DOWN), "save_picture", hint=PICTURE)
         if why := lacking():
             gui.add_html(f'<div class="vi-why">{html.escape(why)}</div>')
 
@@ -61,9 +61,9 @@ def share(layout: Layout, model: PageModel) -> None:
         if not model.view.share:
             return
         if card is None:
-            card = layout.gui.add_modal(_("What this page shows, for others"))
+            card = layout.gui.add_modal("What this page shows, for others")
             with card:
-                done = layout.gui.add_button(_("Close"))  # first, so that it has the focus and is in sight
+                done = layout.gui.add_button("Close")  # first, so that it has the focus and is in sight
                 inside = layout.gui.add_html("")
             layout.queue.on_click(done, "share")
         put_html(inside, share_html(model, origin, is_local=layout.info.public_url is None))
@@ -78,7 +78,7 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     try:
         query, files = _query(model)
         address = f"{origin or ''}/?{query}"
-        parts.append(_copied(_("A link that opens this very state"), address))
+        parts.append(_copied("A link that opens this very state", address))
         parts.append(_bound(files))
         if origin is not None:
             parts.append(f'<p class="vi-2nd">{ONLY_HERE}</p>' if is_local else "")
@@ -87,8 +87,8 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
         parts.append(f"<p>{html.escape(str(error))}</p>")
     in_lab = lab_address(model.snapshot)
     if in_lab is not None:
-        parts.append(_copied(_("The same in the lab, in the browser alone"), f"{origin or ''}{in_lab}", tells=True))
-    for title, said in (_("The same in Python"), as_python), (_("The same as a command"), as_command):
+        parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}", tells=True))
+    for title, said in ("The same in Python", as_python), ("The same as a command", as_command):
         try:
             parts.append(_copied(title, said(script), lines=True, tells=True))
         except ValueError as error:
@@ -112,8 +112,8 @@ def _query(model: PageModel) -> tuple[str, list[str]]:
 def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> str:
     """With a button that copies it. lines: of code; tells: it shows the demonstrator's posture."""
     shown = html.escape(text)
-    name = _("Copy: {what}").format(what=title)
-    button = f'<button type="button" class="vi-copy" aria-label="{name}">{_("Copy")}</button>'
+    name = f"Copy: {title}"
+    button = f'<button type="button" class="vi-copy" aria-label="{name}">Copy</button>'
     kind, hidden = ' class="vi-code"' if lines else "", ' class="vi-tells"' if tells else ""
     return f'<section{hidden}><h3>{title}</h3>{button}<pre{kind} tabindex="0">{shown}</pre></section>'
 
@@ -122,14 +122,14 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    text = _("It opens only on a server that was started with {files}: no link can hold these files.")
+    text = "It opens only on a server that was started with {files}: no link can hold these files."
     return f'<p class="vi-2nd">{text.format(files=html.escape(listed(files)))}</p>'
 
 
 def _qr(address: str) -> str:
     if len(address) > MOST_IN_QR:
-        return f'<p class="vi-2nd">{_("Too long for a QR code that a telephone can read.")}</p>'
-    return draw_qr(address, _("QR code of the link"), error="l", width=WIDTH)
+        return '<p class="vi-2nd">Too long for a QR code that a telephone can read.</p>'
+    return draw_qr(address, "QR code of the link", error="l", width=WIDTH)
 
 
 def draw_qr(address: str, name: str, error: str = "m", width: int = 0) -> str:

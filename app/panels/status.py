@@ -14,7 +14,6 @@ from viewimit.drawing.status import (
     describe_truth,
     draw_status,
 )
-from viewimit.language import _
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
@@ -22,19 +21,19 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = _("Starting the camera images … Grey parts still show the moment before.")
-FOLLOWS = _("Press Esc to stop: the page computes the link’s session.")
-RESTORES = _("Press Esc to begin again: the page computes this tab’s session.")
-UNSAVED = _("This browser’s storage for the page is full or forbidden: a reload would lose this session.")
+STARTS_PICTURES = "Starting the camera images … Grey parts still show the moment before."
+FOLLOWS = "Press Esc to stop: the page computes the link’s session."
+RESTORES = "Press Esc to begin again: the page computes this tab’s session."
+UNSAVED = "This browser’s storage for the page is full or forbidden: a reload would lose this session."
 CHOICES = {  # by state: where a link leads, and its words
-    "see-through": (("start/0", _("Start here")), ("dismiss/0", _("Let go"))),
+    "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
     "editing": (
-        ("best/0", _("Best next")),
-        ("remove/0", _("Remove")),
-        ("scene/0", _("Save scene")),
-        ("dismiss/0", _("Done")),
+        ("best/0", "Best next"),
+        ("remove/0", "Remove"),
+        ("scene/0", "Save scene"),
+        ("dismiss/0", "Done"),
     ),
-    "proposed": (("best/0", _("Take it")), ("dismiss/0", _("Not this one"))),
+    "proposed": (("best/0", "Take it"), ("dismiss/0", "Not this one")),
 }
 
 

@@ -17,8 +17,6 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
-from viewimit.language import _
-
 from .. import viser_private
 from .address import is_own_page
 from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection, plain_response
@@ -48,11 +46,11 @@ LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>
 <script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
-MAKE_ROOM = _("This page tries again every few seconds; close a tab elsewhere to make room.")
+MAKE_ROOM = "This page tries again every few seconds; close a tab elsewhere to make room."
 NO_SEAT = f"""<!doctype html><html><meta charset="utf-8"><meta http-equiv="refresh" content="5">
-<link rel="icon" href="data:,"><title>{_("viewimit: all seats are taken")}</title>
+<link rel="icon" href="data:,"><title>{"viewimit: all seats are taken"}</title>
 <body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
-<h1>{_("All seats are taken")}</h1><p>{{why}} {MAKE_ROOM}</p>
+<h1>{"All seats are taken"}</h1><p>{{why}} {MAKE_ROOM}</p>
 </body></html>"""
 
 
@@ -163,11 +161,11 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            why = _("{n} tabs are open here, which is as many as there is room for.").format(n=self._all_seats.taken)
+            why = f"{self._all_seats.taken} tabs are open here, which is as many as there is room for."
             answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
         elif is_page and self.full_for(connection.network):
-            why = _("{n} tabs are open from your address, which is as many as one address may have.").format(
-                n=self.limits.seats_of_one
+            why = (
+                f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have."
             )
             answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:

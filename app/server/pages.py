@@ -17,7 +17,6 @@ from functools import cache, partial
 import viser
 from websockets.frames import CloseCode
 
-from viewimit.language import _
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
@@ -157,7 +156,7 @@ class App:
         asyncio.run_coroutine_threadsafe(_close_soon(connection), self._server.get_event_loop())
         client.gui.reset()  # of its parts
         why = html.escape(str(error) or type(error).__name__)
-        text = _("This page cannot be shown: {why}. It is tried again in {time:g} s.")
+        text = "This page cannot be shown: {why}. It is tried again in {time:g} s."
         client.gui.add_html(f"<p>{text.format(why=why, time=AGAIN_AFTER)}</p>")
 
     def _page(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page:

@@ -15,7 +15,6 @@ import numpy as np
 import zstandard
 
 from viewimit import __version__
-from viewimit.language import _
 from viewimit.loop.embodiment import to_degrees
 from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.script import (
@@ -182,7 +181,7 @@ def encode_link(page: SavedPage) -> str:
         if len(text) <= MAX_LINK:
             require_allowed(renamed, renamed.settings)
             return text
-    refusal = _("too much was done for a link: {n} characters of {most}")
+    refusal = "too much was done for a link: {n} characters of {most}"
     raise ValueError(refusal.format(n=len(text), most=MAX_LINK))
 
 
@@ -283,7 +282,7 @@ def _radians(tenths: Sequence[int]) -> tuple[float, ...]:
 def _script(blocks: list[_Block]) -> Script:
     """The script of a run."""
     if blocks[0].settings is None:
-        raise ValueError(_("a run has no settings"))
+        raise ValueError("a run has no settings")
     plain = {"settings": blocks[0].settings, "deeds": [other for block in blocks for other in block.others]}
     known = msgspec.convert(current_script(plain), Script)
     others, actions = iter(known.actions), list[Action]()
@@ -306,22 +305,20 @@ def _fields(settings: Settings) -> dict[str, Any]:
 def _decoded(text: str) -> SavedPage:
     """A text as it stands: names are not looked up."""
     if len(text) > MAX_TEXT:
-        refusal = _("the link is too long: {n} characters of {most}")
+        refusal = "the link is too long: {n} characters of {most}"
         raise ValueError(refusal.format(n=len(text), most=MAX_TEXT))
     number, *blocks = text.split(".")
     if not blocks and text.startswith("1"):
         return _earlier(text[1:])
     if not number.isdecimal() or len(number) > 4 or not blocks:
-        raise ValueError(_("the link is of another version, or damaged"))
+        raise ValueError("the link is of another version, or damaged")
     unpacker = _Unpacker()
     try:
         plain = msgspec.msgpack.decode(unpacker.unpacked(blocks[-1]))
         settings, commanded = plain.get("settings", {}), plain.get("commanded", ())
         if int(number) > FORMAT:
             known = {name: value for name, value in settings.items() if name in Settings.__struct_fields__}
-            why = _("it is of a newer version of viewimit, {version}").format(
-                version=str(plain.get("version", ""))[:20]
-            )
+            why = "it is of a newer version of viewimit, {version}".format(version=str(plain.get("version", ""))[:20])
             plain = {"version": "", "branches": [{"runs": []}], "incomplete": why, "commanded": commanded}
             settings = known
         head = msgspec.convert(plain | {"settings": settings}, _Head)
@@ -337,7 +334,7 @@ def _decoded(text: str) -> SavedPage:
     try:
         return _with_runs(page, head, [unpacker.unpacked(block) for block in blocks[:-1]])
     except _ERRORS as error:
-        why = _("its motions are damaged: {why}").format(why=str(error)[:120])
+        why = f"its motions are damaged: {str(error)[:120]}"
         return msgspec.structs.replace(page, incomplete=why)
 
 
@@ -352,7 +349,7 @@ def _with_runs(page: SavedPage, head: _Head, packed: list[bytes]) -> SavedPage:
             found = [next(blocks) for __ in range(count)]
             actions += sum(len(block.kinds) for block in found)
             if actions > MAX_ACTIONS:
-                raise ValueError(_("more than {n} actions").format(n=MAX_ACTIONS))
+                raise ValueError(f"more than {MAX_ACTIONS} actions")
             runs.append(Run(script=_script(found), cursor=cursor))
         branches.append(msgspec.structs.replace(_branch(branch), runs=tuple(runs)))
     return msgspec.structs.replace(page, motion=motion, past=tuple(branches[:-1]), present=branches[-1])
@@ -367,7 +364,7 @@ def _earlier(text: str) -> SavedPage:
     try:
         found = msgspec.msgpack.decode(_Unpacker(common=None).unpacked(text))
         if isinstance(found.pop("lesson", None), list):
-            raise ValueError(_("it opens a lesson, which are in the lab now, at /lab/tour"))
+            raise ValueError("it opens a lesson, which are in the lab now, at /lab/tour")
         linked = msgspec.convert({**found, "script": current_script(found.get("script"))}, _Earlier)
         run = Run(script=linked.script, cursor=MAX_HISTORY)
     except _ERRORS as error:
@@ -416,7 +413,7 @@ _ERRORS = (
 
 
 def _damaged(error: BaseException) -> ValueError:
-    return ValueError(_("the link is damaged: {why}").format(why=" ".join(str(error).split())[:120]))
+    return ValueError("the link is damaged: {why}".format(why=" ".join(str(error).split())[:120]))
 
 
 def require_allowed(page: SavedPage, begun: Settings) -> None:
@@ -427,14 +424,14 @@ def require_allowed(page: SavedPage, begun: Settings) -> None:
         _require_names(settings, begun)
     texts = {settings.scene for settings in all_settings if is_text(settings.scene)}
     if len(texts) > MAX_SCENES:
-        refusal = _("the link describes {n} scenes; {most} are the most")
+        refusal = "the link describes {n} scenes; {most} are the most"
         raise ValueError(refusal.format(n=len(texts), most=MAX_SCENES))
     for text in texts:
         _require_scene(text)
     if not all(map(math.isfinite, page.commanded)):
-        raise ValueError(_("the link is damaged: an angle is no number"))
+        raise ValueError("the link is damaged: an angle is no number")
     if page.motion is not None and len(page.motion) > MAX_MOTION:
-        refusal = _("the link holds a motion of {n} bytes; {most} are the most")
+        refusal = "the link holds a motion of {n} bytes; {most} are the most"
         raise ValueError(refusal.format(n=len(page.motion), most=MAX_MOTION))
     for script in scripts:
         for action in script.actions:
@@ -457,16 +454,16 @@ def _all_settings(script: Script) -> Iterator[Settings]:
 def _require_names(settings: Settings, begun: Settings) -> None:
     """No file of the server is opened for a link, except those that it shows anyhow."""
     if OWN in (settings.transfer, settings.servo):
-        raise ValueError(_("the link runs a transfer or a servo that only its author has"))
+        raise ValueError("the link runs a transfer or a servo that only its author has")
     if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
-        raise ValueError(_("the link shows a scene that is not here, {name!r}").format(name=settings.scene[:80]))
+        raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
     if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
-        raise ValueError(_("the link shows a robot that is not here, {name!r}").format(name=settings.robot[:80]))
+        raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
     if len(settings.body_points or ()) > MAX_POINTS:
-        refusal = _("the link places {n} points; {most} are the most")
+        refusal = "the link places {n} points; {most} are the most"
         raise ValueError(refusal.format(n=len(settings.body_points or ()), most=MAX_POINTS))
     if settings.frames > MAX_FRAMES:
-        refusal = _("the link averages {n} images; {most} are the most")
+        refusal = "the link averages {n} images; {most} are the most"
         raise ValueError(refusal.format(n=settings.frames, most=MAX_FRAMES))
 
 
@@ -476,17 +473,17 @@ def _require_scene(text: str) -> None:
         scene = load_scene(text)
     except ValueError as error:
         why = " ".join(str(error).split())[:150]
-        raise ValueError(_("the link's scene cannot be shown: {why}").format(why=why)) from None
+        raise ValueError(f"the link's scene cannot be shown: {why}") from None
     points = max(map(len, scene.points.values()), default=0)
     for refusal, count, most in (
-        (_("the link's scene has {n} points; {most} are the most"), points, MAX_POINTS),
-        (_("the link's scene has {n} layouts; {most} are the most"), len(scene.points), MAX_LAYOUTS),
-        (_("the link's scene has a title of {n} letters; {most} are the most"), len(scene.title), MAX_TITLE),
+        ("the link's scene has {n} points; {most} are the most", points, MAX_POINTS),
+        ("the link's scene has {n} layouts; {most} are the most", len(scene.points), MAX_LAYOUTS),
+        ("the link's scene has a title of {n} letters; {most} are the most", len(scene.title), MAX_TITLE),
     ):
         if count > most:
             raise ValueError(refusal.format(n=count, most=most))
     if not scene.title.isprintable():
-        raise ValueError(_("the link's scene has a title that cannot be printed"))
+        raise ValueError("the link's scene has a title that cannot be printed")
 
 
 def _require_finite(action: Action) -> None:
@@ -498,7 +495,7 @@ def _require_finite(action: Action) -> None:
         else ()
     )
     if len(postures) > MAX_CALIBRATION:
-        refusal = _("the link calibrates with {n} postures; {most} are the most")
+        refusal = "the link calibrates with {n} postures; {most} are the most"
         raise ValueError(refusal.format(n=len(postures), most=MAX_CALIBRATION))
     if not all(math.isfinite(angle) for posture in postures for angle in posture):
-        raise ValueError(_("the link is damaged: an angle is no number"))
+        raise ValueError("the link is damaged: an angle is no number")

@@ -57,7 +57,7 @@ const notice = (name, words, lasts = 0) => {  // ms; 0: until it is closed
     + "border:1px solid #8a5a00;box-shadow:0 4px 18px #0004;font:400 14px/20px Inter,system-ui,sans-serif";
   for (const line of words.split("\n")) box.append(Object.assign(document.createElement("div"), {textContent: line}));
   close.textContent = "×";
-  close.setAttribute("aria-label", _("Close"));
+  close.setAttribute("aria-label", "Close");
   close.style.cssText = "position:absolute;right:6px;top:6px;width:30px;height:30px;border:0;background:none;color:inherit;"
     + "font-size:20px;cursor:pointer";
   close.addEventListener("click", () => box.remove());
@@ -68,11 +68,11 @@ const notice = (name, words, lasts = 0) => {  // ms; 0: until it is closed
 };
 
 const UNREACHABLE = [
-  _("The page has no connection to its server yet. Please check:"),
-  _("• Does “viewimit serve” still run?"),
-  _("• A proxy in between must pass websockets on (the headers Upgrade and Connection)."),
-  _("• Is this the address that the server printed? Another name needs its option --origin."),
-  _("• A filter or an extension of the browser may block websockets."),
+  "The page has no connection to its server yet. Please check:",
+  "• Does “viewimit serve” still run?",
+  "• A proxy in between must pass websockets on (the headers Upgrade and Connection).",
+  "• Is this the address that the server printed? Another name needs its option --origin.",
+  "• A filter or an extension of the browser may block websockets.",
 ].join("\n");
 let isConnected = false;
 const connected = () => {
@@ -94,7 +94,7 @@ if (drawsWebGL)
 const watchSpeed = flatten => {
   if (!drawsWebGL) {
     flatten();
-    notice("flat", _("This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works."),
+    notice("flat", "This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works.",
       SHORT_MS);
     return;
   }
@@ -110,7 +110,7 @@ const watchSpeed = flatten => {
     }
     if (isFlat || 1000 * frames / passed >= LEAST_FPS) return;
     flatten();
-    const words = _("This machine draws the 3-D view slowly. A still picture takes its place; the folder Display brings it back.");
+    const words = "This machine draws the 3-D view slowly. A still picture takes its place; the folder Display brings it back.";
     notice("flat", words, SHORT_MS);
   };
   requestAnimationFrame(count);

@@ -118,7 +118,7 @@ const labelOf = element => {
   return element ? element.querySelector("label").textContent : "";
 };
 const set = (element, name, value) => element.getAttribute(name) === value || element.setAttribute(name, value);
-const ICONS = {"list-search": _("Commands"), adjustments: _("Settings"), "arrow-back": _("Back to the controls")};
+const ICONS = {"list-search": "Commands", adjustments: "Settings", "arrow-back": "Back to the controls"};
 const NUMBER = "input[inputmode]";
 const FOLDER = ".mantine-Paper-root[data-with-border]>.mantine-Paper-root:first-child";
 
@@ -244,7 +244,7 @@ document.addEventListener("input", event => {
   const [low, high] = ["min", "max"].map(end => Number(thumb.getAttribute(`aria-value${end}`)));
   const out = box.value !== "" && !(low <= Number(box.value) && Number(box.value) <= high);
   const [from, to] = box.placeholder.split(" … ");
-  box.setCustomValidity(out ? _("From {low} to {high}").replace("{low}", from).replace("{high}", to) : "");
+  box.setCustomValidity(out ? "From {low} to {high}".replace("{low}", from).replace("{high}", to) : "");
   if (out) box.reportValidity();
 }, true);
 document.addEventListener("focusout", event => {
@@ -359,5 +359,5 @@ document.addEventListener("click", event => {
   getSelection().selectAllChildren(text);
   const copied = navigator.clipboard ? navigator.clipboard.writeText(text.textContent)
     : Promise.resolve(document.execCommand("copy"));  // without https there is no other
-  copied.then(() => { button.textContent = _("Copied"); setTimeout(() => { button.textContent = _("Copy"); }, 1500); });
+  copied.then(() => { button.textContent = "Copied"; setTimeout(() => { button.textContent = "Copy"; }, 1500); });
 });

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.convergence import RECENT
-from ..language import _, ngettext
 from ..loop.snapshot import Snapshot
+from ..wording import plural
 from . import svg
 from .plots import Axes, Tick, decade_ticks, decades, log10
 
@@ -98,7 +98,7 @@ def _frame(axes: Axes, step: int, cursor: int, title: str, note: str, ticks: Seq
         f'<path class="vi-cursor" d="M{x:.1f} {axes.top}V{axes.bottom}"/>',
         axes.beside(ticks, 6),
         axes.below([(motions, str(motions)) for motions in range(0, 4 * step + 1, step)], 15),
-        svg.text(axes.right + 24, axes.bottom + 15, _("steps"), "vi-2nd"),
+        svg.text(axes.right + 24, axes.bottom + 15, "steps", "vi-2nd"),
     ]
     return "".join(parts)
 
@@ -110,11 +110,11 @@ def _draw_E(
     E_true = max(E_true, MIN_E) if E_true is not None and np.isfinite(E_true) else None
     y = decades(E if E_true is None else np.append(E, E_true))
     axes = Axes(box, (0.0, 4.0 * step), y, up=log10)
-    parts = [_frame(axes, step, cursor, _("Conflict E"), _("px², log; hollow = test move"), decade_ticks(*y))]
+    parts = [_frame(axes, step, cursor, "Conflict E", "px², log; hollow = test move", decade_ticks(*y))]
     labels = []
     if E_true is not None:
         parts.append(axes.level(E_true, "vi-line-demo"))
-        labels.append((float(axes.y_px(E_true)), _("true pose {E}").format(E=svg.short_E(E_true)), "vi-of-demo"))
+        labels.append((float(axes.y_px(E_true)), f"true pose {svg.short_E(E_true)}", "vi-of-demo"))
     points = np.stack([axes.x_px(motions), axes.y_px(E)], -1)
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
@@ -134,7 +134,7 @@ def _draw_angles(
     low, high = every * np.floor((low - 4) / every), every * np.ceil((high + 4) / every)
     axes = Axes(box, (0.0, 4.0 * step), (low, high))
     ticks = [(float(angle), svg.number(angle, 0) + "°") for angle in np.arange(low, high + 1, every)]
-    parts = [_frame(axes, step, cursor, _("Joint angles"), _("dashed = demonstrator"), ticks)]
+    parts = [_frame(axes, step, cursor, "Joint angles", "dashed = demonstrator", ticks)]
     done = int(np.searchsorted(motions, cursor, side="right"))
     probes = np.array([snapshot.probe for snapshot in snapshots])
     x, labels = axes.x_px(motions), []
@@ -181,5 +181,5 @@ def describe_errors(errors_deg: Sequence[float]) -> str:
     if len(recent) == 0:
         return ""
     rms = svg.number(np.sqrt(np.mean(recent**2)))
-    text = ngettext("{now}° off, rms {rms}° over {n} step", "{now}° off, rms {rms}° over {n} steps", len(recent))
+    text = plural("{now}° off, rms {rms}° over {n} step", "{now}° off, rms {rms}° over {n} steps", len(recent))
     return text.format(now=svg.number(recent[-1]), rms=rms, n=len(recent))

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ..estimation.equations import HOLE, MARK, MISSING, Equation, matrix, number, short, signed
 from ..estimation.rectification import RectifiedTransfer
 from ..geometry.rectification import Rectification
-from ..language import _
 from ..loop.snapshot import Snapshot
 from ..servo import LastMotion
 
@@ -49,7 +48,7 @@ _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_
 def _conflict(snapshot: Snapshot) -> Equation:
     """Write Eq. (6), or the equation that the transfer has instead."""
     if snapshot.transfer is None:
-        note = _("All four images show too few points.")
+        note = "All four images show too few points."
         return Equation("(6)", "", f"{_CONFLICT}={HOLE}", (MISSING,), note)
     own_equation = snapshot.method.conflict_equation
     if own_equation is not None:
@@ -57,7 +56,7 @@ def _conflict(snapshot: Snapshot) -> Equation:
     e = snapshot.e[snapshot.usable]
     sums = short((e[:, :2] ** 2).sum()), short((e[:, 2:] ** 2).sum())
     latex = rf"{_CONFLICT}=\frac{{{HOLE}+{HOLE}}}{{{HOLE}}}={HOLE}"
-    return Equation("(6)", _("conflict, sums over L and over R"), latex, (*sums, str(2 * len(e)), short(snapshot.E)))
+    return Equation("(6)", "conflict, sums over L and over R", latex, (*sums, str(2 * len(e)), short(snapshot.E)))
 
 
 def _constraint(snapshot: Snapshot, demo: NDArray[np.float64], own: NDArray[np.float64], name: str) -> Equation:
@@ -67,21 +66,21 @@ def _constraint(snapshot: Snapshot, demo: NDArray[np.float64], own: NDArray[np.f
     terms = "".join(signed(factor, 3) + f"·{number(x, 0)}" for factor, x in zip(f.tolist(), u.tolist()))
     sum_of_terms = (terms + signed(f33, 0)).removeprefix(" + ")
     latex = rf"{{}}^{{lL}}𝐮_{{{HOLE}}}^{{\top}}\;{{}}^{{lL}}𝐟+{{}}^{{lL}}f_{{33}}\approx{HOLE}\approx{HOLE}"
-    title = _("point {point} in l and L, px; 0 where the geometry fits").format(point=name)
+    title = f"point {name} in l and L, px; 0 where the geometry fits"
     return Equation("(1)", title, latex, (name, sum_of_terms, number(float(u @ f + f33), 1)), long=True)
 
 
 def _rectification(by: Rectification) -> Equation:
     """Write the homographies that rectify the left and the right images."""
     latex = rf"𝐇_l={matrix(3, 3)},\;𝐇_r={matrix(3, 3)}"
-    note = _("The matched points rectify the images. Below, px are those of rectified images.")
+    note = "The matched points rectify the images. Below, px are those of rectified images."
     numbers = [
         number(value, digits)
         for H in (by.left, by.right)
         for row in H.tolist()
         for value, digits in zip(row, (4, 4, 1))
     ]
-    return Equation("", _("rectification: matched points get equal rows"), latex, tuple(numbers), note, wide=True)
+    return Equation("", "rectification: matched points get equal rows", latex, tuple(numbers), note, wide=True)
 
 
 def _fundamental(snapshot: Snapshot) -> tuple[NDArray[np.float64], float]:
@@ -111,9 +110,7 @@ def _card(equation: Equation) -> str:
     head = f"<b>{equation.number}</b> {equation.title}".strip()
     tail = f'<span class="vi-note">{equation.note}</span>' if equation.note else ""
     lines = f' data-lines="{" ".join(equation.lines)}"' if equation.lines else ""
-    hint = (
-        f'<span class="vi-note">{_("Point at a row of 𝐀: its line lights up in the images.")}</span>' if lines else ""
-    )
+    hint = '<span class="vi-note">Point at a row of 𝐀: its line lights up in the images.</span>' if lines else ""
     return f'<div class="vi-eq"{lines}>{head}{filled(equation)}{tail}{hint}</div>'
 
 

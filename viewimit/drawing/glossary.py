@@ -5,20 +5,18 @@ none closes when the numbers beside its "?" change. Escape closes a card; Space 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 
 import msgspec
 
 from ..assets import ROOT
-from ..language import _
 from ..loop.settings import PAPER_FIELDS, Settings
 from . import svg
 from .equations import mathml
 
 FILE = ROOT / "glossary.toml"
-TEXTS = ("name", "symbol", "sentence", "good", "bad")  # fields that are translated, and the unit of the scale
 
 
 class Scale(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -50,12 +48,6 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     terms: tuple[str, ...] = ()  # other words for it, by which texts name it
 
 
-def texts(entry: Entry) -> Iterator[str]:
-    """Return what is translated of an entry."""
-    unit = "" if entry.scale is None else entry.scale.unit
-    yield from filter(None, (*(getattr(entry, name) for name in TEXTS), unit))
-
-
 def load(path: Path = FILE) -> dict[str, Entry]:
     """Read entries by key in the file's order. Raises ValueError that names file, entry and field."""
     try:
@@ -75,16 +67,8 @@ def load(path: Path = FILE) -> dict[str, Entry]:
 
 @cache
 def glossary() -> dict[str, Entry]:
-    """Return the entries of the package's file by key, in the language of the process."""
-    return {key: _translated(entry) for key, entry in load().items()}
-
-
-def _translated(entry: Entry) -> Entry:
-    scale = entry.scale
-    if scale is not None and scale.unit:
-        scale = msgspec.structs.replace(scale, unit=_(scale.unit))
-    fields = {name: _(text) for name in TEXTS if (text := getattr(entry, name))}
-    return msgspec.structs.replace(entry, scale=scale, **fields)
+    """Return the entries of the package's file by key."""
+    return load()
 
 
 def key_of(symbol: str) -> str | None:
@@ -95,7 +79,7 @@ def key_of(symbol: str) -> str | None:
 @lru_cache(256)
 def ask(key: str, style: str = "") -> str:
     """Build a "?" for an entry. If a page has several of one entry, its card opens at the last. style: CSS."""
-    words = svg.escape(_("What is {name}?").format(name=glossary()[key].symbol))
+    words = svg.escape(f"What is {glossary()[key].symbol}?")
     place = f' style="{style}"' if style else ""
     attributes = f'popovertarget="vi-word-{key}" aria-label="{words}"{place}'
     return f'<button type="button" class="vi-ask" {attributes}></button>'
@@ -107,7 +91,7 @@ def cards(links: Callable[[str], str] = lambda key: "") -> str:
         f".vi-ask[popovertarget=vi-word-{key}]{{anchor-name:--vi-word-{key}}}#vi-word-{key}{{position-anchor:--vi-word-{key}}}"
         for key in glossary()
     )
-    close = svg.escape(_("Close"))
+    close = svg.escape("Close")
     words = "".join(
         f'<div class="vi-word" id="vi-word-{key}" popover="auto"><button type="button" class="vi-close"'
         f' aria-label="{close}" popovertarget="vi-word-{key}" popovertargetaction="hide"></button>{links(key)}'
@@ -125,7 +109,7 @@ def describe_entry(entry: Entry) -> str:
         parts.append(f'<p class="vi-formula" tabindex="0">{mathml(entry.formula)}</p>')
     if entry.scale is not None:
         parts.append(_scale(entry.scale))
-    levels = (("good", _("good"), entry.good), ("bad", _("bad"), entry.bad))
+    levels = (("good", "good", entry.good), ("bad", "bad", entry.bad))
     parts += [f'<p><i class="vi-{kind}">{name}</i> {svg.escape(words)}</p>' for kind, name, words in levels if words]
     return "".join(parts)
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from ..analysis.landscape import Landscape
 from ..analysis.observability import unobservable_joints, weak_joints
-from ..language import _, listed, ngettext
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
 from ..servo.trust_region.options import MAX_STD_PER_PX
 from ..simulation.scene import Scene
+from ..wording import listed, plural
 from . import relief, svg
 from .labels import Label, led
 from .plots import figure
@@ -29,8 +29,8 @@ from .theme import OBSERVED
 WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
 LEFT, RIGHT = 34, 60  # px beside the bars
 ROW, BAR = 24, 11  # px
-TITLE = _("Joint error per pixel of noise")
-NOTE = _("in the learner's images, at the demonstrator's pose; from the curvature of E")
+TITLE = "Joint error per pixel of noise"
+NOTE = "in the learner's images, at the demonstrator's pose; from the curvature of E"
 
 
 def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
@@ -78,22 +78,20 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) ->
     most = _cost(rest.max()) if len(rest) else ""
     if unobservable:
         others = np.delete(degrees, unobservable)
-        found = ngettext(
+        found = plural(
             "Joint {joints} is unobservable: the images hardly show it.",
             "Joints {joints} are unobservable: the images hardly show them.",
             len(unobservable),
         )
-        ending = (
-            _("1 px of noise shifts the others by {angle} at most.") if len(others) else _("It could be at any angle.")
-        )
+        ending = "1 px of noise shifts the others by {angle} at most." if len(others) else "It could be at any angle."
         angle = _cost(others.max()) if len(others) else ""
         return [found.format(joints=_listed(joints, unobservable)), ending.format(angle=angle)]
     if not weak:
         if len(joints) == 1:
-            return [_("1 px of noise shifts it by {angle}.").format(angle=most)]
-        return [_("No joint is much harder to see: 1 px of noise shifts each by {angle} at most.").format(angle=most)]
-    found = ngettext("Joint {joints} is hard to see:", "Joints {joints} are hard to see:", len(weak))
-    text = ngettext(
+            return [f"1 px of noise shifts it by {most}."]
+        return [f"No joint is much harder to see: 1 px of noise shifts each by {most} at most."]
+    found = plural("Joint {joints} is hard to see:", "Joints {joints} are hard to see:", len(weak))
+    text = plural(
         "1 px of noise shifts it by {angles}, and the others by {angle} at most.",
         "1 px of noise shifts them by {angles}, and the others by {angle} at most.",
         len(weak),
@@ -107,9 +105,9 @@ def describe_costs(joints: Sequence[int], std_per_px: NDArray[np.float64], are_w
     unobservable, degrees = unobservable_joints(std_per_px), np.degrees(std_per_px)
     seen = [f"{svg.joint_symbol(joints[k])} {_cost(degrees[k])}" for k in range(len(joints)) if k not in unobservable]
     names = ", ".join(svg.joint_symbol(joints[k]) for k in sorted(unobservable))
-    text = _("noise of 1 px: at most {angles}") if are_worst else _("noise of 1 px: {angles}")
+    text = "noise of 1 px: at most {angles}" if are_worst else "noise of 1 px: {angles}"
     costs = text.format(angles=", ".join(seen)) if seen else ""
-    words = _("{joints} unobservable").format(joints=names) if unobservable else ""
+    words = f"{names} unobservable" if unobservable else ""
     return "; ".join(filter(None, (costs, words)))
 
 
@@ -118,15 +116,15 @@ def _listed(joints: Sequence[int], indices: Sequence[int]) -> str:
 
 
 def _cost(degrees: float) -> str:
-    return _("unobservable") if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
+    return "unobservable" if degrees >= np.degrees(MAX_STD_PER_PX) else svg.number(degrees) + "°"
 
 
 CLOSE_DEG, INSET = 6.0, 74  # if demonstrator and smallest E are closer: an inset of ±CLOSE_DEG, INSET px wide
 MAX_VERTICES, MAX_DOTS = 180, 60  # of the path; longer paths have no dots
 INSET_MOTIONS = 30  # the last ones, which the inset shows
-CONTOURS = {"projected": _("E in px²"), "rendered": _("E, projected")}  # no pictures are taken for all postures
+CONTOURS = {"projected": "E in px²", "rendered": "E, projected"}  # no pictures are taken for all postures
 CAPTION = 14  # px above a picture that stands alone
-HINT = _("click: the learner starts there")  # on a page, in the corner that the picture leaves free for it
+HINT = "click: the learner starts there"  # on a page, in the corner that the picture leaves free for it
 HINT_PLACE = 6, 14  # px from the plot's left top to the left end of its baseline
 SMALL_WIDTH = 207  # px of a small landscape
 SMALL_MARGINS = (31, 3, 0, 14)  # px: left, right, top, bottom
@@ -161,7 +159,7 @@ class LandscapePicture:
         landscape: Landscape | None,
         scene: Scene,
         snapshot: Snapshot,
-        problem: str = _("computing …"),
+        problem: str = "computing …",
         std_per_px: NDArray[np.float64] | None = None,
         contours: str | None = None,
     ):
@@ -177,7 +175,7 @@ class LandscapePicture:
         if landscape is None:
             inside = plane.message(problem)
         elif np.isnan(landscape.E).all():
-            inside = plane.message(_("In no pose do all four images show five points."))
+            inside = plane.message("In no pose do all four images show five points.")
         else:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""
@@ -236,8 +234,8 @@ class LandscapePicture:
         self._above = _marks(marks) + self._above
         left_first = bool(marks[0, 0] <= marks[1, 0] + 1)
         named = (
-            (_("demonstrator ({up}°, {across}°)"), demo, "vi-lead-demo"),
-            (_("smallest E ({up}°, {across}°)"), lowest, "vi-lead"),
+            ("demonstrator ({up}°, {across}°)", demo, "vi-lead-demo"),
+            ("smallest E ({up}°, {across}°)", lowest, "vi-lead"),
         )
         for k, (text, posture, kind) in enumerate(named):
             words = text.format(up=svg.number(posture[0], 0), across=svg.number(posture[1], 0))
@@ -339,7 +337,7 @@ def draw_small(
     parts = [plane.frame("vi-plane")]
     E = found.E
     if np.isnan(E).all():
-        parts.append(plane.message(_("Nowhere are five points visible.")))
+        parts.append(plane.message("Nowhere are five points visible."))
     else:
         grid = plane.grid(found.axes)
         parts += [relief.shading(grid, E, plane.box), relief.contours(grid, E)]

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..language import _, ngettext
 from ..loop.settings import Settings
 from ..simulation.disturbances import Disturbance
+from ..wording import plural
 from . import svg
 from .labels import CHARACTER
 
@@ -268,11 +268,11 @@ def describe_settings(settings: Settings) -> str:
     posture = ", ".join(svg.number(angle, 1 if len(angles) <= 3 else 0) + "°" for angle in angles)
     points = svg.count_points(settings.points)
     if settings.body_points is not None:
-        points = ngettext("{n} point by hand", "{n} points by hand", settings.points).format(n=settings.points)
-    transfer = _("{transfer} transfer").format(transfer=settings.transfer)
+        points = plural("{n} point by hand", "{n} points by hand", settings.points).format(n=settings.points)
+    transfer = f"{settings.transfer} transfer"
     words = [f"{transfer[0].upper()}{transfer[1:]}"]
     if posture:
-        words = [_("Demonstrator ({posture})").format(posture=posture), transfer]
+        words = [f"Demonstrator ({posture})", transfer]
     disturbed = [found.caption.format(amount) for found, amount in settings.amounts(Disturbance) if amount]
     return " · ".join([*words, f"{settings.scene_title}, {points}", *([", ".join(disturbed)] if disturbed else [])])
 

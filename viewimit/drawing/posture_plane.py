@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..language import _
 from ..loop.snapshot import Snapshot
 from ..simulation.scene import Scene
 from . import svg
@@ -146,7 +145,7 @@ class PosturePlane:
             ]
         )
 
-    def axes(self, note: str = "", contours: str = _("E in px²"), named: bool = True) -> str:
+    def axes(self, note: str = "", contours: str = "E in px²", named: bool = True) -> str:
         """Draw the axes: frame, ticks and names.
 
         note: words below, at the right; contours: the quantity; named: whether "contours" stands before it.
@@ -167,7 +166,7 @@ class PosturePlane:
             up.append(y)
             parts.append(svg.text(left - 7, np.clip(y + 4, 10, bottom), words, "vi-2nd vi-end"))
         parts.append(svg.text(left - 8, _widest_gap(up) + 4, self._joints[0], "vi-end"))
-        caption = _("contours: {quantity}").format(quantity=contours) if named else contours
+        caption = f"contours: {contours}" if named else contours
         parts += self._below(bottom, caption, note, across)
         return f'<path class="vi-axis" d="{"".join(ticks)}"/>' + "".join(parts)
 
@@ -308,7 +307,7 @@ class PathLabels:
         line, (x, y) = self._plane.labels.copy(), points[0].tolist()
         line.take_line(points, CLEARANCE)
         line.take_points(self._plane.place(np.degrees(history[cursor].theta)), NOW + AHEAD)
-        labels = beside(x, y, _("start"), "vi-2nd vi-halo", 8), *self._labels
+        labels = beside(x, y, "start", "vi-2nd vi-halo", 8), *self._labels
         return self._place([PlacedLabel(label) for label in labels], line, history, cursor, cursor)
 
     def _place(
@@ -358,7 +357,7 @@ class PathLabels:
         """Draw the learner's label at theta, (m,) rad, and return its place, which it does not occupy."""
         x, y = self._plane.place(np.degrees(theta)).tolist()
         where = f"({svg.degrees(theta[0])}, {svg.degrees(theta[1])})"
-        words = (_("now {pose}") if cursor else _("start {pose}")).format(pose=where)
+        words = ("now {pose}" if cursor else "start {pose}").format(pose=where)
         place = labels.first_free(places_beside(x, y, labels.letter * len(words), 11))
         return ("" if place is None else text_at(place, words, "vi-of-own vi-halo")), place
 

@@ -10,11 +10,11 @@ from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
 from ..estimation.transfers.registry import FLAT, FLATNESS
 from ..geometry.affine import MIN_POINTS
-from ..language import _, listed, ngettext, sentences
 from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus
 from ..servo.trust_region.options import MAX_STD_PER_PX
+from ..wording import listed, plural, sentences
 from . import svg
 from .glossary import ask, glossary
 from .images.panel import AMBER, RED
@@ -25,21 +25,21 @@ WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
 COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
 ANY = np.radians(90.0)  # larger angles allow any posture
 TITLES = {
-    ServoStatus.READY: _("Ready"),
-    "paused": _("Paused"),
-    ServoStatus.MOVING: _("Moving"),
-    "arrived": _("Converged"),
-    "least": _("At a local minimum"),
-    ServoStatus.SETTLED: _("Settled"),
-    ServoStatus.UNOBSERVABLE: _("Unobservable:"),
-    ServoStatus.NO_PROGRESS: _("No progress"),
-    "lost": _("Too few points"),
-    ServoStatus.MAX_MOTIONS: _("Step limit"),
-    "message": _("Note"),
-    "recording": _("Recording"),
-    "replaying": _("Moving the demonstrator"),
-    "see-through": _("Ghost arm"),
-    "editing": _("Editing points"),
+    ServoStatus.READY: "Ready",
+    "paused": "Paused",
+    ServoStatus.MOVING: "Moving",
+    "arrived": "Converged",
+    "least": "At a local minimum",
+    ServoStatus.SETTLED: "Settled",
+    ServoStatus.UNOBSERVABLE: "Unobservable:",
+    ServoStatus.NO_PROGRESS: "No progress",
+    "lost": "Too few points",
+    ServoStatus.MAX_MOTIONS: "Step limit",
+    "message": "Note",
+    "recording": "Recording",
+    "replaying": "Moving the demonstrator",
+    "see-through": "Ghost arm",
+    "editing": "Editing points",
 }
 BY_PAGE = {"message", "recording", "replaying", "see-through", "editing"}  # said by the page, not by the learner
 DOT = (
@@ -132,7 +132,7 @@ def describe(
     """
     if snapshot.pending_postures is not None and snapshot.is_rehearsing:
         left = len(snapshot.pending_postures)
-        sentence = ngettext(
+        sentence = plural(
             "It watches its own arm, without a demonstrator. {n} pose is left.",
             "It watches its own arm, without a demonstrator. {n} poses are left.",
             left,
@@ -144,23 +144,23 @@ def describe(
         return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
     E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
-        sentence = _("E is {E} px² after {n} steps, the most that are made.").format(E=E, n=MAX_HISTORY)
-        advice = _("Reset to go on.") if advises else ""
+        sentence = f"E is {E} px² after {MAX_HISTORY} steps, the most that are made."
+        advice = "Reset to go on." if advises else ""
         return StatusMessage(ServoStatus.MAX_MOTIONS, sentences(sentence, advice), doubt=doubt)
     if snapshot.status.is_at_rest:
         said = _resting(snapshot, E, assessment, joints, advises)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
-        advice = _("Press Play, or drag the demonstrator.") if advises else ""
-        return StatusMessage(ServoStatus.READY, sentences(_("E is {E} px².").format(E=E), advice), doubt=doubt)
+        advice = "Press Play, or drag the demonstrator." if advises else ""
+        return StatusMessage(ServoStatus.READY, sentences(f"E is {E} px².", advice), doubt=doubt)
     state, doing = ServoStatus.MOVING if playing else "paused", _says(snapshot)
     trend = None if snapshot.probe else _trend(snapshot, previous)
     if trend is None:
-        now = _("E is {E} px².")
+        now = "E is {E} px²."
     elif trend < 0:
-        now = _("E is {E} px², falling by {share} % per step.")
+        now = "E is {E} px², falling by {share} % per step."
     else:
-        now = _("E is {E} px², rising by {share} % per step.")
+        now = "E is {E} px², rising by {share} % per step."
     sentence = now.format(E=E, share=svg.number(100 * abs(trend or 0), 0))
     return StatusMessage(state, sentences(sentence, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
 
@@ -169,12 +169,12 @@ def _resting(
     snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
 ) -> StatusMessage:
     n, why = snapshot.motion, _says(snapshot, joints)
-    after = ngettext("E is {E} px² after {n} step.", "E is {E} px² after {n} steps.", n).format(E=E, n=n)
+    after = plural("E is {E} px² after {n} step.", "E is {E} px² after {n} steps.", n).format(E=E, n=n)
     known = snapshot.certificate if assessment is None else assessment.certificate
     if snapshot.status.is_claim:
         if known is not None and known.simultaneous_std_error > EXACT:
             angle = f"{svg.short(float(np.degrees(known.simultaneous_std_error)))}°"
-            expects = _("It expects to be about {angle} off.").format(angle=angle)
+            expects = f"It expects to be about {angle} off."
             why = sentences(expects, why if snapshot.misfit is not None else "")
         return StatusMessage("arrived", sentences(after, why))
     unobservable = [] if known is None else known.reportable_joints(snapshot.status)
@@ -182,12 +182,12 @@ def _resting(
         names = listed([svg.joint_symbol(joints[k]) for k in unobservable])
         return StatusMessage(ServoStatus.UNOBSERVABLE, sentences(_costs(known, joints), after, why), names)
     if assessment is not None and assessment.at_local_minimum:
-        text = ngettext("E is {E} px², not 0, after {n} step.", "E is {E} px², not 0, after {n} steps.", n)
+        text = plural("E is {E} px², not 0, after {n} step.", "E is {E} px², not 0, after {n} steps.", n)
         doubt = _could_be_off(assessment.max_displacement)
         return StatusMessage("least", sentences(text.format(E=E, n=n), why), doubt=doubt)
     if snapshot.status == ServoStatus.SETTLED:
         return StatusMessage(ServoStatus.SETTLED, sentences(after, why))
-    advice = _("It no longer falls.") + (_(" Move an arm, or reset.") if advises else "")
+    advice = "It no longer falls." + (" Move an arm, or reset." if advises else "")
     return StatusMessage(ServoStatus.NO_PROGRESS, sentences(after, why or advice))
 
 
@@ -195,39 +195,39 @@ def _costs(known: Certificate, joints: Sequence[int]) -> str:
     """Say why joints are unobservable: the cost of noise, or that E did not rise."""
     costly = [k for k in known.unobservable_joints if known.std_per_px[k] >= MAX_STD_PER_PX]
     if not costly:
-        return _("E did not rise when the arm moved.")
-    shift = _("{joint} by {angle}")
+        return "E did not rise when the arm moved."
+    shift = "{joint} by {angle}"
     each = [shift.format(joint=svg.joint_symbol(joints[k]), angle=_angle(known.std_per_px[k])) for k in costly]
-    return _("1 px of noise would shift {joints}.").format(joints=", ".join(each))
+    return "1 px of noise would shift {joints}.".format(joints=", ".join(each))
 
 
 def _angle(rad: float) -> str:
-    return svg.degrees(rad, 0) if rad < ANY else _("any angle")
+    return svg.degrees(rad, 0) if rad < ANY else "any angle"
 
 
 def _could_be_off(rad: float) -> str:
     """Say how far off a learner may be whose E is not 0."""
     if rad < EXACT:
-        return _("By E alone, it is less than 0.1° off.")
+        return "By E alone, it is less than 0.1° off."
     if rad >= ANY:
-        return _("By E alone, it could be anywhere.")
+        return "By E alone, it could be anywhere."
     angle = svg.degrees(rad, 0 if rad >= WHOLE else 1)
-    return _("By E alone, it could be up to {angle} off.").format(angle=angle)
+    return f"By E alone, it could be up to {angle} off."
 
 
 def _too_few(used: int) -> str:
     if used == 0:
-        seen = _("All four images show no point in common.")
+        seen = "All four images show no point in common."
     else:
-        seen = ngettext("All four images show only {n} point.", "All four images show only {n} points.", used)
-    needed = _("The method needs at least {n} points that do not lie in a plane.")
+        seen = plural("All four images show only {n} point.", "All four images show only {n} points.", used)
+    needed = "The method needs at least {n} points that do not lie in a plane."
     return sentences(seen.format(n=used), needed.format(n=MIN_POINTS))
 
 
 def _swapped(snapshot: Snapshot) -> str:
     """Say which of the demonstrator's points seem to be swapped; "" for none."""
-    pairs = ", ".join(_("{first} and {second}").format(first=i, second=j) for i, j in snapshot.exchanged)
-    return _("The demonstrator's points {pairs} seem to be mixed up.").format(pairs=pairs) if pairs else ""
+    pairs = ", ".join(f"{i} and {j}" for i, j in snapshot.exchanged)
+    return f"The demonstrator's points {pairs} seem to be mixed up." if pairs else ""
 
 
 def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
@@ -235,7 +235,7 @@ def _without_names(snapshot: Snapshot, playing: bool) -> StatusMessage:
     if snapshot.status.is_at_rest:
         return StatusMessage(snapshot.status, sentences(_says(snapshot)))
     state = ServoStatus.READY if snapshot.motion == 0 else ServoStatus.MOVING if playing else "paused"
-    sentence = _("It does not know yet which of the demonstrator's points is which, so there is no E.")
+    sentence = "It does not know yet which of the demonstrator's points is which, so there is no E."
     return StatusMessage(state, sentence, probe=snapshot.probe)
 
 
@@ -245,15 +245,15 @@ def _named(snapshot: Snapshot) -> str:
     if naming is None or snapshot.settings.matched:
         return ""
     if naming.is_ambiguous:
-        return _("There are two answers: with other names of the points, another pose explains the images as well.")
+        return "There are two answers: with other names of the points, another pose explains the images as well."
     found = naming.names >= 0
     uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
     n = int(found.sum())
     if uncertain:
-        text = ngettext("It named {n} point, uncertainly {points}.", "It named {n} points, uncertainly {points}.", n)
+        text = plural("It named {n} point, uncertainly {points}.", "It named {n} points, uncertainly {points}.", n)
     else:
-        text = ngettext("It is sure of the name of {n} point.", "It is sure of the names of {n} points.", n)
-    partners = ngettext("{n} point has no partner.", "{n} points have no partner.", alone).format(n=alone)
+        text = plural("It is sure of the name of {n} point.", "It is sure of the names of {n} points.", n)
+    partners = plural("{n} point has no partner.", "{n} points have no partner.", alone).format(n=alone)
     points = ", ".join(map(str, uncertain))
     return sentences(text.format(n=n, points=points), partners if alone else "")
 
@@ -262,7 +262,7 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     """Say why the transfer is ill-conditioned; "" if it is not."""
     assert snapshot.transfer is not None
     condition, method = float(snapshot.transfer.condition), snapshot.method
-    high, too_high = _("{name} is {value}, which is high."), _("{name} is {value}, far too high.")
+    high, too_high = "{name} is {value}, which is high.", "{name} is {value}, far too high."
     if snapshot.flatness >= RED > condition:
         return sentences(high.format(name=FLATNESS, value=svg.number(snapshot.flatness, 0)), FLAT)
     if condition < AMBER:
@@ -278,13 +278,9 @@ def describe_truth(joints: Sequence[int], theta: NDArray[np.float64], theta_demo
     off = [abs(own - demo) for own, demo in zip(is_at, should_be)]
     k = off.index(max(off))
     if off[k] < EXACT:
-        return _("Correct to within 0.1°.")
-    return _("{off} off: {joint} is at {now} but should be at {then}.").format(
-        off=svg.degrees(off[k]),
-        joint=svg.joint_symbol(joints[k]),
-        now=svg.degrees(is_at[k]),
-        then=svg.degrees(should_be[k]),
-    )
+        return "Correct to within 0.1°."
+    where = f"is at {svg.degrees(is_at[k])} but should be at {svg.degrees(should_be[k])}"
+    return f"{svg.degrees(off[k])} off: {svg.joint_symbol(joints[k])} {where}."
 
 
 def describe_outcome(
@@ -293,27 +289,27 @@ def describe_outcome(
     """Say first, in plain words, what has come of it, as HTML; this uses the truth. theta, theta_demo: (m,) rad."""
     off = float(np.abs(theta - theta_demo).max())
     if status == ServoStatus.READY:
-        return _("<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one.")
+        return "<b>Ready.</b> Press Play: the blue robot copies the pose of the orange one."
     if not status.has_ended and playing:
-        text = ngettext(
+        text = plural(
             "<b>Copying:</b> {angle} off after {n} step.", "<b>Copying:</b> {angle} off after {n} steps.", motions
         )
     elif not status.has_ended:
-        text = ngettext(
+        text = plural(
             "<b>Paused:</b> {angle} off after {n} step.", "<b>Paused:</b> {angle} off after {n} steps.", motions
         )
     elif off < COPIED:
-        text = ngettext(
+        text = plural(
             "<b>Copied:</b> {angle} off after {n} step.", "<b>Copied:</b> {angle} off after {n} steps.", motions
         )
     elif off < NEARLY:
-        text = ngettext(
+        text = plural(
             "<b>Nearly copied:</b> it stopped {angle} off after {n} step.",
             "<b>Nearly copied:</b> it stopped {angle} off after {n} steps.",
             motions,
         )
     else:
-        text = ngettext(
+        text = plural(
             "<b>Not copied:</b> it stopped {angle} off after {n} step.",
             "<b>Not copied:</b> it stopped {angle} off after {n} steps.",
             motions,
@@ -327,13 +323,13 @@ def draw_status(message: StatusMessage, truth: str, choices: str = "", outcome: 
     if message.doubt:
         words += f" <i>{svg.escape(message.doubt)}</i>"
     known, true = ask(message.word) if message.word else "", svg.escape(truth)
-    who = _("Page") if message.state in BY_PAGE else _("Learner")
-    hidden = _("hidden from the learner")
+    who = "Page" if message.state in BY_PAGE else "Learner"
+    hidden = "hidden from the learner"
     first = f'<div class="vi-outcome vi-tells"><p>{outcome}</p></div>' if outcome else ""
     return (
         f'<div class="vi-strip"><div class="vi-status">{first}<div>{_icon(SHAPES.get(message.state, IDLE))}'
         f'<em>{who}</em><p role="status">{words}{choices}</p>{known}</div>'
-        f'<div class="vi-truth">{_icon(BETWEEN)}<em title="{hidden}">{_("Truth")}</em><p>{true}</p>'
+        f'<div class="vi-truth">{_icon(BETWEEN)}<em title="{hidden}">Truth</em><p>{true}</p>'
         f"{ask('truth')}</div></div></div>"
     )
 

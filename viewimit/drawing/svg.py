@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.equations import number
-from ..language import ngettext
+from ..wording import plural
 
 UNSEEN_E = 0.01  # px²: nobody could see a smaller conflict
 SEGMENT, DOT, TIP = "M%s %sL%s %s", "M%s %sh0", "M%s %sL%s %s %s %sz"  # templates of lines, dots and arrow heads
@@ -39,12 +39,12 @@ def degrees(rad: float, digits: int = 1) -> str:
 
 def count_motions(count: int) -> str:
     """Write a number of steps, which are the learner's motions."""
-    return ngettext("{n} step", "{n} steps", count).format(n=count)
+    return plural("{n} step", "{n} steps", count).format(n=count)
 
 
 def count_points(count: int) -> str:
     """Write a number of body points."""
-    return ngettext("{n} point", "{n} points", count).format(n=count)
+    return plural("{n} point", "{n} points", count).format(n=count)
 
 
 def joint_symbol(joint: int) -> str:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import RadialDistortion
-from ..language import _
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
@@ -152,10 +151,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     frames: Annotated[
         int,
         Setting(
-            description=_("images averaged at each posture; outliers among them are dropped"),
+            description="images averaged at each posture; outliers among them are dropped",
             unit="N",
             bounds=(1, 1_000),
-            label=_("Images averaged"),
+            label="Images averaged",
             slider_range=(1, 50, 1),
         ),
     ] = 25

@@ -14,9 +14,9 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
-from ..language import sentences
 from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import repeat_xy
+from ..wording import sentences
 from .evaluation import Evaluation
 from .self_calibration import MIN_POSTURES, SelfCalibration
 from .servo_state import StateAttributes

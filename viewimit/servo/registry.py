@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..estimation.equations import HOLE, Equation, angles, column, each, number, row, short
 from ..estimation.residuals import ResidualFunction
-from ..language import _, ngettext, sentences
+from ..wording import plural, sentences
 from .broyden import Broyden, BroydenState
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
@@ -106,7 +106,7 @@ class Servos(UserDict[str, ServoMethod]):
         super().__setitem__(name, servo_method(given))
 
 
-NO_STEP = _("no step yet")
+NO_STEP = "no step yet"
 _GRADIENT_LAW = r"𝐮=-𝐊\,\hat{𝐉}^{\top}E"
 _BROYDEN_LAW = r"\hat{𝐲}(𝛉)=𝐲_c+𝐉\,(𝛉-𝐜),\quad 𝛉^{*}=\underset{|𝛉-𝐜|_{\infty}\le D}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 _KALMAN_LAW, _KALMAN_FILTER = r"𝐮=-g\,\hat{𝐉}_e^{+}𝐞", r"𝐤=\frac{𝐏𝐡}{r+𝐡^{\top}𝐏𝐡}"
@@ -122,19 +122,19 @@ def _gradient_equations(
         return (Equation("(13), (14)", NO_STEP, rf"{_GRADIENT_LAW},\quad\hat{{𝐉}}_0={row(len(first))}", first),)
     u = -options.gain * state.jacobian * state.E
     m = len(u)
-    note = _("Ĵ is learned from the learner's own steps, in px² per degree; K is fixed.")
+    note = "Ĵ is learned from the learner's own steps, in px² per degree; K is fixed."
     if np.any(np.abs(np.degrees(motion.moved) - u) > 0.005):
         if not np.isfinite(options.max_step_deg):
-            made = _("Ĵ is learned, K is fixed. Limits changed the step to ({step}).")
+            made = "Ĵ is learned, K is fixed. Limits changed the step to ({step})."
         elif options.dither_deg:
-            made = _("Ĵ is learned, K is fixed. The bound of {bound}° and dither changed the step to ({step}).")
+            made = "Ĵ is learned, K is fixed. The bound of {bound}° and dither changed the step to ({step})."
         else:
-            made = _("Ĵ is learned, K is fixed. The bound of {bound}° changed the step to ({step}).")
+            made = "Ĵ is learned, K is fixed. The bound of {bound}° changed the step to ({step})."
         note = made.format(bound=f"{options.max_step_deg:g}", step=angles(motion.moved))
     latex = rf"{_GRADIENT_LAW}=-{HOLE}\cdot{column(m)}\cdot{HOLE}={column(m)}"
     requested = (angle + "°" for angle in each(u, 2))
     numbers = (f"{options.gain:g}", *each(state.jacobian, 2), short(state.E), *requested)
-    return (Equation("(13)", _("this step"), latex, numbers, note, wide=True),)
+    return (Equation("(13)", "this step", latex, numbers, note, wide=True),)
 
 
 def _describe_gradient(state: GradientState, status: ServoStatus) -> str:
@@ -142,11 +142,11 @@ def _describe_gradient(state: GradientState, status: ServoStatus) -> str:
 
 
 def _not_lower(steps: int) -> str:
-    return ngettext("No lower E in {n} step.", "No lower E in {n} steps.", steps).format(n=steps)
+    return plural("No lower E in {n} step.", "No lower E in {n} steps.", steps).format(n=steps)
 
 
 def _next_is_small() -> str:
-    return _("The next step would be under {angle}.").format(angle=f"{np.degrees(MIN_STEP_RAD):g}°")
+    return "The next step would be under {angle}.".format(angle=f"{np.degrees(MIN_STEP_RAD):g}°")
 
 
 def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[Equation, ...]:
@@ -156,7 +156,7 @@ def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[
         note = _probe_note(motion, "J")
     else:
         note = sentences(f"D = {np.degrees(state.radius):.3g}°", _broyden_outcome(state, motion))
-    return (Equation("", _("servo: the images are learned, not E"), _BROYDEN_LAW, note=note),)
+    return (Equation("", "servo: the images are learned, not E", _BROYDEN_LAW, note=note),)
 
 
 def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
@@ -166,21 +166,19 @@ def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
     on points known at both ends.
     """
     if motion.status in (ServoStatus.SETTLED, ServoStatus.NO_PROGRESS):
-        return _("The next step would be under {angle}: the servo rests.").format(
-            angle=f"{np.degrees(MIN_STEP_RAD):g}°"
-        )
+        return "The next step would be under {angle}: the servo rests.".format(angle=f"{np.degrees(MIN_STEP_RAD):g}°")
     if state.predicted_reduction is None or state.best_E is None or not np.isfinite(motion.E):
         return ""
     made = f"θ* − c = ({angles(motion.displacement - state.best.displacement)})."
     predicted = short(state.predicted_reduction)
     if motion.seen.all() and state.best.seen.all():
-        text = _("E was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px².")
+        text = "E was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px²."
         return sentences(made, text.format(predicted=predicted, actual=short(state.best_E - motion.E)))
-    text = _("E was to fall by <b>{predicted}</b> px².").format(predicted=predicted)
+    text = f"E was to fall by <b>{predicted}</b> px²."
     if state.reductions is None:
         return sentences(made, text)
     expected, found = map(short, state.reductions)
-    before = _("Before, it was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px².")
+    before = "Before, it was to fall by <b>{predicted}</b>, and fell by <b>{actual}</b> px²."
     return sentences(made, text, before.format(predicted=expected, actual=found))
 
 
@@ -191,7 +189,7 @@ def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
 
 
 def _probe_note(motion: LastMotion, jacobian: str = "Ĵ") -> str:
-    text = _("This step, ({step}), is a test move: it teaches a first column of {jacobian}.")
+    text = "This step, ({step}), is a test move: it teaches a first column of {jacobian}."
     return text.format(step=angles(motion.moved), jacobian=jacobian)
 
 
@@ -199,11 +197,11 @@ def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple
     if state is None:
         return (
             Equation("", NO_STEP, _KALMAN_LAW),
-            Equation("", _("filter of the image Jacobian"), _KALMAN_FILTER),
+            Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", _("filter: share of the image change that it believes"), latex, numbers)
-    title = _("servo: a share of the residual in each step")
+    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
+    title = "servo: a share of the residual in each step"
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
     latex = rf"{_KALMAN_LAW}={column(len(state.requested))},\quad g={HOLE}"
@@ -212,8 +210,8 @@ def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple
 
 
 def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) -> tuple[Equation, ...]:
-    fit = Equation("", _("Jacobian: least squares with forgetting"), _WEIGHTED_LEAST_SQUARES, wide=True)
-    title = _("servo: damped Gauss-Newton")
+    fit = Equation("", "Jacobian: least squares with forgetting", _WEIGHTED_LEAST_SQUARES, wide=True)
+    title = "servo: damped Gauss-Newton"
     if state is None:
         return (Equation("", NO_STEP, _GAUSS_NEWTON_LAW, wide=True), fit)
     if state.probe:
@@ -225,7 +223,7 @@ def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) 
 
 def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
     if status == ServoStatus.NO_PROGRESS:
-        return _("There is no way on from here.") if state.has_patience else _not_lower(state.n_since_best)
+        return "There is no way on from here." if state.has_patience else _not_lower(state.n_since_best)
     if status == ServoStatus.SETTLED:
         return _next_is_small()
     return TEST_MOVE if state.probe and status == ServoStatus.MOVING else ""
@@ -248,9 +246,9 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
     """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
     return ServoMethod(
         servo=TrustRegion(options),
-        title=_("Trust region on images"),
-        assumes=_("Joints turn points as rigid bodies, or at least the images follow the joints smoothly."),
-        limitations=_("Two poses give the same images, or every transfer misleads. Then it reports no progress."),
+        title="Trust region on images",
+        assumes="Joints turn points as rigid bodies, or at least the images follow the joints smoothly.",
+        limitations="Two poses give the same images, or every transfer misleads. Then it reports no progress.",
         predicts=True,
         names_points=True,
         mirror_columns=True,
@@ -263,39 +261,39 @@ SERVOS = Servos(
     {
         "gradient": _gradient_method(
             Gradient(),
-            title=_("Gradient (paper)"),
-            assumes=_("E is convex, and the gradient that it has learned stays true."),
-            limitations=_("Its steps shrink with E, and the learned gradient goes out of date: it crawls."),
+            title="Gradient (paper)",
+            assumes="E is convex, and the gradient that it has learned stays true.",
+            limitations="Its steps shrink with E, and the learned gradient goes out of date: it crawls.",
         ),
         "gradient-retuned": _gradient_method(
             Gradient(RETUNED),
-            title=_("Gradient, retuned"),
-            assumes=_("The same, with a larger gain, bounded steps and small random moves."),
-            limitations=_("It takes hundreds of steps. It never stands still, so it never claims to have converged."),
+            title="Gradient, retuned",
+            assumes="The same, with a larger gain, bounded steps and small random moves.",
+            limitations="It takes hundreds of steps. It never stands still, so it never claims to have converged.",
         ),
         "broyden": ServoMethod(
             servo=Broyden(),
-            title=_("Broyden on images"),
-            assumes=_("The images follow the joints nearly linearly. It predicts E instead of trying it."),
-            limitations=_("Flat valleys and missing points. It may stop degrees away without knowing it."),
+            title="Broyden on images",
+            assumes="The images follow the joints nearly linearly. It predicts E instead of trying it.",
+            limitations="Flat valleys and missing points. It may stop degrees away without knowing it.",
             mirror_columns=True,
             equations=_broyden_equations,
             describe_status=_describe_broyden,
         ),
         "kalman": ServoMethod(
             servo=Kalman(),
-            title=_("Kalman filter"),
-            assumes=_("The image Jacobian changes little from step to step, and the residuals are nearly linear."),
-            limitations=_("Far from the goal, long steps change the Jacobian more than its filter allows."),
+            title="Kalman filter",
+            assumes="The image Jacobian changes little from step to step, and the residuals are nearly linear.",
+            limitations="Far from the goal, long steps change the Jacobian more than its filter allows.",
             mirror_columns=True,
             equations=_kalman_equations,
             describe_status=_describe_recursive,
         ),
         "gauss-newton": ServoMethod(
             servo=GaussNewton(),
-            title=_("Damped Gauss-Newton"),
-            assumes=_("The images were linear in the joints over the last few steps, and E has one valley."),
-            limitations=_("An old Jacobian misleads it. Then it damps its steps until it stands still."),
+            title="Damped Gauss-Newton",
+            assumes="The images were linear in the joints over the last few steps, and E has one valley.",
+            limitations="An old Jacobian misleads it. Then it damps its steps until it stands still.",
             mirror_columns=True,
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,

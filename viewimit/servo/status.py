@@ -2,9 +2,7 @@
 
 from enum import Enum
 
-from ..language import _
-
-TEST_MOVE = _("This is a test move: it shows how the images change when a joint turns.")
+TEST_MOVE = "This is a test move: it shows how the images change when a joint turns."
 
 EARLIER_WORDS: dict[object, str] = {  # of earlier versions -> today's
     "untold": "unobservable",

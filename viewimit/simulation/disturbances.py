@@ -11,8 +11,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..language import _
-
 OUTLIER_PX = 60.0  # largest error of a misplaced point's coordinate
 
 Floats = NDArray[np.float64]
@@ -96,18 +94,18 @@ def _quantise(theta: Floats, commanded: Floats, step_deg: float) -> Floats:
 NOISE = ImageDisturbance(
     bounds=(0, 20),
     unit="px",
-    description=_("noise of every image coordinate, standard deviation"),
-    caption=_("noise {:g} px"),
-    label=_("Pixel noise (px)"),
+    description="noise of every image coordinate, standard deviation",
+    caption="noise {:g} px",
+    label="Pixel noise (px)",
     slider_range=(0.0, 2.0, 0.05),
     apply=_add_noise,
 )
 MISSING = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description=_("probability that an image does not show a point"),
-    caption=_("missing {:.0%}"),
-    label=_("Points lost (%)"),
+    description="probability that an image does not show a point",
+    caption="missing {:.0%}",
+    label="Points lost (%)",
     slider_range=(0, 50, 1),
     slider_scale=100,
     apply=_lose,
@@ -115,9 +113,9 @@ MISSING = ImageDisturbance(
 OUTLIERS = ImageDisturbance(
     bounds=(0, 1),
     unit="share",
-    description=_("probability that a point is found at a wrong place"),
-    caption=_("outliers {:.0%}"),
-    label=_("Points misplaced (%)"),
+    description="probability that a point is found at a wrong place",
+    caption="outliers {:.0%}",
+    label="Points misplaced (%)",
     slider_range=(0, 30, 1),
     slider_scale=100,
     apply=_misplace,
@@ -125,9 +123,9 @@ OUTLIERS = ImageDisturbance(
 SWAPPED = MatchDisturbance(
     bounds=(0, 1),
     unit="share",
-    description=_("fraction of the demonstrator's points that are swapped, in pairs"),
-    caption=_("swapped {:.0%}"),
-    label=_("Points mixed up (%)"),
+    description="fraction of the demonstrator's points that are swapped, in pairs",
+    caption="swapped {:.0%}",
+    label="Points mixed up (%)",
     slider_range=(0, 50, 1),
     slider_scale=100,
     permute=_swap,
@@ -135,9 +133,9 @@ SWAPPED = MatchDisturbance(
 GAIN_ERROR = ArmDisturbance(
     bounds=(-0.5, 0.5),
     unit="share",
-    description=_("relative actuation error: the arm moves farther than commanded by this fraction"),
-    caption=_("gain error {:.0%}"),
-    label=_("Arm overshoot (%)"),
+    description="relative actuation error: the arm moves farther than commanded by this fraction",
+    caption="gain error {:.0%}",
+    label="Arm overshoot (%)",
     slider_range=(-20, 20, 1),
     slider_scale=100,
     drive=_overshoot,
@@ -145,9 +143,9 @@ GAIN_ERROR = ArmDisturbance(
 QUANTUM = ArmDisturbance(
     bounds=(0, 5),
     unit="deg",
-    description=_("the arm moves to multiples of this only, or to a limit"),
-    caption=_("steps of {:g}°"),
-    label=_("Arm resolution (°)"),
+    description="the arm moves to multiples of this only, or to a limit",
+    caption="steps of {:g}°",
+    label="Arm resolution (°)",
     slider_range=(0.0, 2.0, 0.1),
     drive=_quantise,
 )

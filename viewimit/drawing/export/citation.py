@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 from ... import __version__
 from ...estimation.transfers import TRANSFERS
-from ...language import _, ngettext
 from ...loop.codegen import as_command, as_python, as_reproduction
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...sensing.files import file_name
 from ...servo import SERVOS
+from ...wording import plural
 from ..plots import describe_settings
 
 PAPER = "“View-Based Imitation Learning by Conflict Resolution with Epipolar Geometry”, IROS 2001"
@@ -55,7 +55,7 @@ def cite_both(one: Session, other: Session) -> Citation:
     if first.python and second.python:
         python = f"{first.python}\n\n{second.python}"
     return Citation(
-        _("{first} against {second}").format(first=first.title, second=second.title),
+        f"{first.title} against {second.title}",
         first.conditions,
         _software(),
         command,
@@ -78,9 +78,9 @@ def cite_experiment(name: str, settings: Settings, motion: object = None) -> Cit
 def _conditions(settings: Settings) -> str:
     words = [describe_settings(settings)]
     if settings.frames > 1:
-        words.append(ngettext("{n} frame", "{n} frames", settings.frames).format(n=settings.frames))
-    return " · ".join([*words, _("seed {seed}").format(seed=settings.seed)])
+        words.append(plural("{n} frame", "{n} frames", settings.frames).format(n=settings.frames))
+    return " · ".join([*words, f"seed {settings.seed}"])
 
 
 def _software() -> str:
-    return _("viewimit {version}, after {paper}").format(version=__version__, paper=PAPER)
+    return f"viewimit {__version__}, after {PAPER}"

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...language import _
 from ...simulation.appearance import extreme_vertices
 from ...simulation.camera import Camera
 from ...simulation.robot import BodyPoints, link_meshes, robot_names
@@ -15,13 +14,13 @@ from ...simulation.world import World
 from ..svg import joint_symbol
 
 JOINT_NAMES = {
-    1: _("Base {symbol}"),
-    2: _("Shoulder {symbol}"),
-    3: _("Upper arm {symbol}"),
-    4: _("Elbow {symbol}"),
-    5: _("Forearm {symbol}"),
-    6: _("Wrist {symbol}"),
-    7: _("Hand {symbol}"),
+    1: "Base {symbol}",
+    2: "Shoulder {symbol}",
+    3: "Upper arm {symbol}",
+    4: "Elbow {symbol}",
+    5: "Forearm {symbol}",
+    6: "Wrist {symbol}",
+    7: "Hand {symbol}",
 }
 MOVING_JOINTS = 2  # the map of E has as many axes
 HULL_DIGITS = 4  # of m
@@ -32,11 +31,11 @@ def require_scene(scene: Scene) -> None:
     """Raise ValueError for a scene that the engine cannot compute."""
     count = len(scene.moving_joints)
     if count != MOVING_JOINTS:
-        refusal = _("the lab needs {needed} moving joints, this scene has {n}: choose --joints")
+        refusal = "the lab needs {needed} moving joints, this scene has {n}: choose --joints"
         raise ValueError(refusal.format(needed=MOVING_JOINTS, n=count))
     head = scene.stereo_head()
     if head.left.is_distorted or head.right.is_distorted:
-        raise ValueError(_("the lab has pinhole cameras: this scene's lenses distort their images"))
+        raise ValueError("the lab has pinhole cameras: this scene's lenses distort their images")
 
 
 def can_compute(scene: Scene) -> bool:
@@ -109,7 +108,7 @@ def describe_hulls(robot: str) -> dict[str, Sequence]:
 def joint_name(scene: Scene, joint: int) -> str:
     """What a joint is called, with its symbol: the shipped robots' are those of a human arm."""
     named = JOINT_NAMES if scene.robot in robot_names() else {}
-    return named.get(joint, _("Joint {symbol}")).format(symbol=joint_symbol(joint))
+    return named.get(joint, "Joint {symbol}").format(symbol=joint_symbol(joint))
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

@@ -20,7 +20,6 @@ from typing import NamedTuple, Protocol
 
 from ...assets import ROOT
 from ...estimation.equations import MISSING, Equation
-from ...language import _
 from .. import svg
 from ..equations import filled
 from ..theme import DRAWING_CSS, ROLES
@@ -31,7 +30,7 @@ MARGIN = 8  # px around a drawing
 PNG_SCALE, PRINT_SCALE = 3, 4  # pixels per px of a drawing; PRINT_SCALE: 15 cm at 300 pixels per inch
 RENDERER, TYPESETTER = "resvg_py", "ziamath"
 INSTALL = "pip install 'viewimit[plot]'"  # installs both
-NO_PNG = _("PNG needs {renderer}: {install}; SVG does not").format(renderer=RENDERER, install=INSTALL)
+NO_PNG = f"PNG needs {RENDERER}: {INSTALL}; SVG does not"
 WRITERS = {".png": (RENDERER, INSTALL), ".pdf": ("typst", "pip install 'viewimit[typst]'")}  # packages, by extension
 PICTURES = (".svg", *WRITERS)
 TYPST = """#set document(title: sys.inputs.title, date: none)
@@ -45,8 +44,8 @@ EQUATION_PX = 13  # height of a letter
 LARGE, SMALL = ("L", "R"), ("l", "r")
 SVG_NAMESPACE = "http://www.w3.org/2000/svg"
 COLUMNS = ((0, 17), (110, 14), (195, 16), (299, 14), (398, 5))  # of the paper's claims: px, letters per line
-HEADS = ("", _("paper"), _("here"), _("tolerance"), "")
-WORDS = {True: _("pass"), False: _("miss"), None: MISSING}
+HEADS = ("", "paper", "here", "tolerance", "")
+WORDS = {True: "pass", False: "miss", None: MISSING}
 
 _ROOT = re.compile(r'<svg class="([^"]*)" viewBox="0 0 ([\d.]+) ([\d.]+)"[^>]*>(.*)</svg>', re.DOTALL)
 _COMMENT_OR_AT_RULE = re.compile(r"/\*.*?\*/|@[^{};]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", re.DOTALL)
@@ -80,7 +79,7 @@ def standalone(drawing: str, title: str, description: str = "", css: str = DRAWI
     """
     found = _ROOT.search(drawing)
     if found is None:
-        raise ValueError(_("the drawing has no <svg class=… viewBox=…>"))
+        raise ValueError("the drawing has no <svg class=… viewBox=…>")
     classes, width, height = found[1], float(found[2]) + 2 * MARGIN, float(found[3]) + 2 * MARGIN
     inside = _with_short_ids(with_light_colours(found[4]))
     frame = f'x="{-MARGIN}" y="{-MARGIN}" width="{width:g}" height="{height:g}"'
@@ -128,7 +127,7 @@ def require_renderer(path: Path, instead: str) -> None:
     suffix = path.suffix.lower()
     if suffix in WRITERS and not can_render(suffix):
         package, install = WRITERS[suffix]
-        refusal = _("{path}: {suffix} needs {package}: {install}; {instead} does not")
+        refusal = "{path}: {suffix} needs {package}: {install}; {instead} does not"
         raise ValueError(refusal.format(path=path, suffix=suffix, package=package, install=install, instead=instead))
 
 
@@ -210,9 +209,7 @@ class Figure:
         lines = [(line, "vi-b") for line in textwrap.wrap(f"{self.title}.", letters)]
         lines += [(line, "vi-2nd") for line in textwrap.wrap(f"{citation.conditions}. {citation.software}.", letters)]
         if citation.repeated_by:
-            wrapped = textwrap.wrap(
-                _("Repeated by: {command}").format(command=citation.repeated_by), letters, break_on_hyphens=False
-            )
+            wrapped = textwrap.wrap(f"Repeated by: {citation.repeated_by}", letters, break_on_hyphens=False)
             lines += [(line, "vi-2nd") for line in wrapped]
         caption = "".join(
             svg.text(0, self.height + GAP + LINE * (k + 1), line, kind) for k, (line, kind) in enumerate(lines)
@@ -318,7 +315,7 @@ def can_typeset() -> bool:
 def require_typesetter() -> None:
     """Raise ValueError if equations cannot be typeset."""
     if not can_typeset():
-        refusal = _("a picture of equations needs {typesetter}: {install}")
+        refusal = "a picture of equations needs {typesetter}: {install}"
         raise ValueError(refusal.format(typesetter=TYPESETTER, install=INSTALL))
 
 

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ...analysis.landscape import Landscape, conflict_at, grid_axes, landscape_over
 from ...analysis.observability import joint_uncertainty
-from ...language import _
 from ...loop.settings import disturbances
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies, Silhouettes, points_in_images
@@ -17,8 +16,8 @@ from ...simulation.world import World
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
-TOO_FEW = _("fewer than five points are seen in all four images")
-NO_NAMES = _("the points have no names yet")
+TOO_FEW = "fewer than five points are seen in all four images"
+NO_NAMES = "the points have no names yet"
 WIDER = 1.15  # factor by which a posture that leaves the windows is taken to be larger
 COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time
 START_AND_MOTION = ("start_deg", "servo", *disturbances(ArmDisturbance))  # settings without influence on E

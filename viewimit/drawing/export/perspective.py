@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...language import ngettext
 from ...loop.snapshot import Snapshot
 from ...simulation import scene_geometry
 from ...simulation.camera import triangulate
 from ...simulation.robot import link_meshes
 from ...simulation.scene_geometry import FOV, fit_view
 from ...simulation.world import World
+from ...wording import plural
 from .. import svg
 from ..images.planes import image_points
 from ..theme import ROLES, half_white, rgb
@@ -120,7 +120,7 @@ def draw_space(
         f'<g fill="{ROLES["ink"][0]}" opacity=".13">{shadows}</g>'
         f'<g stroke-width=".3" stroke-linejoin="round">{painted}</g>{names}</svg>'
     )
-    title = ngettext(
+    title = plural(
         "Both arms in 3-D after {n} step, which the learner does not see",
         "Both arms in 3-D after {n} steps, which the learner does not see",
         moment.motion,

@@ -14,7 +14,6 @@ from ...analysis.construction import construct
 from ...analysis.landscape import Landscape, conflict_at
 from ...analysis.observability import joint_uncertainty
 from ...analysis.self_assessment import assess
-from ...language import _
 from ...loop.session import Session
 from ...loop.settings import DISTURBANCES, Settings
 from ...loop.snapshot import Snapshot
@@ -30,7 +29,7 @@ MAX_LANDSCAPES = 24  # of different demonstrators' postures; with more, a senten
 MAX_CONSTRUCTIONS = 2400  # over all points and snapshots; with more, only the first chosen point's is recorded
 TREND = 5  # snapshots before a moment that its status may mention
 MAP_DEG = 2.0  # step of a map's grid
-FOLLOWS = _("The map of E follows the demonstrator.")
+FOLLOWS = "The map of E follows the demonstrator."
 PX, RAD, SHARE = 100, 1e6, 1000  # units of what is recorded in a px, a rad, and the logarithm of E
 MAX_WHOLE = 1e8  # hundredths of a px: nothing so far off is drawn
 LAB_TRANSFERS = "epipolar", "linear", "projective"  # that the lab has, the first one in place of others
@@ -109,13 +108,13 @@ def _lacks(moment: Snapshot, settings: Settings) -> list[str]:
     """Say what of a run the lab has not, each in a few words."""
     lacks = []
     if settings.transfer not in LAB_TRANSFERS:
-        lacks.append(_("the transfer “{title}”").format(title=moment.method.title))
+        lacks.append(f"the transfer “{moment.method.title}”")
     if settings.servo not in LAB_SERVOS:
-        lacks.append(_("the servo “{title}”").format(title=moment.servo.title))
+        lacks.append(f"the servo “{moment.servo.title}”")
     if moment.rectification is not None:
-        lacks.append(_("rectified images"))
+        lacks.append("rectified images")
     if settings.sensor != "projected":
-        lacks.append(_("rendered pictures"))
+        lacks.append("rendered pictures")
     disturbed = (name for name in DISTURBANCES if name not in LAB_DISTURBANCES and getattr(settings, name))
     return [*lacks, *(name.removesuffix("_deg").replace("_", " ") for name in disturbed)]
 
@@ -219,7 +218,7 @@ def _grid(landscape: Landscape) -> dict[str, Any]:
     level = np.log(np.maximum(landscape.E, 1e-9)) * SHARE
     known = np.isfinite(level)
     if not known.any():
-        return {"says": _("Nowhere are five points seen in all four images.")}
+        return {"says": "Nowhere are five points seen in all four images."}
     whole = np.where(known, level, level[known].max()).round().astype(int).ravel()
     return {
         "size": landscape.E.shape,

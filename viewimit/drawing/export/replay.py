@@ -19,7 +19,6 @@ import msgspec
 
 from ... import __version__
 from ...assets import ROOT
-from ...language import _
 from ...loop.session import Session
 from ...loop.snapshot import Snapshot
 from ..glossary import ask, cards
@@ -81,7 +80,7 @@ def packed(data: bytes) -> str:
 CELL_HEIGHT = 700  # px, in a notebook
 HERE = Path(__file__).parent
 SCENE = "replay"  # the name of its scene, and of what the lab begins with
-TAKEN_OVER = _("The run of this replay, gone on with in the lab.")
+TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
 NO_PARTS: Mapping[str, str] = MappingProxyType({})
 PARTS = tuple(f"replay_{place}" for place in PLACES)
@@ -122,7 +121,7 @@ class Replay:
 
     def _repr_html_(self) -> str:
         style = f"width:100%;height:{CELL_HEIGHT}px;border:0;border-radius:8px"
-        return f'<iframe title="{_("Replay")}" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
+        return f'<iframe title="Replay" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
 
 
 def replay(session: Session, title: str = "", chosen: int | None = None) -> Replay:
@@ -151,7 +150,7 @@ def replay(session: Session, title: str = "", chosen: int | None = None) -> Repl
     if chosen is None:
         chosen = largest_residual(first)
     elif not 0 <= chosen < len(world.body):
-        refusal = _("no point {point}; there are {n}, from 0")
+        refusal = "no point {point}; there are {n}, from 0"
         raise ValueError(refusal.format(point=chosen, n=len(world.body)))
     kept = kept_motions(session.history)
     shapes, citation = Shapes(), cite(session)
@@ -198,7 +197,7 @@ def _page(title: str, citation: Citation, data: dict[str, Any], meshes: bytes) -
         for name, text in _parts().items()
     }
     return lab_html(
-        _("{title} · a viewimit replay").format(title=title or citation.title),
+        f"{title or citation.title} · a viewimit replay",
         data,
         meshes,
         "\n".join((WORDS_CSS, HERE.joinpath("replay.css").read_text("utf-8"))),
@@ -251,14 +250,14 @@ def styles(*names: str) -> str:
 def _repeated(citation: Citation) -> str:
     """Build the texts that repeat the session, each with a button that copies it."""
     parts = []
-    for name, text in ((_("As a command"), citation.command), (_("In Python"), citation.python)):
+    for name, text in (("As a command", citation.command), ("In Python", citation.python)):
         if text is not None:
             parts.append(
                 f'<h2>{name}</h2><button type="button" class="copy"'
-                f' aria-label="{_("Copy: {what}").format(what=name)}">{_("Copy")}</button>'
+                f' aria-label="{f"Copy: {name}"}">Copy</button>'
                 f'<pre tabindex="0">{escape(text)}</pre>'
             )
-    return "".join(parts) or f"<p>{_('It goes on from what cannot be said in a few words.')}</p>"
+    return "".join(parts) or "<p>It goes on from what cannot be said in a few words.</p>"
 
 
 @cache

@@ -13,7 +13,6 @@ from ...analysis.construction import Construction
 from ...estimation.transfers.registry import FLATNESS
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
-from ...language import _
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Bodies
 from .. import svg
@@ -32,10 +31,10 @@ COLUMNS = (0, 74, 140, 236, 302, 372)  # px: of the metrics in print
 LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px, in print
 SPARK, SPARK_MOTIONS = (96, 34), 60  # px of the small curve of E, and the motions that it shows at most
 NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
-HEADINGS = {"own": _("The learner’s own arm, left and right eye"), "demo": _("Demonstrator")}  # of L and R, of l and r
-PUT_BY = {True: _("where the lines put it"), False: _("where the transfer puts it")}  # by whether lines are crossed
+HEADINGS = {"own": "The learner’s own arm, left and right eye", "demo": "Demonstrator"}  # of L and R, of l and r
+PUT_BY = {True: "where the lines put it", False: "where the transfer puts it"}  # by whether lines are crossed
 PRINTED_COLUMN = 108  # px, of the legend in print
-RECTIFIED = {**HEADINGS, "own": _("The learner’s own arm; images then rectified")}
+RECTIFIED = {**HEADINGS, "own": "The learner’s own arm; images then rectified"}
 
 
 def draw_images(
@@ -120,7 +119,7 @@ def draw_images(
         for pair, words in headings.items()
     ]
     parts.append(draw_legend(gain, chosen, crossed, goal) if print_size else write_legend(gain, crossed, goal))
-    how = _("Click a point to see its lines.") if crossed else _("Click a point to see how it is transferred.")
+    how = "Click a point to see its lines." if crossed else "Click a point to see how it is transferred."
     if chosen is not None:
         how = describe_construction(construction, chosen, stage, crossed)
     if chosen is not None or not print_size:
@@ -128,7 +127,7 @@ def draw_images(
     metrics = _metrics(snapshot, lengths)
     parts.append(draw_metrics(metrics) if print_size else write_metrics(metrics, course))
     inside = "".join(parts)
-    four = f'<div class="{kind}" role="group" aria-label="{_("The four images")}">{inside}</div>'
+    four = f'<div class="{kind}" role="group" aria-label="The four images">{inside}</div>'
     return f'<div class="vi-panel vi-four">{four}</div>'
 
 
@@ -237,7 +236,7 @@ def _rings(snapshot: Snapshot, points: NDArray[np.float64], chosen: int) -> list
 def _readout(snapshot: Snapshot, chosen: int, side: int, window: Window, size: tuple[int, int]) -> str:
     """Write the chosen point's residual in this image, px, in a corner that the arm leaves free."""
     e = snapshot.e[chosen, 2 * side : 2 * side + 2]
-    words = _("point {point}: {length} px").format(point=chosen, length=svg.number(math.hypot(*e.tolist())))
+    words = f"point {chosen}: {svg.number(math.hypot(*e.tolist()))} px"
     x, end = (6, "") if window.readout_left else (size[0] - 6, " vi-end")
     width = READOUT_LETTER * len(words) + 6
     left = x - 3 if window.readout_left else x + 3 - width
@@ -303,17 +302,17 @@ class LegendEntry(NamedTuple):
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
-    arrow = _("residual e") if gain == 1 else _("residual e, ×{gain}").format(gain=f"{gain:g}")
+    arrow = "residual e" if gain == 1 else "residual e, ×{gain}".format(gain=f"{gain:g}")
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
-        LegendEntry('<path class="vi-own" d="M10 0h0"/>', _("own point"), 5, 10),
+        LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),
         LegendEntry(f'<path class="vi-found" d="{diamond(RECOVERED)}"/>', PUT_BY[crossed], 5, 10),
         LegendEntry('<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="M20 0l-4.6 1.9v-3.8z"/>', arrow, 0, 21),
     ]
     if goal:
         ghost = '<rect class="vi-goal" x="3.5" y="-5.5" width="13" height="11" rx="4"/>'
         ring = f'<circle class="vi-goal-ring" cx="10" cy="0" r="{GOAL_DOT}"/>'
-        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', _("goal"), 3, 14))
+        entries.append(LegendEntry(f'<g class="vi-ghost">{ghost}{ring}</g>', "goal", 3, 14))
     return entries
 
 
@@ -332,15 +331,11 @@ def draw_legend(gain: float, chosen: int | None, crossed: bool, goal: bool) -> s
     """Draw the legend in two rows, for print."""
     entries = _legend_entries(gain, crossed, goal)
     if chosen is not None:
-        entries.append(
-            LegendEntry(
-                '<circle class="vi-ring" cx="10" cy="0" r="5"/>', _("point {point}, its").format(point=chosen), 3, 14
-            )
-        )
+        entries.append(LegendEntry('<circle class="vi-ring" cx="10" cy="0" r="5"/>', f"point {chosen}, its", 3, 14))
     if chosen is not None and crossed:
         entries += [LegendEntry(planes.line_sample(kind), words, 0, 20) for kind, words in planes.LINE_NAMES.items()]
     elif chosen is not None:
-        entries.append(LegendEntry(planes.STEPS_SAMPLE, _("steps to it"), 0, 20))
+        entries.append(LegendEntry(planes.STEPS_SAMPLE, "steps to it", 0, 20))
     (width, height), parts = LEGEND_SIZE, []
     for i, (mark, words, *__) in enumerate(entries):
         label = f'<text class="vi-2nd" x="25" y="4">{words}</text>'
@@ -381,23 +376,23 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
         each = lengths.ravel().tolist()  # for few numbers faster than numpy
         mean, largest = sum(each) / len(each), max(each)
         point = snapshot.usable.nonzero()[0][each.index(largest) // 2]
-        where = _("{value} px at {point}").replace("{point}", str(point))
+        where = "{value} px at {point}".replace("{point}", str(point))
     used, count = int(snapshot.usable.sum()), len(snapshot.usable)
     condition = float(snapshot.transfer.condition) if snapshot.transfer is not None else np.nan
     name = snapshot.method.condition_name
     level, label = gauge(condition, name)
     found = [
         Metric("", "E", svg.escape(svg.short_E(snapshot.E)), "{value} px²" if known else "{value}"),
-        Metric("", _("mean |e|"), svg.number(mean), "{value} px" if known else "{value}"),
-        Metric("", _("largest |e|"), svg.number(largest), where),
+        Metric("", "mean |e|", svg.number(mean), "{value} px" if known else "{value}"),
+        Metric("", "largest |e|", svg.number(largest), where),
         Metric(level, label, _short(condition, 100), title=name),
     ]
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
         found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100)))
     if used < count:
-        level, text = "red" if used < MIN_POINTS else "", _("{value} of {n}").replace("{n}", str(count))
-        counted = _("seen") if snapshot.views.matched else _("named")
+        level, text = "red" if used < MIN_POINTS else "", "{value} of {n}".replace("{n}", str(count))
+        counted = "seen" if snapshot.views.matched else "named"
         found.append(Metric(level, counted, str(used), text, glossary()["points_seen"].symbol))
     return tuple(found)
 
@@ -405,7 +400,7 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
 def write_metrics(metrics: Sequence[Metric], course: Sequence[float] = ()) -> str:
     """Write E large, with a small curve of its course, and the other numbers small, as HTML."""
     first, *others = metrics
-    large = f'<div class="vi-metric vi-E"><span>{_("Conflict E")} {_ask(first)}</span>{_value(first)}</div>'
+    large = f'<div class="vi-metric vi-E"><span>Conflict E {_ask(first)}</span>{_value(first)}</div>'
     small = "".join(
         f'<div class="vi-metric"><span>{metric.label} {_ask(metric)}</span>{_value(metric)}</div>' for metric in others
     )
@@ -436,7 +431,7 @@ def _small_curve(course: Sequence[float]) -> str:
     x = np.linspace(4, width - 5, max(len(E), 12))[: len(E)]
     points = np.stack([x, height - 5 - (height - 10) * (log_E - low) / (high - low)], -1)
     return (
-        f'<svg class="vi vi-spark" viewBox="0 0 {width} {height}" role="img" aria-label="{_("E over the steps")}">'
+        f'<svg class="vi vi-spark" viewBox="0 0 {width} {height}" role="img" aria-label="E over the steps">'
         f'<path class="vi-axis" d="M2 {height - 1}H{width - 2}"/><path class="vi-line-E" d="{svg.path(points)}"/>'
         f'<path class="vi-dot-E" d="{svg.dots(points[-1:])}"/></svg>'
     )
@@ -452,9 +447,9 @@ def draw_metrics(metrics: Sequence[Metric]) -> str:
 def gauge(condition: float, name: str) -> tuple[str, str]:
     """Return the colour of a transfer's condition, and its name with a word if it is high."""
     if condition >= RED:
-        return "red", _("{name}: too high").format(name=name)
+        return "red", f"{name}: too high"
     if condition >= AMBER:
-        return "amber", _("{name}: high").format(name=name)
+        return "amber", f"{name}: high"
     return "", name
 
 

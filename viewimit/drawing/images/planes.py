@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
 from ...estimation.views import FourViews
-from ...language import _
 from ...simulation.appearance import ArmImages
 from .. import svg
 from ..theme import RECOVERED
@@ -178,21 +177,21 @@ def _locator(window: Window, w: float, frame: tuple[int, int]) -> str:
 
 
 CROSSED = (
-    ("l", _("This is point {point} in l.")),
-    ("left", _("Its epipolar lines in L and R: the point is somewhere on them.")),
-    ("r", _("This is point {point} in r.")),
-    ("right", _("It gives a second line in each image.")),
-    ("recovered", _("The diamond is where the two lines cross.")),
-    ("own", _("The arrow is the residual, from there to the learner's own point {point}.")),
+    ("l", "This is point {point} in l."),
+    ("left", "Its epipolar lines in L and R: the point is somewhere on them."),
+    ("r", "This is point {point} in r."),
+    ("right", "It gives a second line in each image."),
+    ("recovered", "The diamond is where the two lines cross."),
+    ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
 REPEATED = (
-    ("l", _("This is point {point} in l and r.")),
-    ("steps", _("Three steps lead to it from the middle of all points.")),
-    ("repeated", _("The same steps are made in L and R.")),
-    ("recovered", _("The diamond is where they lead.")),
-    ("own", _("The arrow is the residual, from there to the learner's own point {point}.")),
+    ("l", "This is point {point} in l and r."),
+    ("steps", "Three steps lead to it from the middle of all points."),
+    ("repeated", "The same steps are made in L and R."),
+    ("recovered", "The diamond is where they lead."),
+    ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
-LINE_NAMES = {"": _("line of l"), " vi-from-right": _("line of r"), " vi-partner": _("other eye")}  # by class of a line
+LINE_NAMES = {"": "line of l", " vi-from-right": "line of r", " vi-partner": "other eye"}  # by class of a line
 STEPS_SAMPLE = '<path class="vi-steps" d="M0 0H20"/><path class="vi-stop" d="M10 0h0"/>'
 WITH = {"r": "l"}  # a part without a stage of its own → the stage it appears in
 MAX_HALF_AXIS = 400.0  # px: a longer one looks the same
@@ -221,15 +220,13 @@ def describe_construction(construction: Construction | None, point: int, stage: 
         words = (CROSSED if crossed else REPEATED)[stage][1]
         return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(point=name)}"
     if construction is None:
-        return _("Point {point} is not visible in all four images.").format(point=name)
+        return f"Point {name} is not visible in all four images."
     if construction.angle is None:
-        return _("Point {point}: transferred by the steps {mark}.").format(
-            point=name, mark=svg.sample(STEPS_SAMPLE, 0, 20)
-        )
+        return f"Point {name}: transferred by the steps {svg.sample(STEPS_SAMPLE, 0, 20)}."
     left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))
     angles = left if left == right else f"{left}, {right}"
     of_l, of_r = (svg.sample(line_sample(kind), 0, 20) for kind in list(LINE_NAMES)[:2])
-    text = _("Point {point}: its lines of l {line_l} and r {line_r} cross at angles of {angles}")
+    text = "Point {point}: its lines of l {line_l} and r {line_r} cross at angles of {angles}"
     return text.format(point=name, line_l=of_l, line_r=of_r, angles=angles)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.rectification import Rectification
-from ...language import _
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import ArmImages, Bodies
 from .. import svg
@@ -22,14 +21,14 @@ GAP = 6  # px between the images of a pair
 MARGIN = 8  # px around the points
 ROWS = 5  # that are drawn
 MIN_DISTANCE = 0.01  # px: smaller ones are written as "less than"
-AS_THEY_ARE = _("Not rectified: one affine\ngeometry fits all matched points.")
-OFF = _("Rectification is off\n(folder Display).")
+AS_THEY_ARE = "Not rectified: one affine\ngeometry fits all matched points."
+OFF = "Rectification is off\n(folder Display)."
 
 
 def draw_rectified(snapshot: Snapshot, bodies: Bodies, print_size: bool = False) -> str:
     """Draw the panel as HTML; without rectification it says why there is none. print_size: as in `draw_images`."""
     by = snapshot.rectification
-    parts = [svg.text(LEFTS[0], 14, _("as seen"), "vi-b"), svg.text(LEFTS[1], 14, _("rectified"), "vi-b")]
+    parts = [svg.text(LEFTS[0], 14, "as seen", "vi-b"), svg.text(LEFTS[1], 14, "rectified", "vi-b")]
     off = OFF if snapshot.settings.rectify == "off" else AS_THEY_ARE
     for top, names, images, arm in (
         (TOPS[0], "lr", snapshot.views.demo, bodies.demo),
@@ -42,7 +41,7 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies, print_size: bool = False)
         else:
             parts += [svg.text(LEFTS[1], top + IMAGE[1] / 2 + 18 * k, words) for k, words in enumerate(off.split("\n"))]
     box = f"0 0 {SIZE[0]} {SIZE[1]}"
-    label, drawn = _("Images as seen and as rectified"), "".join(parts)
+    label, drawn = "Images as seen and as rectified", "".join(parts)
     drawing = f'<svg class="vi" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
     metrics = (draw_metrics if print_size else write_metrics)(metrics_of(snapshot))
     return f'<div class="vi-panel">{drawing}{metrics}</div>'
@@ -78,7 +77,7 @@ def _pair(
         drawn.append(f'<path class="vi-row-line" d="M{left} {y:.1f}h{2 * IMAGE[0] + GAP}"/>')
         drawn.append(f'<path class="vi-e" d="M{x:.1f} {y:.1f}V{there:.1f}"/>')
     distance = row_distance(images)
-    text = _("rows differ by less than {px} px") if distance < MIN_DISTANCE else _("rows differ by {px} px")
+    text = "rows differ by less than {px} px" if distance < MIN_DISTANCE else "rows differ by {px} px"
     words = text.format(px=svg.number(max(distance, MIN_DISTANCE), 2))
     return "".join(drawn) + svg.text(left, top + IMAGE[1] + 16, words)
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...language import _
 from .. import svg
 from ..labels import Labels
 from ..plots import Axes, linear_ticks
@@ -15,8 +14,8 @@ WIDTH, HEIGHT = 420, 330  # px of one view
 LEFT, TOP, RIGHT, BOTTOM = 44, 24, 8, 24  # px around its plot
 MARGIN = 0.08  # around the points, in units of their extent
 DOT = 3.2  # px
-DEMO = {"demo_left": _("[l] demonstrator"), "demo_right": _("[r] demonstrator")}
-TITLES = {**DEMO, "own_left": _("[L] learner"), "own_right": _("[R] learner")}  # by the view's name in files
+DEMO = {"demo_left": "[l] demonstrator", "demo_right": "[r] demonstrator"}
+TITLES = {**DEMO, "own_left": "[L] learner", "own_right": "[R] learner"}  # by the view's name in files
 LEGEND = 26  # px of the heading above four views, and of the legend below
 
 
@@ -60,10 +59,10 @@ def legend() -> list[tuple[str, str]]:
     start, end = np.array([[[1.0, 0.0]]]), np.array([[[20.0, 0.0]]])
     arrow = f'<path class="vi-e" d="M1 0H16"/><path class="vi-tip" d="{svg.arrow_tips(start, end, HEAD)[0]}"/>'
     return [
-        (_dot("vi-seen", 10, 0), _("seen, demonstrator")),
-        (_dot("vi-point", 10, 0), _("seen, own")),
-        (f'<path class="vi-found" d="{svg.diamonds(middle, RECOVERED)}"/>', _("recovered from [l], [r]")),
-        (arrow, _("residual e")),
+        (_dot("vi-seen", 10, 0), "seen, demonstrator"),
+        (_dot("vi-point", 10, 0), "seen, own"),
+        (f'<path class="vi-found" d="{svg.diamonds(middle, RECOVERED)}"/>', "recovered from [l], [r]"),
+        (arrow, "residual e"),
     ]
 
 

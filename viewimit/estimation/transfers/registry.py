@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.affine import DEMO_PAIR, VIEW_PAIRS
-from ...language import _
 from ..equations import HOLE, Equation, column, each, matrix, number, short
 from ..residuals import warn_renamed
 from ..views import FourViews
@@ -27,7 +26,7 @@ from .transfer import FittedTransfer, TransferFunction, fit_function
 PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
 LINE_PAIRS = tuple("lrLR"[p] + "lrLR"[q] for p, q in np.delete(VIEW_PAIRS, DEMO_PAIR, 0))  # of the rows of 𝐀, Eq. (4)
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]
-FLAT = _("The points nearly lie in a plane, so E may mislead.")
+FLAT = "The points nearly lie in a plane, so E may mislead."
 
 Equations = Callable[[Any, NDArray[np.float64], NDArray[np.float64], str], tuple[Equation, ...]]
 
@@ -113,7 +112,7 @@ def _epipolar_equations(
     return (
         Equation(
             "(4)",
-            _("point {point} recovered, px about the centroids: so f₃₃ = 0").format(point=name),
+            f"point {name} recovered, px about the centroids: so f₃₃ = 0",
             rf"𝐀\,{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}=-𝐁𝐜_{{{HOLE}}}:\;{matrix(5, 4)}{column(4)}\approx{column(5)}",
             (name, name, *each(A[0], 2), *each(solution, 1), *each(-B[0] @ centred, 1)),
             wide=True,
@@ -131,7 +130,7 @@ def _affine_equations(
     return (
         Equation(
             "",
-            _("replaces (4), point {point}: centroid + map · (c − its centroid), px").format(point=name),
+            f"replaces (4), point {name}: centroid + map · (c − its centroid), px",
             rf"{{}}^{{LR}}\hat{{𝐮}}_{{{HOLE}}}={column(4)}+{matrix(4, 4)}{column(4)}={column(4)}",
             (name, *each(fitted.own_mean, 0), *each(fitted.matrix, 2), *each(centred, 1), *each(recovered, 1)),
             wide=True,
@@ -151,46 +150,46 @@ def _projective_equations(
     )
     depth = number(float(1 + u @ fitted.p), 3)
     numbers = (name, name, name, *each(fitted.own_mean, 0), *each(shape, 1), depth, *each(recovered, 1))
-    title = _("replaces (4), point {point}: one depth for L and R, px").format(point=name)
+    title = f"replaces (4), point {name}: one depth for L and R, px"
     return (Equation("", title, latex, numbers, wide=True),)
 
 
 def _rank3_conflict(E: float) -> Equation:
     latex = rf"E=\frac{{1}}{{2N}}\sum_{{k=1}}^{{5}}\lambda_k(𝐖)={HOLE}"
-    return Equation("", _("replaces (6): what all four images leave beyond rank 3"), latex, (short(E),))
+    return Equation("", "replaces (6): what all four images leave beyond rank 3", latex, (short(E),))
 
 
 TRANSFERS = Transfers(
     {
         "epipolar": TransferMethod(
-            title=_("Epipolar (paper)"),
-            assumes=_("Affine cameras. Each point is where the epipolar lines of its images in l and r cross."),
-            limitations=_("Nearly parallel lines, and perspective: the lowest E is degrees off, so no claim."),
+            title="Epipolar (paper)",
+            assumes="Affine cameras. Each point is where the epipolar lines of its images in l and r cross.",
+            limitations="Nearly parallel lines, and perspective: the lowest E is degrees off, so no claim.",
             fit=epipolar.fit,
             equations=_epipolar_equations,
             crosses_lines=True,
             condition_name="cond A",
-            degenerate_message=_("The epipolar lines are nearly parallel, so E may mislead."),
+            degenerate_message="The epipolar lines are nearly parallel, so E may mislead.",
         ),
         "linear": TransferMethod(
-            title=_("Linear combination"),
-            assumes=_("Affine cameras. Each image of the learner is an affine function of the demonstrator's shape."),
-            limitations=_("Perspective: the lowest E is degrees off, so no claim. It never intersects lines."),
+            title="Linear combination",
+            assumes="Affine cameras. Each image of the learner is an affine function of the demonstrator's shape.",
+            limitations="Perspective: the lowest E is degrees off, so no claim. It never intersects lines.",
             fit=linear.fit,
             equations=_affine_equations,
         ),
         "rank3": TransferMethod(
-            title=_("Rank 3, all views"),
-            assumes=_("Affine cameras, and equal noise in all four images, which it fits at once."),
-            limitations=_("Perspective: the largest bias without noise, so no claim. It is steady under much noise."),
+            title="Rank 3, all views",
+            assumes="Affine cameras, and equal noise in all four images, which it fits at once.",
+            limitations="Perspective: the largest bias without noise, so no claim. It is steady under much noise.",
             fit=rank3.fit,
             equations=_affine_equations,
             conflict_equation=_rank3_conflict,
         ),
         "projective": TransferMethod(
-            title=_("Projective combination"),
-            assumes=_("Parallel optical axes, or rectified images: a point has one depth in both."),
-            limitations=_("Distorting lenses, and much noise: average several images of the demonstrator."),
+            title="Projective combination",
+            assumes="Parallel optical axes, or rectified images: a point has one depth in both.",
+            limitations="Distorting lenses, and much noise: average several images of the demonstrator.",
             fit=projective.fit,
             equations=_projective_equations,
             homography_of_space=True,

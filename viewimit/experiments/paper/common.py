@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ...drawing import svg
 from ...drawing.theme import OBSERVED
 from ...estimation.equations import with_minus
-from ...language import _, listed, ngettext
 from ...loop.settings import Settings, disturbances
 from ...simulation.disturbances import SightDisturbance
+from ...wording import listed, plural
 
 PAPER = Settings.paper()  # the scene and transfer that the paper's own figures stand beside
 PAPER_DEMONSTRATOR_DEG = (45.0, -90.0)
@@ -90,7 +90,7 @@ class Claims(list[Claim]):
     ) -> None:
         """Add a claim. condition: whether it holds, None if nothing is claimed."""
         if condition is not None and self._unjudged:
-            tolerance, condition = _("not judged: {why}").format(why=self._unjudged), None
+            tolerance, condition = f"not judged: {self._unjudged}", None
         holds = None if condition is None else bool(condition)
         self.append(
             Claim(name, with_minus(paper), with_minus(here), tolerance, holds, subject or name.split(": ", 1)[-1])
@@ -103,7 +103,7 @@ class Claims(list[Claim]):
         limit = self.limit(what)
         if limit is None:
             words = form.format(TOLERANCES[what].value)
-            self.add(name, paper, here, _("not judged: {bound} is about the paper's scene").format(bound=words))
+            self.add(name, paper, here, f"not judged: {words} is about the paper's scene")
         else:
             within = operator.ge if TOLERANCES[what].least else operator.le
             self.add(name, paper, here, form.format(limit), within(found, limit), subject)
@@ -117,11 +117,11 @@ def verdict(claims: Sequence[Claim]) -> str:
         return ""
     held = sum(claim.holds is True for claim in judged)
     if not missed:
-        text = ngettext("{n} of {all} holds", "{n} of {all} hold", held)
+        text = plural("{n} of {all} holds", "{n} of {all} hold", held)
     elif len(missed) == 1:
-        text = ngettext("{n} of {all} holds; {missed} does not", "{n} of {all} hold; {missed} does not", held)
+        text = plural("{n} of {all} holds; {missed} does not", "{n} of {all} hold; {missed} does not", held)
     else:
-        text = ngettext("{n} of {all} holds; {missed} do not", "{n} of {all} hold; {missed} do not", held)
+        text = plural("{n} of {all} holds; {missed} do not", "{n} of {all} hold; {missed} do not", held)
     return text.format(n=held, all=len(judged), missed=listed(missed))
 
 
@@ -160,9 +160,9 @@ def legend_marks(cross: float) -> list[tuple[str, str]]:
     """Return the marks on a map of E, each with its words. cross: size of the mark of the minimum, px."""
     here = np.array([8, 0])
     return [
-        (demonstrator_mark(here), _("demonstrator")),
-        (svg.cross(here, cross), _("smallest E")),
-        (svg.saltire(here), _("the paper's")),
+        (demonstrator_mark(here), "demonstrator"),
+        (svg.cross(here, cross), "smallest E"),
+        (svg.saltire(here), "the paper's"),
     ]
 
 

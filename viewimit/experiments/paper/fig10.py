@@ -14,7 +14,6 @@ from ...analysis.trajectory import MOTIONS, Imitation, Motion, Trajectory, follo
 from ...drawing import svg
 from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...estimation.transfers import FittedTransfer
-from ...language import _
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...servo.status import ServoStatus
@@ -29,15 +28,15 @@ RUNS = {
     BEFORE: "the hand's points, transfer fitted before convergence",
     SAME: "the hand's points, transfer fitted in the demonstrator's own posture",
 }
-NAMES = {CONVERGED: _("converged"), BODY: _("all points"), BEFORE: _("before"), SAME: _("same posture")}
-MEASURES = {"image": _("image"), "joints": _("joints"), "hand": _("hand")}
+NAMES = {CONVERGED: "converged", BODY: "all points", BEFORE: "before", SAME: "same posture"}
+MEASURES = {"image": "image", "joints": "joints", "hand": "hand"}
 MAX_MOTIONS = 3_000  # until the servo must rest
 CONVERGENCE_SHARE = 0.3  # of the progress bar
 
-SENTENCE = _(
+SENTENCE = (
     "The transfer found at convergence is frozen; the demonstrator moves,\nand the learner follows it in its own views."
 ).split("\n")
-TITLES = {CONVERGED: _("transfer as converged"), BEFORE: _("transfer fitted before")}
+TITLES = {CONVERGED: "transfer as converged", BEFORE: "transfer fitted before"}
 PANEL, PANEL_TOP, PANEL_BOTTOM = 102, 30, 114  # px
 PANELS = ((CONVERGED, (0, 105)), (BEFORE, (217, 322)))  # left ends
 PANELS_WIDTH = PANELS[-1][1][-1] + PANEL
@@ -67,26 +66,26 @@ class Fig10:
     @property
     def claims(self) -> Claims:
         """What the paper says beside the result."""
-        claims = Claims(self.settings, _("a recorded motion may be as rough as it likes") if self.recorded else "")
+        claims = Claims(self.settings, "a recorded motion may be as rough as it likes" if self.recorded else "")
         for name, followed in self.runs.items():
             for what, paper, unit, values in (
-                ("image", _("almost overlap"), " px", followed.image_px),
+                ("image", "almost overlap", " px", followed.image_px),
                 ("joints", "–", "°", followed.joint_deg),
                 ("hand", "–", " mm", 1e3 * followed.hand_m),
             ):
                 median = float(np.median(values))
-                line = _("Fig. 10: {run}, {measure}").format(run=NAMES[name], measure=MEASURES[what])
-                here = _("median {median}, most {most}").format(
+                line = f"Fig. 10: {NAMES[name]}, {MEASURES[what]}"
+                here = "median {median}, most {most}".format(
                     median=f"{median:.3g}{unit}", most=f"{values.max():.3g}{unit}"
                 )
                 if name == CONVERGED:
-                    claims.judge(line, paper, here, what, median, _("median ≤ {bound}").format(bound=f"{{:g}}{unit}"))
+                    claims.judge(line, paper, here, what, median, "median ≤ {bound}".format(bound=f"{{:g}}{unit}"))
                 else:
                     claims.add(line, "–", here)
         if BEFORE in self.runs:
             times = float(np.median(self.runs[BEFORE].hand_m) / np.median(self.runs[CONVERGED].hand_m))
-            line = _("Fig. 10: before against converged, hand")
-            claims.judge(line, _("worse"), _("{n:.0f} times").format(n=times), "before", times, _("≥ {:g} times"))
+            line = "Fig. 10: before against converged, hand"
+            claims.judge(line, "worse", f"{times:.0f} times", "before", times, "≥ {:g} times")
         return claims
 
     @property
@@ -139,7 +138,7 @@ def run(
     hand, everything = hand_points(session), np.ones(len(last.views.own), bool)
     asked = {CONVERGED: (last, hand), BODY: (last, everything), BEFORE: (first, hand), SAME: (there, hand)}
     if last.transfer is None or any(moment.transfer is None for moment, __ in asked.values()):
-        raise ValueError(_("too few points are seen in all four images to fit a transfer"))
+        raise ValueError("too few points are seen in all four images to fit a transfer")
     fitted = {name: np.degrees(moment.theta) for name, (moment, __) in asked.items()}
     scene = session.scene
     made = (session.settings, scene.moving_joints, scene.head.image, played, recorded, last.motion, last.status)
@@ -176,7 +175,7 @@ def _panels(runs: dict[str, Trajectory]) -> str:
         parts.append(svg.text(lefts[0], PANEL_TOP - 6, TITLES[name], "vi-b"))
         drawn = _pair(runs[name]) if name in runs else ("", "")
         parts += [_panel(left, view, inside) for left, view, inside in zip(lefts, "LR", drawn)]
-    note = svg.text(PANELS_WIDTH, PANEL_TOP - 6, _("dashed = true"), "vi-of-demo vi-end")
+    note = svg.text(PANELS_WIDTH, PANEL_TOP - 6, "dashed = true", "vi-of-demo vi-end")
     return "".join(parts) + note
 
 
@@ -232,8 +231,8 @@ def _errors(found: Fig10 | None) -> str:
     runs = found.runs if found else {}
     seconds, step_s = (found.motion.seconds, found.motion.step_s) if found else (6.0, 0.0)
     plots = (
-        (_("Joints off by"), "°", 34, 200, DEGREES, {name: run.joint_deg for name, run in runs.items()}),
-        (_("Hand off by"), "mm", 256, 422, MILLIMETRES, {name: 1e3 * run.hand_m for name, run in runs.items()}),
+        ("Joints off by", "°", 34, 200, DEGREES, {name: run.joint_deg for name, run in runs.items()}),
+        ("Hand off by", "mm", 256, 422, MILLIMETRES, {name: 1e3 * run.hand_m for name, run in runs.items()}),
     )
     parts = []
     for title, unit, left, right, least, values in plots:
@@ -241,8 +240,8 @@ def _errors(found: Fig10 | None) -> str:
         y = decades(np.concatenate([*values.values(), np.empty(0)]), *least)
         plot = Axes((left, PLOT_TOP, right, PLOT_BOTTOM), (0.0, max(seconds, 1e-3)), y, up=log10)
         ticks = [(time, f"{time:g}") for time in (0, float(f"{seconds / 2:.1g}"))]
-        parts.append(plot.frame(title, _("{unit}, log").format(unit=unit), ticks, decade_ticks(*y, 3)))
-        parts.append(svg.text(right, PLOT_BOTTOM + 13, _("{time:.3g} s").format(time=seconds), "vi-2nd vi-end"))
+        parts.append(plot.frame(title, f"{unit}, log", ticks, decade_ticks(*y, 3)))
+        parts.append(svg.text(right, PLOT_BOTTOM + 13, f"{seconds:.3g} s", "vi-2nd vi-end"))
         for name, errors in reversed(values.items()):
             kept = svg.thinned(len(errors), VERTICES)
             time = step_s * np.array(kept)

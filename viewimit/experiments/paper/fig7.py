@@ -15,7 +15,6 @@ from ...drawing.labels import CHARACTER
 from ...drawing.plots import Axes, decade_ticks, decades, figure, log10, sentence, style_of
 from ...drawing.posture_plane import PosturePlane
 from ...estimation.transfers import TRANSFERS
-from ...language import _
 from ...loop.session import Session
 from ...loop.settings import Settings, given
 from ...simulation.scene import Scene
@@ -37,7 +36,7 @@ PAPER_RANGE_DEG2 = 90.0 * 180.0
 STUDY = (6, 5)  # demonstrators for each joint, evenly spaced over its range
 MARGIN_DEG = 10.0  # of the range that is left out at both ends
 
-SENTENCE = _("Maps E over all postures: is there one valley, and does it end at the demonstrator's posture?")
+SENTENCE = "Maps E over all postures: is there one valley, and does it end at the demonstrator's posture?"
 MAP_WIDTH, MAP_HIGH, MAP_TOP = 270, 118, 19  # px; the plane's own margins are inside
 BIAS_BOX, VALIDITY_BOX = (322, 27, 420, 101), (322, 147, 420, 197)  # left, top, right, bottom px of the plots
 MIN_BIAS_DEG, PERCENT = 5.0, (1.0, 100.0)  # ranges that the plots show at least
@@ -95,34 +94,32 @@ class Fig7:
             return claims
         here = np.degrees(surface.minima.theta[0])
         off = float(np.abs(here - self.demonstrator_deg).max())
-        form = _("{:g}° of demonstrator")
+        form = "{:g}° of demonstrator"
         claims.judge(
-            _("Fig. 7: smallest E"), "(41°, −90°)", in_degrees(here), "minimum", off, form, _("the place of smallest E")
+            "Fig. 7: smallest E", "(41°, −90°)", in_degrees(here), "minimum", off, form, "the place of smallest E"
         )
         count = len(surface.minima)
-        claims.judge(_("Fig. 7: local minima"), "1", str(count), "minima", count, "{:g}", _("a single minimum"))
+        claims.judge("Fig. 7: local minima", "1", str(count), "minima", count, "{:g}", "a single minimum")
         reached = f"{surface.basin:.1%}"
-        claims.judge(_("Fig. 7: descents that reach it"), _("all"), reached, "basin", surface.basin, "≥ {:.0%}")
+        claims.judge("Fig. 7: descents that reach it", "all", reached, "basin", surface.basin, "≥ {:.0%}")
         if (curved := surface.convexity) is not None:
             low, high = curved.eigenvalues
             definite = curved.positive_definite
-            claims.add(
-                _("Eq. (11): Q positive definite"), _("yes"), f"{low:.4f}, {high:.4f} px²/°²", _("both > 0"), definite
-            )
-            around = _("to {angle:g}° around")
-            name = _("Eq. (11): E ≈ δθᵀQδθ within 25 %")
-            claims.add(name, _("nearby"), around.format(angle=curved.holds_to_deg))
-            claims.add(_("Eq. (11): E convex"), _("nearby"), around.format(angle=curved.convex_radius_deg))
+            claims.add("Eq. (11): Q positive definite", "yes", f"{low:.4f}, {high:.4f} px²/°²", "both > 0", definite)
+            around = "to {angle:g}° around"
+            name = "Eq. (11): E ≈ δθᵀQδθ within 25 %"
+            claims.add(name, "nearby", around.format(angle=curved.holds_to_deg))
+            claims.add("Eq. (11): E convex", "nearby", around.format(angle=curved.convex_radius_deg))
         study = self.studies.get(self.settings.transfer)
         if study is not None:
             inside = study.minima - study.on_limit
-            here = _("{n} of {all}").format(n=(inside == 1).sum(), all=len(inside))
-            claims.add(_("Other demonstrators: one minimum inside"), "–", here)
+            here = f"{(inside == 1).sum()} of {len(inside)}"
+            claims.add("Other demonstrators: one minimum inside", "–", here)
             mean, most = np.abs(study.bias_deg).mean(0), np.abs(study.bias_deg).max(0)
-            here = _("mean {mean}, most {most}").format(
+            here = "mean {mean}, most {most}".format(
                 mean=f"{mean[0]:.1f}°/{mean[1]:.1f}°", most=f"{most[0]:.1f}°/{most[1]:.1f}°"
             )
-            claims.add(_("Other demonstrators: bias of the minimum"), _("4°/0° for one"), here)
+            claims.add("Other demonstrators: bias of the minimum", "4°/0° for one", here)
         return claims
 
     @property
@@ -239,14 +236,14 @@ def _map(scene: Scene, found: Fig7 | None) -> str:
     plane = PosturePlane(scene, MAP_WIDTH, MAP_HIGH)
     surface = found.surfaces.get(found.settings.transfer) if found else None
     if not plane.has_plane:
-        inside = plane.message(_("two joints must move"))
+        inside = plane.message("two joints must move")
     elif found is None:
         x, y, w, h = plane.box
         inside = sentence(wrap(SENTENCE, int((w - 12) / CHARACTER)), x + w / 2, y + h / 2)
     elif surface is None:
-        inside = plane.message(_("computing …"))
+        inside = plane.message("computing …")
     elif np.isnan(surface.landscape.E).all():
-        inside = plane.message(_("nowhere are five points seen"))
+        inside = plane.message("nowhere are five points seen")
     else:
         inside = _relief(plane, found, surface)
     return f'<g transform="translate(0 {MAP_TOP - 7})">{plane.frame("vi-plane")}{inside}{plane.axes()}</g>'
@@ -285,7 +282,7 @@ def _biases(scene: Scene, found: Fig7 | None) -> str:
     plot = Axes(BIAS_BOX, (-wide, wide), (-most, most))
     shown = 5.0 * max(1, most // 10)
     ticks = [(angle, svg.number(angle, 0) + "°") for angle in (-shown, 0, shown)]
-    parts = [plot.frame(_("Minimum − demonstrator"), "", ticks, ticks, TITLE_OUTDENT)]
+    parts = [plot.frame("Minimum − demonstrator", "", ticks, ticks, TITLE_OUTDENT)]
     names = [svg.joint_symbol(joint) for joint in scene.moving_joints]
     parts.append(f'<path class="vi-rule" d="M{(left + right) / 2:.1f} {top}V{bottom}"/>')
     parts.append(svg.text((left + right) / 2 + 4, top + 9, names[0], "vi-2nd"))
@@ -308,7 +305,7 @@ def _validity(found: Fig7 | None) -> str:
     plot = Axes(VALIDITY_BOX, x, y, log10, log10)
     ticks = [(value, f"{words} %") for value, words in decade_ticks(*y, 3)]
     degrees = [(radius, f"{radius}°") for radius in (1, 3, 10, 30)]
-    parts = [plot.frame(_("E − δθᵀQδθ, relative"), "", degrees, ticks, TITLE_OUTDENT)]
+    parts = [plot.frame("E − δθᵀQδθ, relative", "", degrees, ticks, TITLE_OUTDENT)]
     parts.append(plot.level(100 * MAX_RELATIVE_ERROR, "vi-cursor"))
     for name, curved in reversed(curves.items()):
         style = style_of(name, _transfers(found))
@@ -321,9 +318,9 @@ def _legend(found: Fig7 | None) -> str:
     here, transfers = found.bias_deg if found else np.empty((0, 2)), _transfers(found)
     entries = legend_marks(CROSS)
     if len(here):
-        text = _("smallest E ({up}°, {across}°) off")
+        text = "smallest E ({up}°, {across}°) off"
         entries[1] = entries[1][0], text.format(up=svg.number(here[0, 0]), across=svg.number(here[0, 1]))
-    entries.append(('<ellipse class="vi-x-ellipse" cx="8" cy="0" rx="8" ry="4"/>', _("δθᵀQδθ, where it holds")))
+    entries.append(('<ellipse class="vi-x-ellipse" cx="8" cy="0" rx="8" ry="4"/>', "δθᵀQδθ, where it holds"))
     places = [(2, 175), (122, 175), (2, 191), (122, 191)]
     parts = [legend_entry(*place, *entry) for place, entry in zip(places, entries)]
     x = 2.0

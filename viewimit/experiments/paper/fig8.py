@@ -11,10 +11,10 @@ from ...drawing import relief, svg
 from ...drawing.plots import WIDTH, figure
 from ...drawing.posture_plane import PosturePlane
 from ...estimation.transfers import TRANSFERS
-from ...language import _, ngettext
 from ...loop.session import Session
 from ...loop.settings import Settings
 from ...simulation.scene import Scene
+from ...wording import plural
 from ..experiment import Tables, joint_columns, stacked
 from .common import Claims, Progress, demonstrator_mark, grid_rows, in_degrees, legend_entry, legend_marks, no_progress
 
@@ -58,32 +58,30 @@ class Fig8:
             E, grid = surface.landscape.E, np.degrees(surface.landscape.minimum)
             off = float(np.abs(grid - self.demonstrator_deg).max())
             paper = "(45°, −86°)" if name == self.settings.transfer else "–"
-            line = _("Fig. 8: {name}, smallest E on the grid").format(name=name)
+            line = f"Fig. 8: {name}, smallest E on the grid"
             if name == self.settings.transfer:
-                claims.judge(line, paper, in_degrees(grid), "minimum on pictures", off, _("{:g}° of demonstrator"))
+                claims.judge(line, paper, in_degrees(grid), "minimum on pictures", off, "{:g}° of demonstrator")
             else:
                 claims.add(line, paper, in_degrees(grid))
-            fitted = in_degrees(np.degrees(surface.fitted)) if np.isfinite(surface.fitted).all() else _("none")
-            claims.add(_("Fig. 8: {name}, parabola's minimum").format(name=name), paper, fitted)
+            fitted = in_degrees(np.degrees(surface.fitted)) if np.isfinite(surface.fitted).all() else "none"
+            claims.add(f"Fig. 8: {name}, parabola's minimum", paper, fitted)
             count, basin = len(surface.landscape.local_minima()), surface.landscape.basin_fraction()
             claims.add(
-                _("Fig. 8: {name}, local minima on the grid").format(name=name),
+                f"Fig. 8: {name}, local minima on the grid",
                 "1" if paper != "–" else "–",
-                _("{n}, basin {share:.0%}").format(n=count, share=basin),
+                f"{count}, basin {basin:.0%}",
             )
             least, largest = np.nanmin(E), np.nanmax(E)
             claims.add(
-                _("Fig. 8: {name}, E").format(name=name),
+                f"Fig. 8: {name}, E",
                 "–",
-                _("{least:.3g} … {most:.3g} px², {there:.3g} in demonstrator's posture").format(
-                    least=least, most=largest, there=surface.E_demo
-                ),
+                f"{least:.3g} … {largest:.3g} px², {surface.E_demo:.3g} in demonstrator's posture",
             )
         few, many = self.usable.min(), np.median(self.usable)
-        here = _("median {median:.0f}, fewest {fewest}").format(median=many, fewest=few)
-        claims.add(_("Fig. 8: points seen in all four pictures"), "–", here)
-        here = _("{angle:.2f}° at most").format(angle=np.abs(self.sag_deg).max())
-        claims.add(_("Fig. 8: sag of the arm"), "–", here)
+        here = f"median {many:.0f}, fewest {few}"
+        claims.add("Fig. 8: points seen in all four pictures", "–", here)
+        here = f"{np.abs(self.sag_deg).max():.2f}° at most"
+        claims.add("Fig. 8: sag of the arm", "–", here)
         return claims
 
     @property
@@ -114,7 +112,7 @@ def run(
     session = Session(settings)
     scene = session.scene
     if len(scene.moving_joints) != 2:
-        refusal = _("a landscape needs two moving joints, this scene has {n}")
+        refusal = "a landscape needs two moving joints, this scene has {n}"
         raise ValueError(refusal.format(n=len(scene.moving_joints)))
     axes = np.radians(grid_deg[0]), np.radians(grid_deg[1])
     commanded = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
@@ -188,7 +186,7 @@ def draw(scene: Scene, found: Fig8) -> str:
         )
     bottom = TITLE + -(-len(panels) // 2) * row
     count = found.usable.size
-    extra = ngettext("{n} posture", "{n} postures", count).format(n=count)
+    extra = plural("{n} posture", "{n} postures", count).format(n=count)
     return figure(found.settings, "".join(parts) + _legend(bottom), extra, bottom + 14)
 
 
@@ -197,7 +195,7 @@ def _panel(plane: PosturePlane, found: Fig8, name: str) -> tuple[str, str, str]:
     surface = found.surfaces[name]
     E, background = surface.landscape.E, plane.frame("vi-plane")
     if np.isnan(E).all():
-        return name, "", background + plane.message(_("nowhere are five points seen"))
+        return name, "", background + plane.message("nowhere are five points seen")
     grid, lowest = plane.grid(surface.landscape.axes), plane.place(np.degrees(surface.landscape.minimum))
     labels = plane.labels.copy()
     labels.take_points(np.stack([lowest, plane.place(found.demonstrator_deg)]), 9)
@@ -228,8 +226,8 @@ def _points(plane: PosturePlane, found: Fig8, half: list[float]) -> tuple[str, s
         )
         if len(str(count)) * 7 < wide and high > 11:
             parts.append(svg.text(float(x[j]), float(y[i]) + 4, str(count), "vi-mid"))
-    note = _("in all four pictures: {fewest} … {most}").format(fewest=found.usable.min(), most=most)
-    return _("points"), note, "".join(parts)
+    note = f"in all four pictures: {found.usable.min()} … {most}"
+    return "points", note, "".join(parts)
 
 
 def _legend(y: float) -> str:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ...drawing import svg
 from ...drawing.plots import Axes, Style, decade_ticks, decades, figure, log10, sentence, style_of
-from ...language import _
 from ...loop.session import Session
 from ...loop.settings import Settings, given
 from ...loop.snapshot import Snapshot
@@ -26,9 +25,9 @@ OFFSET_DEG = 30.0  # largest distance of each start from the demonstrator unless
 PICTURE_LAWS, PICTURE_MOTIONS, PICTURE_STARTS = (*PAPERS_LAWS, BESIDE, "trust-region"), 300, (1, 2)
 WITHIN_DEG = (3.0, 1.0)
 MARGIN = 1 / 6  # of a joint's range that is left free at both ends
-SUBJECTS = {"gradient": _("the law as printed"), "gradient-retuned": _("the law retuned")}  # of claims
+SUBJECTS = {"gradient": "the law as printed", "gradient-retuned": "the law retuned"}  # of claims
 
-SENTENCE = _(
+SENTENCE = (
     "Three laws, seven starts each: which\narrive at the demonstrator's posture,\nand after how many motions?"
 ).split("\n")
 LEFT, RIGHT, LEGEND = 36, 276, 288  # px
@@ -94,15 +93,15 @@ class Fig9:
             runs, subject = self.of(law), SUBJECTS.get(law, law)
             counts = [run.motions_until(near) for run in runs]
             reached = [count for count in counts if count is not None]
-            text = _("{n} of {all} starts, median {steps:.0f} steps") if reached else _("{n} of {all} starts")
+            text = "{n} of {all} starts, median {steps:.0f} steps" if reached else "{n} of {all} starts"
             steps = float(np.median(reached)) if reached else np.nan
             here, share = text.format(n=len(reached), all=len(runs), steps=steps), len(reached) / len(runs)
-            name, form = _("Fig. 9: {law}, came within {angle:g}°").format(law=law, angle=near), _("≥ {:.0%} of starts")
-            claims.judge(name, _("converges"), here, "starts", share, form, subject)
+            name, form = f"Fig. 9: {law}, came within {near:g}°", "≥ {:.0%} of starts"
+            claims.judge(name, "converges", here, "starts", share, form, subject)
             stayed = sum(run.error_deg[-1] <= near for run in runs)
-            here = _("{n} of {all} starts").format(n=stayed, all=len(runs))
-            claims.add(_("Fig. 9: {law}, ended within {angle:g}°").format(law=law, angle=near), _("converges"), here)
-            name, least = _("Fig. 9: {law}, smallest E").format(law=law), float(runs[0].E.min())
+            here = f"{stayed} of {len(runs)} starts"
+            claims.add(f"Fig. 9: {law}, ended within {near:g}°", "converges", here)
+            name, least = f"Fig. 9: {law}, smallest E", float(runs[0].E.min())
             if reached:
                 most = self.E_demo + TOLERANCES["E at rest"].value
                 form = f"≤ {most:.3g} px²"
@@ -113,7 +112,7 @@ class Fig9:
                     "E at rest",
                     least - self.E_demo,
                     form,
-                    _("E of {law}").format(law=subject),
+                    f"E of {subject}",
                 )
             else:
                 claims.add(name, "0", f"{least:.3g} px²")
@@ -243,13 +242,13 @@ def _frames(scene: Scene, angles: Axes, conflict: Axes, found: Fig9 | None) -> s
     names = [svg.joint_symbol(joint) for joint in scene.moving_joints]
     if found and len(names) <= 3:
         names = [f"{name} {svg.number(angle, 0)}°" for name, angle in zip(names, found.settings.demonstrator_deg or ())]
-    dashed = _("dashed = demonstrator, {joints}")
+    dashed = "dashed = demonstrator, {joints}"
     low, high = angles.y
     degrees = [(angle, svg.number(angle, 0) + "°") for angle in np.arange(90 * np.ceil(low / 90), high + 1, 90)]
     return (
-        angles.frame(_("Joint angles"), dashed.format(joints=", ".join(names)), (), degrees)
-        + conflict.frame(_("Conflict E"), _("px², log; dashed = in its posture"), TICKS, decade_ticks(*conflict.y, 3))
-        + svg.text(RIGHT + 20, CONFLICT[1] + 13, _("steps, log"), "vi-2nd")
+        angles.frame("Joint angles", dashed.format(joints=", ".join(names)), (), degrees)
+        + conflict.frame("Conflict E", "px², log; dashed = in its posture", TICKS, decade_ticks(*conflict.y, 3))
+        + svg.text(RIGHT + 20, CONFLICT[1] + 13, "steps, log", "vi-2nd")
     )
 
 
@@ -309,8 +308,8 @@ def _outcome(runs: list[Run], near: float) -> tuple[str, str]:
     reached = [count for count in counts if count is not None]
     if not reached:
         off = np.min([run.error_deg[-1] for run in runs])
-        return _("0 of {all}, best {angle}° off").format(all=len(runs), angle=svg.number(off, 0)), "vi-x-off"
-    text = _("{n} of {all}, median {median:.0f}")
+        return f"0 of {len(runs)}, best {svg.number(off, 0)}° off", "vi-x-off"
+    text = "{n} of {all}, median {median:.0f}"
     return text.format(n=len(reached), all=len(runs), median=np.median(reached)), "vi-2nd"
 
 

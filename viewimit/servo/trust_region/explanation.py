@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...estimation.equations import Equation, angles, short
-from ...language import _, ngettext, sentences
+from ...wording import plural, sentences
 from ..servo import LastMotion
 from ..status import TEST_MOVE, ServoStatus
 from .options import DEFAULTS, TrustRegionOptions
@@ -17,30 +17,30 @@ _BY_KINEMATICS = (
     r"\hat{𝐲}_i(𝛉)=\pi\left(𝐂\,e^{\theta_1𝐆_1}\cdots e^{\theta_m𝐆_m}\,𝐗_i\right),\quad "
     r"𝛉^{*}=\underset{𝛉}{\mathrm{arg\,min}}\;E(\hat{𝐲}(𝛉))"
 )
-AT_JOINT_LIMIT = _("A joint was sent to its limit. If the arm moves less than commanded, begin nearer.")
+AT_JOINT_LIMIT = "A joint was sent to its limit. If the arm moves less than commanded, begin nearer."
 
 
 def equations(state: TrustRegionState | None, motion: LastMotion) -> tuple[Equation, ...]:
     """Return the law with the numbers of a motion, as `ServoMethod.equations`."""
     if state is None:
-        return (Equation("", _("no step yet"), _LAW, wide=True),)
+        return (Equation("", "no step yet", _LAW, wide=True),)
     n = len(state.visits)
     if state.kinematics is None:
         law, radius = _LAW, f"{np.degrees(state.region.radius):.3g}°"
-        known = ngettext(
+        known = plural(
             "The images are predicted from {n} posture visited; D = {radius}.",
             "The images are predicted from {n} postures visited; D = {radius}.",
             n,
         ).format(n=n, radius=radius)
     else:
         law = _BY_KINEMATICS
-        known = ngettext(
+        known = plural(
             "The images are predicted from {n} posture visited, which shows how each joint turns the points.",
             "The images are predicted from {n} postures visited, which show how each joint turns the points.",
             n,
         ).format(n=n)
     note = sentences(known, _outcome(state, motion))
-    return (Equation("", _("servo: the images are predicted, and E is minimised"), law, note=note, wide=True),)
+    return (Equation("", "servo: the images are predicted, and E is minimised", law, note=note, wide=True),)
 
 
 def describe_status(state: TrustRegionState, status: ServoStatus, options: TrustRegionOptions = DEFAULTS) -> str:
@@ -49,60 +49,60 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     if state.explanation is not None and status.is_at_rest:
         return state.explanation.misfit.describe()
     if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
-        return _("No naming of the demonstrator's points explains its images.")
+        return "No naming of the demonstrator's points explains its images."
     if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:
-        return _("There are two answers: other names of the points explain the images as well, in another pose.")
+        return "There are two answers: other names of the points explain the images as well, in another pose."
     if status == ServoStatus.CONVERGED and state.mismatch is not None:
-        return _("E rises in every direction, and no step leads nearer.")
+        return "E rises in every direction, and no step leads nearer."
     if status == ServoStatus.CONVERGED:
         error = f"{np.degrees(options.xtol_converged):.1g}°"
-        return _("An error of {error} would show, as E rises in every direction.").format(error=error)
+        return f"An error of {error} would show, as E rises in every direction."
     if status == ServoStatus.SETTLED:
-        return _("There is no evidence yet that E rises in every direction.")
+        return "There is no evidence yet that E rises in every direction."
     if status == ServoStatus.UNOBSERVABLE:
-        return _("E does not rise in every direction.")
+        return "E does not rise in every direction."
     if status == ServoStatus.NO_PROGRESS:
         n = search.n_restarts
-        elsewhere = ngettext("No lower E in {n} search elsewhere.", "No lower E in {n} searches elsewhere.", n)
-        found = elsewhere.format(n=n) if n else _("No lower E nearby.")
+        elsewhere = plural("No lower E in {n} search elsewhere.", "No lower E in {n} searches elsewhere.", n)
+        found = elsewhere.format(n=n) if n else "No lower E nearby."
         return sentences(found, AT_JOINT_LIMIT if state.destination.at_joint_limit else "")
     if state.destination.status is not None:
-        return _("It goes back to the best pose.")
+        return "It goes back to the best pose."
     if search.min_points:
-        text = _("It looks for poses that show {n} points or more, because these leave a joint undetermined.")
+        text = "It looks for poses that show {n} points or more, because these leave a joint undetermined."
         return text.format(n=search.min_points)
     if search.n_restarts:
-        text = _("It searches for a smaller E elsewhere (search {n}), because noise does not explain this one.")
+        text = "It searches for a smaller E elsewhere (search {n}), because noise does not explain this one."
         return text.format(n=search.n_restarts)
     if state.phase is Phase.MATCH:
-        return _("It learns more of its images, because no naming of the demonstrator's points explains them yet.")
+        return "It learns more of its images, because no naming of the demonstrator's points explains them yet."
     if state.probe:
         return TEST_MOVE
     if state.mismatch is not None:
-        return _("The arm is not where it was sent, so its images determine its pose.")
+        return "The arm is not where it was sent, so its images determine its pose."
     if search.partial_points:
-        return _("It also uses points that only one camera sees, because the others leave a joint undetermined.")
+        return "It also uses points that only one camera sees, because the others leave a joint undetermined."
     if state.kinematics is not None:
-        return _("It knows how its joints turn its points, and goes to the smallest predicted E.")
+        return "It knows how its joints turn its points, and goes to the smallest predicted E."
     transfer = options.ladder[search.rung][0]
-    return _("It tries the {transfer} transfer.").format(transfer=transfer) if transfer else ""
+    return f"It tries the {transfer} transfer." if transfer else ""
 
 
 def _outcome(state: TrustRegionState, motion: LastMotion) -> str:
     """Return what the last motion was for, or why there is none."""
     if motion.status == ServoStatus.CONVERGED:
-        return _("A displacement worth a step would show in E: the servo rests.")
+        return "A displacement worth a step would show in E: the servo rests."
     if motion.status == ServoStatus.NO_PROGRESS:
-        return _("Neither another transfer nor a restart led further: the servo rests.")
+        return "Neither another transfer nor a restart led further: the servo rests."
     reduction = state.region.predicted_reduction
     if state.phase is Phase.PROBE:
-        text = _("This step, ({step}), is a test move: it shows how the joint moves the images.")
+        text = "This step, ({step}), is a test move: it shows how the joint moves the images."
     elif state.phase is Phase.MATCH:
-        text = _("This step, ({step}), helps to predict images: the demonstrator's points could not be named yet.")
+        text = "This step, ({step}), helps to predict images: the demonstrator's points could not be named yet."
     elif state.phase is Phase.VERIFY:
-        text = _("This step, ({step}), is a check: it tests whether E rises where no visit shows that.")
+        text = "This step, ({step}), is a check: it tests whether E rises where no visit shows that."
     elif reduction is not None:
-        text = _("This step, ({step}), was to lower E by <b>{reduction}</b> px².")
+        text = "This step, ({step}), was to lower E by <b>{reduction}</b> px²."
     else:
         return ""
     lower = "" if reduction is None else short(reduction * state.unit_px**2)

@@ -26,11 +26,9 @@ from viewimit.loop.script import (
     MoveDemonstrator,
     Script,
     Steps,
-    current_script,
 )
 from viewimit.loop.settings import OWN, Settings
 from viewimit.sensing.files import file_name, is_text
-from viewimit.sensing.renamed import current_settings
 from viewimit.simulation.robot import robot_names
 from viewimit.simulation.scene import load_scene, scene_names
 from viewimit.simulation.scene_writing import scene_text
@@ -284,7 +282,7 @@ def _script(blocks: list[_Block]) -> Script:
     if blocks[0].settings is None:
         raise ValueError("a run has no settings")
     plain = {"settings": blocks[0].settings, "deeds": [other for block in blocks for other in block.others]}
-    known = msgspec.convert(current_script(plain), Script)
+    known = msgspec.convert(plain, Script)
     others, actions = iter(known.actions), list[Action]()
     for block in blocks:
         times, postures = iter(block.times), iter(np.cumsum(block.tenths, axis=1).T.tolist() if block.tenths else ())
@@ -323,7 +321,7 @@ def _decoded(text: str) -> SavedPage:
             settings = known
         head = msgspec.convert(plain | {"settings": settings}, _Head)
         page = SavedPage(
-            present=_branch(head.branches[-1]), settings=msgspec.convert(current_settings(settings), Settings),
+            present=_branch(head.branches[-1]), settings=msgspec.convert(settings, Settings),
             commanded=head.commanded, chosen=head.chosen, show=head.show, dark=head.dark, offers_tour=head.offers_tour,
             incomplete=head.incomplete,
         )  # fmt: skip
@@ -365,7 +363,7 @@ def _earlier(text: str) -> SavedPage:
         found = msgspec.msgpack.decode(_Unpacker(common=None).unpacked(text))
         if isinstance(found.pop("lesson", None), list):
             raise ValueError("it opens a lesson, which are in the lab now, at /lab/tour")
-        linked = msgspec.convert({**found, "script": current_script(found.get("script"))}, _Earlier)
+        linked = msgspec.convert(found, _Earlier)
         run = Run(script=linked.script, cursor=MAX_HISTORY)
     except _ERRORS as error:
         raise _damaged(error) from None

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from axle_markers import axle_markers
 
+from viewimit.commands.options import option
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.estimation.views import VIEWS, FourViews
+from viewimit.estimation.views import VIEW_NAMES, VIEWS, FourViews
 from viewimit.experiments.bench.tracks import Case, draw
 from viewimit.geometry.rectification import fit_rectification
 from viewimit.simulation.scene import load_scene
@@ -145,7 +146,7 @@ def test_confidence_is_said_of_one_file_a_view_too(ask, tmp_path):
         path = tmp_path / f"{'demo' if view in 'lr' else 'own'}-{view.lower()}.csv"
         rows = [f"0,p{k},{x!r},{y!r},{0.2 if k == 3 else 0.9}" for k, (x, y) in enumerate(image[0].tolist())]
         path.write_text("\n".join(["frame,point,x,y,likelihood", *rows]) + "\n")
-        words += [f"--{view}", path]
+        words += [option(VIEW_NAMES[view]), path]
     assert "--min-confidence 0.6 removed 4 of 64 image points: p3 (4)\n" in ask("evaluate", *words)[2]
 
 

@@ -9,7 +9,7 @@ from viewimit import SERVOS, TRANSFERS, Session, Settings, conflict, replay
 from viewimit.drawing.export.citation import cite
 from viewimit.estimation.transfers import TransferMethod, linear
 from viewimit.loop.settings import OWN
-from viewimit.servo import GaussNewton, servo_method
+from viewimit.servo import GaussNewton
 
 START = {"demonstrator_deg": (45, -90), "start_deg": (25, -45)}
 
@@ -220,19 +220,6 @@ def test_functions_and_laws_of_two_methods_have_names_once_they_are_set(monkeypa
     session = Session(Settings.paper(**START, transfer="mine", servo="mine"))
     session.run(3)
     assert "affine_map, Law" in replay(session).html and session.script.settings.transfer == "mine"
-
-
-def test_a_servo_that_describes_itself_as_in_earlier_versions_is_read_with_a_warning():
-    class Described(Law):
-        title, fails, slow = "By itself", "Nowhere.", True
-
-        def says(self, state, status):
-            return f"is {status}"
-
-    with pytest.warns(DeprecationWarning, match="give title, limitations, slow, describe_status to ServoMethod"):
-        method = servo_method(Described())
-    assert (method.title, method.limitations, method.slow, method.assumes) == ("By itself", "Nowhere.", True, "")
-    assert method.describe_status(None, "moving") == "is moving" and method.equations(None, None) == ()
 
 
 class Resting(Still):

@@ -2,9 +2,7 @@
 
 import msgspec
 import numpy as np
-import pytest
 
-from viewimit import servo
 from viewimit.estimation import prediction
 from viewimit.estimation.noise import HomographyResiduals
 from viewimit.estimation.prediction import VELOCITY_LOOKS, target_velocity
@@ -38,25 +36,6 @@ def test_residuals_by_another_transfer_of_unknown_points_and_whitened():
     assert np.isposinf(ask(np.full_like(own, np.nan))).all()  # no points are known
     weighed = ask(own, None, NoiseReference(own, 1.0))
     assert 0 < np.abs(weighed).sum() < np.abs(now.e).sum()
-
-
-def test_earlier_names_of_arguments_are_read_with_a_warning():
-    now = Session(Settings.paper(transfer="projective")).snapshot
-    own, asked = now.views.own, predicted_residuals(now)
-    with pytest.warns(FutureWarning, match="Weighting is now called NoiseReference"):
-        reference = servo.Weighting(own, 1.0)
-    for residuals in (asked, asked.with_partially_visible()):
-        with pytest.warns(FutureWarning) as warned:
-            e = residuals(own, by="linear", weighting=None, head=0)
-        assert [str(one.message).split(";")[0] for one in warned] == [
-            "by is now called transfer",
-            "weighting is now called noise_reference",
-            "head is now called rig",
-        ]
-        assert {one.filename for one in warned} == {__file__}
-        np.testing.assert_array_equal(e, residuals(own, "linear"))
-        with pytest.warns(FutureWarning, match="weighting"):
-            np.testing.assert_array_equal(residuals(own, weighting=reference), residuals(own, None, reference))
 
 
 def partially_visible(session, points):

@@ -1,7 +1,5 @@
 """What holds for every transfer in `TRANSFERS`, for a plain function, and between rectified images."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,8 +7,7 @@ from hypothesis import strategies as st
 
 from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import conflict
-from viewimit.estimation.transfers import TRANSFERS, Transfer, TransferMethod, transfer_method
-from viewimit.estimation.transfers.transfer import fit_function, is_whitened
+from viewimit.estimation.transfers import TRANSFERS, Transfer, transfer_method
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.rectification import Rectification, fit_rectification
 from viewimit.simulation.scene import load_scene
@@ -334,27 +331,6 @@ def test_E_is_half_the_mean_over_points_of_the_squares_in_both_views():
     for k in range(3):
         expected = sum(x @ x for image in (e[k, :, :2], e[k, :, 2:]) for x in image) / (2 * 7)
         assert conflict(e)[k] == pytest.approx(expected)
-
-
-@pytest.mark.parametrize("old, new", [("fails", "limitations"), ("ill", "degenerate_message")])
-def test_earlier_names_of_an_entry_are_read_with_a_warning(old, new):
-    with pytest.warns(FutureWarning, match=f"{old} is now called {new}"):
-        method = TransferMethod(fit=Constant, **{old: "In one word."})
-    assert getattr(method, new) == "In one word." and replace(method, title="Other").title == "Other"
-
-
-class Whitened(Constant):
-    """Says by the earlier name that its residuals are whitened."""
-
-    weighs_noise = True
-
-
-def test_a_fitted_transfer_may_say_by_the_earlier_name_that_it_is_whitened():
-    views = FourViews(np.zeros((2, 5, 4)), np.zeros((2, 5, 4)), np.ones((5, 4), bool))
-    for fitted in (Whitened(), fit_function(lambda one: Whitened(), "whitened", views)):
-        with pytest.warns(FutureWarning, match="weighs_noise is now called is_whitened"):
-            assert is_whitened(fitted)
-    assert not is_whitened(Constant())
 
 
 @each_transfer

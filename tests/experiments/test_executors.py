@@ -16,7 +16,6 @@ import pytest
 from numpy.typing import NDArray
 from waiting import wait_until
 
-from viewimit.commands.bench import current_words
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.transfers.registry import transfer_method
 from viewimit.experiments import executors
@@ -357,23 +356,3 @@ def test_the_command_says_how_an_interrupted_study_goes_on(ask, tmp_path, monkey
 def test_options_that_a_benchmark_does_not_have_are_refused(ask, words, message):
     status, out, err = ask("bench", *words)
     assert (status, out) == (2, "") and message in err and err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    "before, now",
-    [
-        ("claims --runs 3", "calibration --runs 3"),
-        ("--points 16 following --json", "tracking --points 16 --json"),
-        ("--json compare runs.csv", "compare --json runs.csv"),
-        ("--case success", "all --case success"),
-        ("--runs 3", "all --runs 3"),
-        ("", "all"),
-        ("--help", "--help"),
-        ("nonsense", "nonsense"),
-    ],
-)
-def test_earlier_forms_of_the_command_are_read_with_a_warning(capsys, before, now):
-    assert current_words(before.split()) == now.split()
-    moved = before.startswith("--") and not now.startswith(("all", "--help"))
-    renamed = "claims" in before or "following" in before
-    assert capsys.readouterr().err.count("the old") == moved + renamed

@@ -374,19 +374,6 @@ def test_written_names_of_views_differ_by_more_than_case(tmp_path):
     assert read_tidy(path).image["L"][0].tolist() == [[3.0, 2.0], [3.0, 6.0]]
 
 
-def test_an_old_option_works_and_warns_with_the_new_name(ask, ask_json, deeplabcut):
-    old = [word for view in VIEWS for word in (f"--{view}", deeplabcut[view])]
-    new = [word for view in VIEWS for word in (option(VIEW_NAMES[view]), deeplabcut[view])]
-    (status, out, err), (_, same, silent) = ask("evaluate", *old), ask("evaluate", *new)
-    assert status == 0 and out == same
-    said = [line for line in err.splitlines() if "is now called" in line]
-    assert said[2] == "viewimit evaluate: --L is now called --own-left; the old name will be gone"
-    assert len(said) == 4 and "is now called" not in silent
-    told = ask_json("evaluate", *old)[1]["options"]
-    assert told["own_left"] == str(deeplabcut["L"]) and not set(VIEWS) & set(told)
-    assert "--l " not in ask("evaluate", "--help")[1]
-
-
 @pytest.mark.parametrize("command", ["detect", "evaluate"])
 def test_names_that_are_one_file_where_case_makes_no_name_are_refused(ask, tmp_path, command):
     """As `take_l.png` and `take_L.png` on most disks of macOS and Windows; here by a link."""

@@ -27,20 +27,6 @@ def test_a_status_is_the_same_member_when_it_is_read(status):
     assert ServoStatus(status.value) is ServoStatus(status) is pickle.loads(pickle.dumps(status)) is status
 
 
-@pytest.mark.parametrize(
-    "earlier, today",
-    [
-        ("untold", ServoStatus.UNOBSERVABLE),
-        ("rests", ServoStatus.SETTLED),
-        ("stalled", ServoStatus.NO_PROGRESS),
-        ("stopped", ServoStatus.TOO_FEW_POINTS),
-        ("max_motions", ServoStatus.MAX_MOTIONS),
-    ],
-)
-def test_a_word_of_an_earlier_version_is_read(earlier, today):
-    assert ServoStatus(earlier) is today
-
-
 def test_an_unknown_word_is_refused():
     with pytest.raises(ValueError, match="busy"):
         ServoStatus("busy")

@@ -29,8 +29,6 @@ from .options import option as option_name
 INTERRUPTED = 130  # what shells report of a program that Ctrl-C ended
 ALL = "all"
 PARTS = {name: (name,) for name in BENCHMARKS} | {ALL: ("speed", "success")}
-OLD_NAMES = {"claims": "calibration", "following": "tracking"}  # read for one more version
-FLAGS = {"--json", "--full-loop"}  # options without a value
 WITHOUT_EFFECT = {"path", "csv", "docs"}  # options that change no result of a study
 EXCLUSIVE = {"runs", "grid"}  # options of which only one can be given
 MILLION, CORES = 1_000_000, 64
@@ -98,23 +96,10 @@ def _pair_of(number: Callable[[str], int]) -> Callable[[str], tuple[int, int]]:
     return pair
 
 
-def current_words(words: list[str]) -> list[str]:
-    """Return the words of the command in today's form: the benchmark first, by today's name, or `all`.
-
-    Earlier forms give a warning.
-    """
-    takes_value = lambda word: word.startswith("--") and "=" not in word and word not in FLAGS
-    named = (k for k, word in enumerate(words) if word in PARTS | OLD_NAMES and not (k and takes_value(words[k - 1])))
-    at = next(named, None)
-    if at is None:
-        is_default = not words or (words[0].startswith("-") and words[0] not in ("-h", "--help"))
-        return [ALL, *words] if is_default else words
-    name = OLD_NAMES.get(words[at], words[at])
-    if name != words[at]:
-        _warn(f"{words[at]} is now called {name}; the old name will be gone")
-    if at:
-        _warn(f"options follow the benchmark now: viewimit bench {name} …; the old order will be gone")
-    return [name, *words[:at], *words[at + 1 :]]
+def with_benchmark(words: list[str]) -> list[str]:
+    """Return the words of the command with the benchmark first: `all` if none is named."""
+    is_default = not words or (words[0].startswith("-") and words[0] not in ("-h", "--help"))
+    return [ALL, *words] if is_default else words
 
 
 def run(args: argparse.Namespace) -> int:

@@ -18,7 +18,6 @@ from typing import NoReturn
 
 from .. import __version__
 from ..geometry import limit_blas_threads
-from ..sensing.renamed import current_option
 from . import BadInput
 
 BAD_INPUT = 2
@@ -59,13 +58,12 @@ def main(argv: list[str] | None = None) -> int:
     if not argv or (argv[0].startswith("-") and argv[0] not in ("-h", "--help", "--version")):
         argv.insert(0, "serve")
     with warnings.catch_warnings():
-        warnings.simplefilter("always", FutureWarning)
         warnings.showwarning = lambda message, *where: print(f"viewimit {argv[0]}: {message}", file=sys.stderr)
         return _run(argv)
 
 
 def _run(argv: list[str]) -> int:
-    args = parser_of(argv[0]).parse_args(attached(map(current_option, argv)))
+    args = parser_of(argv[0]).parse_args(attached(argv))
     try:
         status = args.run(args)
         sys.stdout.flush()
@@ -132,11 +130,11 @@ TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
 def attached(argv: Iterable[str]) -> list[str]:
     """Write `--start -20,30` as `--start=-20,30`, for argparse takes such a list of angles for an option.
 
-    The words of `bench` are brought to today's form.
+    `bench` without a benchmark means all of them.
     """
     argv = list(argv)
     if argv[:1] == ["bench"]:
-        argv = ["bench", *importlib.import_module(".bench", __package__).current_words(argv[1:])]
+        argv = ["bench", *importlib.import_module(".bench", __package__).with_benchmark(argv[1:])]
     joined: list[str] = []
     for word in argv:
         if joined and joined[-1] in TAKE_NUMBERS and re.match(r"-[\d.]", word):

@@ -17,7 +17,6 @@ from ..geometry.distortion import RadialDistortion
 from ..loop.embodiment import require_in_workspace, workspace
 from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..sensing.renamed import current_settings
 from ..servo import Misfit, Naming
 from ..simulation.arms import require_arm
 from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
@@ -225,7 +224,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
             with naming(option(name)):
                 if value == OWN:
                     raise ValueError(f"no {name} {OWN!r}: only a session in Python is given one")
-                settings = msgspec.structs.replace(settings, **current_settings({name: value}))
+                settings = msgspec.structs.replace(settings, **{name: value})
     chosen = settings.scene if args.scene is None else args.scene
     with naming(asked):
         try:

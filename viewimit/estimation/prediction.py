@@ -11,7 +11,7 @@ from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import AFFINE_DEGREES_OF_FREEDOM, Rectification, affine_squared_error, rectify_affine
 from .noise import HomographyWeighting, affine_whitening
 from .rectification import fit_transfer
-from .residuals import NoiseReference, ResidualFunction, with_earlier_arguments
+from .residuals import NoiseReference, ResidualFunction
 from .transfers.registry import TRANSFERS, TransferMethod
 from .transfers.transfer import FittedTransfer, is_whitened
 from .views import FourViews, unique_matches
@@ -105,7 +105,6 @@ class PredictedResiduals:
         self._rigs: dict[int, ResidualFunction] = {}
         self._handedness: dict[bytes, Handedness | None] = {}
 
-    @with_earlier_arguments
     def __call__(
         self,
         own: NDArray[np.float64],
@@ -235,7 +234,6 @@ class PartialPointResiduals:
         head = complete.rectification or rectify_affine(*np.split(np.concatenate(complete.views.matches), 2, axis=1))
         self._by_rig = [HomographyWeighting(one, complete.noise_px) for one in (head, *head.perturbed)]
 
-    @with_earlier_arguments
     def __call__(
         self,
         own: NDArray[np.float64],

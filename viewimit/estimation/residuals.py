@@ -16,17 +16,11 @@ Which residuals are used where
   servos with `ServoMethod.mirror_columns` get them.
 """
 
-import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
-from typing import Any, Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-
-EARLIER_ARGUMENTS = {"by": "transfer", "weighting": "noise_reference", "head": "rig"}  # of a `ResidualFunction`
-Call = TypeVar("Call", bound=Callable[..., Any])
 
 
 def conflict(e: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -94,22 +88,3 @@ class ResidualFunction(Protocol):
     def with_partially_visible(self) -> "ResidualFunction":
         """Include the demonstrator's points that only one camera sees, after all others."""
         ...
-
-
-def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
-    """Warn that a name of the last version is read for the last time."""
-    warnings.warn(f"{old} is now called {new}; the old name will be gone", FutureWarning, stacklevel)
-
-
-def with_earlier_arguments(call: Call) -> Call:
-    """Let a residual function also be called with EARLIER_ARGUMENTS."""
-
-    @wraps(call)
-    def renamed(*args: Any, **given: Any) -> Any:
-        for old, new in EARLIER_ARGUMENTS.items():
-            if old in given:
-                warn_renamed(old, new)
-                given[new] = given.pop(old)
-        return call(*args, **given)
-
-    return renamed  # type: ignore[return-value]

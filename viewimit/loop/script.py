@@ -13,7 +13,6 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sensing.renamed import current_settings
 from .settings import OWN, Settings, convert_fields
 
 Times = Annotated[int, msgspec.Meta(ge=1)]
@@ -235,12 +234,3 @@ class Log(msgspec.Struct, forbid_unknown_fields=True):
             self.unknown_from = None
         for later in [at for at in self.actions if at > motion]:
             del self.actions[later]
-
-
-def current_script(script: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a `Script`, as a link has them, with settings by the names of today. Raises for another form."""
-    actions = [
-        [kind, current_settings(content[0])] if kind in ("b", "c") else [kind, *content]
-        for kind, *content in script.get("deeds", ())
-    ]
-    return {**script, "settings": current_settings(script["settings"]), "deeds": actions}

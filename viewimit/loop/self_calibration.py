@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sensing.files import read_npz
-from ..sensing.renamed import CALIBRATION, SETTING_VALUES, current_keys
 from ..servo.observation import Visit
 
 N_CANDIDATES, N_ITERATIONS = 4000, 30  # of Lloyd's algorithm
@@ -82,7 +81,7 @@ class SelfCalibration:
     def load(cls, path: Path) -> "SelfCalibration":
         """Read a file. Raises OSError, or ValueError that names the file and the fault."""
         try:
-            return _from_table(current_keys(read_npz(path), CALIBRATION))
+            return _from_table(read_npz(path))
         except KeyError as error:
             raise ValueError(f"{path}: no calibration, {error} is missing; `viewimit rehearse` makes one") from None
         except (ValueError, TypeError) as error:
@@ -97,7 +96,7 @@ def _from_table(table: dict[str, NDArray[Any]]) -> SelfCalibration:
         joints=_numbers(table["joints"], int),
         span_deg=_numbers(table["span_deg"], float),
         points=int(table["points"]),
-        sensor=SETTING_VALUES["sensor"].get(str(table["sensor"]), str(table["sensor"])),
+        sensor=str(table["sensor"]),
         undistort=_numbers(table["undistort"], float),
         layout=str(table["layout"]) if "layout" in table else "",
     )

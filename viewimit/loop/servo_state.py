@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
-from ..sensing.renamed import level_outside
 from ..servo import Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
 from ..servo.observation import Visit
+from .settings import level_outside
 
 SERVO_STATUSES = (ServoStatus.MOVING, *(status for status in ServoStatus if status.is_at_rest))
 

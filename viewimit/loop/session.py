@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..estimation.transfers import TransferFunction, TransferMethod, transfer_method
 from ..estimation.views import FourViews
-from ..sensing.renamed import current_settings
 from ..servo import Servo, ServoMethod, servo_method
 from ..servo.status import ServoStatus
 from ..simulation.eyes import SimulatedEyes, open_eyes
@@ -191,7 +190,6 @@ class Session(Learner):
         ValueError
             For impossible settings. The session stays as it was.
         """
-        fields = current_settings(fields)
         settings = msgspec.structs.replace(self.settings, **fields)
         self._custom.require(settings)
         if any(getattr(settings, name) != getattr(self.settings, name) for name in RESTARTING_FIELDS):

@@ -1,6 +1,7 @@
 """The settings of a run: plain data, made to be kept and shared."""
 
 import reprlib
+import sys
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -17,7 +18,6 @@ from ..estimation.transfers import TRANSFERS
 from ..geometry.distortion import RadialDistortion
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
-from ..sensing.renamed import SETTINGS, current_keys, current_settings, level_outside
 from ..servo import SERVOS
 from ..servo.observation import DEFAULT_MAX_RESTARTS
 from ..simulation.arms import DYNAMICS
@@ -56,20 +56,19 @@ class Setting:
     slider_range: tuple[float, float, float] = (0, 1, 1)  # lowest, highest, step
 
 
-class _RenamedFields(msgspec.StructMeta):
-    """Lets `Settings(…)` take the field names of earlier versions, with a warning."""
+class _KnownFields(msgspec.StructMeta):
+    """Lets `Settings(…)` say which fields there are, if it is given another."""
 
     if not TYPE_CHECKING:
 
         def __call__(cls, *args, **fields):
-            fields = current_settings(fields)
             for name in fields:
                 if name not in cls.__struct_fields__:
                     raise TypeError(f"no setting {name!r}; the settings are {', '.join(cls.__struct_fields__)}")
             return super().__call__(*args, **fields)
 
 
-class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_RenamedFields):
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_KnownFields):
     """What a run depends on. With equal settings a run repeats itself to the last bit.
 
     `Settings()` is the best method, exact for pinhole cameras. `Settings.paper()` is the paper's transfer, with
@@ -83,8 +82,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     Notes
     -----
     The learner does not know the disturbances (`noise_px` to `encoder_step_deg`) or the `delay`. A session that begins
-    with angles that would be whole degrees if they were radians gives a UserWarning. Field names of earlier versions
-    are still read, with a FutureWarning.
+    with angles that would be whole degrees if they were radians gives a UserWarning.
     """
 
     scene: Annotated[
@@ -289,13 +287,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         """
         return tuple([(found, getattr(self, name)) for name, found in disturbances(kind).items()])
 
-    def __getattr__(self, name: str) -> Any:
-        """The value of a field by its name in an earlier version, with a warning."""
-        (current,) = current_keys({name: None}, SETTINGS)
-        if current == name:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        return getattr(self, current)
-
     def __post_init__(self) -> None:
         for name in (*_SEQUENCES, *_NUMBERS):
             value = getattr(self, name)
@@ -397,6 +388,14 @@ def warn_of_radians(settings: Settings) -> None:
             )
 
 
+def level_outside() -> int:
+    """How far up the stack, for `warnings.warn` in the caller, the first line outside this package is."""
+    frame, level, package = sys._getframe(1), 1, __name__.partition(".")[0]
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    return level
+
+
 def disturbances(kind: type[D]) -> dict[str, D]:
     """Those of one kind, by their field."""
     return _of_kind(kind)
@@ -425,7 +424,6 @@ def option(name: str) -> str:
 
 def convert_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Convert values as JSON has them to the types of these fields. Raises ValueError for another name or value."""
-    fields = current_settings(fields)
     try:
         whole = msgspec.convert(fields, Settings)
     except msgspec.ValidationError as error:

@@ -9,9 +9,7 @@ To try a servo, give it to `Session(settings, servo=…)`. To give it a name for
 a `ServoMethod` with title, limitations, equations and storage: `SERVOS["name"] = …`.
 """
 
-from typing import Any
-
-from ..estimation.residuals import NoiseReference, ResidualFunction, warn_renamed
+from ..estimation.residuals import NoiseReference, ResidualFunction
 from .broyden import Broyden
 from .gradient import Gradient
 from .observation import Observation
@@ -24,8 +22,6 @@ from .trust_region.convergence import Certificate
 from .trust_region.misfit import Misfit, MisfitKind
 from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
-
-EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
 
 __all__ = [
     "SERVOS",
@@ -52,11 +48,3 @@ __all__ = [
     "servo_method",
     "trust_region_method",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    """Return what had another name in the last version."""
-    if name not in EARLIER_NAMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    warn_renamed(name, EARLIER_NAMES[name])
-    return globals()[EARLIER_NAMES[name]]

@@ -1,8 +1,6 @@
 """The input of a servo at each motion, and the visits that it remembers."""
 
-import warnings
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +11,6 @@ from ..geometry.rectification import Rectification
 
 PROBE_RAD = np.radians(15.0)  # rad: images change visibly, and nearly linearly
 DEFAULT_MAX_RESTARTS = 4
-EARLIER_NAMES = {  # fields of `Observation` in earlier versions → today's
-    "rehearsed": "calibration",
-    "shown": "n_visible",
-    "half_shown": "n_partial",
-    "heads": "n_rig_hypotheses",
-    "restarts": "max_restarts",
-}
 
 
 @dataclass(frozen=True)
@@ -68,14 +59,6 @@ class Observation:
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
     matched: bool = True  # whether these are the own points, one by one; otherwise they are in an unknown order
-
-    def __getattr__(self, name: str) -> Any:
-        """Return a field by its name in an earlier version."""
-        if name not in EARLIER_NAMES:
-            raise AttributeError(f"an Observation has no {name!r}")
-        today = EARLIER_NAMES[name]
-        warnings.warn(f"Observation.{name} is {today} now", DeprecationWarning, stacklevel=2)
-        return getattr(self, today)
 
     def with_origin(self, offset: NDArray[np.float64]) -> "Observation":
         """Correct the displacements of an arm that is not where it was sent.

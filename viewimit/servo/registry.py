@@ -3,7 +3,6 @@
 The mathematics of a servo is in its own module. Only `servo` is required of an entry; all other fields have defaults.
 """
 
-import warnings
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,15 +28,6 @@ from .trust_region.explanation import equations as trust_region_equations
 from .trust_region.options import DEFAULTS, TrustRegionOptions
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
-DESCRIPTIONS = {  # attributes by which servos of earlier versions described themselves → fields of `ServoMethod`
-    "title": "title",
-    "assumes": "assumes",
-    "fails": "limitations",
-    "slow": "slow",
-    "predicts": "predicts",
-    "equations": "equations",
-    "says": "describe_status",
-}
 
 
 @dataclass(kw_only=True)
@@ -90,13 +80,7 @@ def servo_method(given: ServoMethod | Servo) -> ServoMethod:
     missing = [said for name, said in SIGNATURES.items() if not callable(getattr(given, name, None))]
     if missing:
         raise TypeError(f"the servo {given!r} has no {' and no '.join(missing)}: see viewimit.servo.Servo")
-    described: dict[str, Any] = {
-        field: getattr(given, name) for name, field in DESCRIPTIONS.items() if hasattr(given, name)
-    }
-    if described:
-        words = f"give {', '.join(described)} to ServoMethod(servo=…), not to the servo itself"
-        warnings.warn(words, DeprecationWarning, stacklevel=3)
-    return ServoMethod(servo=given, **described)
+    return ServoMethod(servo=given)
 
 
 class Servos(UserDict[str, ServoMethod]):

@@ -4,20 +4,9 @@ from enum import Enum
 
 TEST_MOVE = "This is a test move: it shows how the images change when a joint turns."
 
-EARLIER_WORDS: dict[object, str] = {  # of earlier versions -> today's
-    "untold": "unobservable",
-    "rests": "settled",
-    "stalled": "no-progress",
-    "stopped": "too-few-points",
-    "max_motions": "max-motions",
-}
-
 
 class ServoStatus(str, Enum):
-    """Whether a learner moves, or why it does not. A member equals its value, a plain string.
-
-    `ServoStatus(word)` also takes the words that earlier versions wrote. Raises ValueError for any other word.
-    """
+    """Whether a learner moves, or why it does not. A member equals its value, a plain string."""
 
     READY = "ready"
     """No motion has been made yet."""
@@ -43,11 +32,6 @@ class ServoStatus(str, Enum):
     """The run made as many motions as it was allowed, or the history is full."""
 
     __str__ = str.__str__  # the value, in f-strings as well
-
-    @classmethod
-    def _missing_(cls, value: object) -> "ServoStatus | None":
-        """Read a word that an earlier version wrote."""
-        return cls(EARLIER_WORDS[value]) if value in EARLIER_WORDS else None
 
     @property
     def is_claim(self) -> bool:

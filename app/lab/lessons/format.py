@@ -12,7 +12,6 @@ from typing import Any
 import msgspec
 
 from viewimit.loop.settings import PAPER_FIELDS, Settings
-from viewimit.sensing.renamed import current_settings
 
 MAX_WORDS = 60  # of a step's text
 SCENE_FIELDS = ("head", "demonstrator", "learner", "points")  # of a scene file, that a step may change
@@ -250,7 +249,7 @@ def settings_of(lesson: Lesson, step: Step, **changes: Any) -> Settings:
     ValueError
         For a value that a setting cannot have; the message names the setting.
     """
-    fields = current_settings({**lesson.settings, **step.settings, **changes})
+    fields = {**lesson.settings, **step.settings, **changes}
     return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)
 
 

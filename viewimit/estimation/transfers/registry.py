@@ -5,7 +5,7 @@ The mathematics of a transfer is in its own module. Only `fit` is required of an
 
 from collections import UserDict
 from collections.abc import Callable
-from dataclasses import InitVar, dataclass
+from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ...geometry.affine import DEMO_PAIR, VIEW_PAIRS
 from ..equations import HOLE, Equation, column, each, matrix, number, short
-from ..residuals import warn_renamed
 from ..views import FourViews
 from . import epipolar, linear, projective, rank3
 from .epipolar import EpipolarTransfer
@@ -48,15 +47,8 @@ class TransferMethod:
     conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
     homography_of_space: bool = False  #: whether rectified views are related by one, so `HomographyResiduals` apply
 
-    fails: InitVar[str] = ""  # earlier names, for one version
-    ill: InitVar[str] = ""
-
-    def __post_init__(self, fails: str, ill: str) -> None:
+    def __post_init__(self) -> None:
         self.title = self.title or name_of(self.fit)
-        for old, new, value in (("fails", "limitations", fails), ("ill", "degenerate_message", ill)):
-            if value:
-                warn_renamed(f"TransferMethod: {old}", new, stacklevel=4)
-                setattr(self, new, value)
 
     def __call__(self, views: FourViews) -> FittedTransfer:
         """Fit the transfer. Raises ValueError for coordinates that are not finite."""

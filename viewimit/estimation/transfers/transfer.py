@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...geometry.affine import flatness
-from ..residuals import conflict, warn_renamed
+from ..residuals import conflict
 from ..views import VIEWS, FourViews
 
 
@@ -93,12 +93,8 @@ class Transfer(FittedTransfer):
 
 
 def is_whitened(fitted: Any) -> bool:
-    """Return `is_whitened` of a fitted transfer, or what it says by that attribute's earlier name; by default False."""
-    earlier = getattr(fitted, "weighs_noise", None)
-    if earlier is None:
-        return bool(getattr(fitted, "is_whitened", False))
-    warn_renamed("weighs_noise", "is_whitened")
-    return bool(earlier)
+    """Return `is_whitened` of a fitted transfer; by default False."""
+    return bool(getattr(fitted, "is_whitened", False))
 
 
 class Recovers(Protocol):

@@ -16,7 +16,7 @@ from tqdm import tqdm
 from ..analysis.landscape import grid_axes
 from ..experiments.bench import BENCHMARKS, Benchmark
 from ..experiments.bench.benchmark import Context, OptionError, Progress, SceneOptions
-from ..experiments.executors import Cluster, LocalPool, Study, StudyError, StudyFolder, code_version, own_methods
+from ..experiments.executors import Cluster, LocalPool, Study, StudyError, StudyFile, code_version, own_methods
 from ..geometry.affine import require_points
 from ..sensing.files import escape
 from ..simulation.scene import load_scene, scene_names
@@ -53,7 +53,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
                 "--cluster", metavar="ADDRESS", help="run on the Dask cluster of this scheduler (the processors here)"
             )
             studies.add_argument(
-                "--out", type=Path, metavar="DIR", help="keep finished runs, and go on with those kept there (nothing)"
+                "--out", type=Path, metavar="FILE", help="keep finished runs, and go on with those kept there (nothing)"
             )
         add_json_option(one)
 
@@ -123,8 +123,8 @@ def run(args: argparse.Namespace) -> int:
     except (StudyError, OptionError) as error:
         raise BadInput(str(error)) from None
     except KeyboardInterrupt:
-        folder = vars(args).get("out")
-        _warn(f"interrupted{f': {folder} keeps finished runs, and the same command goes on' if folder else ''}")
+        out = vars(args).get("out")
+        _warn(f"interrupted{f': {out} keeps finished runs, and the same command goes on' if out else ''}")
         return INTERRUPTED
     if study.runs:
         print(cost_line(study), file=sys.stderr)
@@ -151,7 +151,7 @@ def _study(args: argparse.Namespace) -> Study:
     cluster, out = given.get("cluster"), given.get("out")
     if (cluster or out) and given.get("path"):
         raise BadInput("--cluster, --out: the runs of PATH are made already")
-    folder = None
+    file = None
     if out:
         kind: type[Benchmark] = BENCHMARKS[args.benchmark]
         fields = [field.name for field in dataclasses.fields(kind) if field.name not in WITHOUT_EFFECT]
@@ -159,8 +159,8 @@ def _study(args: argparse.Namespace) -> Study:
         if "scene" in study and args.scene not in scene_names():  # a file: its content counts, not its path
             content = Path(args.scene).read_bytes()
             study["scene"] = f"{Path(args.scene).name} ({hashlib.sha256(content).hexdigest()[:12]})"
-        folder = StudyFolder(out, {**study, "code": code_version(), "methods": own_methods()})
-    return Study(Cluster(cluster) if cluster else LocalPool(), folder)
+        file = StudyFile(out, {**study, "code": code_version(), "methods": own_methods()})
+    return Study(Cluster(cluster) if cluster else LocalPool(), file)
 
 
 def cost_line(study: Study) -> str:

@@ -21,6 +21,7 @@ from serving import Server
 from viewimit.commands.cli import main
 from viewimit.geometry import limit_blas_threads
 
+METHOD = "geometry", "kinematics", "estimation", "servo", "golden"
 LONG = "test_readme.py", "test_extension.py", "test_scenes.py"
 WAITING = "test_workers.py", "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
@@ -96,15 +97,21 @@ def server():
 
 
 def pytest_collection_modifyitems(items):
-    """Files with browser's tests first, and after every second of them one that mostly waits for servers, so that the
-    processor is seldom waited for by all or by none; then the longest of those that would come last: none of them
-    should be left to one process at the end. Within a file the order stays, in which fixtures are set up once."""
-    paths = list(dict.fromkeys(item.path for item in items))
-    of_browser = {item.path for item in items if "browser" in item.keywords}
-    ranks = {path: (0, rank) for rank, path in enumerate(path for path in paths if path in of_browser)}
-    waiting = [path for path in paths if path.name in WAITING and path not in of_browser]
-    ranks |= {path: (0, 2 * rank + 1.5) for rank, path in enumerate(waiting)}
-    items.sort(key=lambda item: ranks.get(item.path, (1, item.path.name not in LONG)))
+    """The method first, so that a broken formula shows at once; browsers, which take most of the time, last.
+
+    Between them those that take long or mostly wait, so that no process is left alone with one at the end. Within a
+    file the order stays, in which fixtures are set up once.
+    """
+    in_browser = {item.path for item in items if "browser" in item.keywords}
+
+    def rank(item):
+        if item.path in in_browser:
+            return 3
+        if item.path.name in (*LONG, *WAITING):
+            return 2
+        return 0 if item.path.parent.name in METHOD else 1
+
+    items.sort(key=rank)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -1,6 +1,5 @@
 """A client that speaks viser's protocol without a browser: it takes what a page would, and sends what one likes."""
 
-import re
 import threading
 import time
 from base64 import b64encode
@@ -31,27 +30,15 @@ VIEW = {
 
 
 class Tab:
-    """What a browser's tab keeps of the parts that it is sent."""
+    """What a browser's tab keeps of what it is sent."""
 
     def __init__(self):
-        self.blocks, self.number, self.acted, self.last = [], 0, 0, ""
+        self.text, self.acted = "", 0
 
-    @property
-    def text(self):
-        return ".".join(self.blocks)
-
-    def take(self, part) -> bool:
-        """Whether no part is missing before it."""
-        if part == self.last:
-            return True
-        self.last = part
-        part = msgspec.json.decode(part)
-        if part["at"] != 0 and part["number"] != self.number + 1:
-            return False  # of two that wait to be sent the newer one is
-        self.number, self.acted = part["number"], part["acted"]
-        if part["at"] >= 0:
-            self.blocks = self.blocks[: part["at"]] + part["blocks"]
-        return True
+    def take(self, sent: str) -> None:
+        if sent:
+            kept = msgspec.json.decode(sent)
+            self.text, self.acted = kept["text"], kept["acted"]
 
 
 class Client:
@@ -168,8 +155,7 @@ class Client:
             if "value" in message["updates"]:
                 self.values[uuid] = message["updates"]["value"]
                 if uuid == self.widgets.get("vi-session"):
-                    if not self.tab.take(self.values[uuid]):
-                        self.act("resend", 0)  # as the page's script does
+                    self.tab.take(self.values[uuid])
             if "content" in message["updates"]:
                 self.html[uuid] = message["updates"]["content"]
         elif kind == "GuiRemoveMessage":
@@ -182,10 +168,6 @@ class Client:
             self.widgets[label(props["label"])] = uuid
             self.values[uuid] = message.get("value")
             if props["label"] == "vi-actions":
-                self.tab.number = 0
-                pieces = re.findall(".{1,5000}", self.tab.text) or [""]
-                for piece in pieces[:-1]:
-                    self.act("piece", piece)
-                self.act("session", pieces[-1])
+                self.act("session", self.tab.text)
         elif "name" in message and message["name"].startswith("/"):
             self.nodes.add(message["name"])

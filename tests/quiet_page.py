@@ -1,7 +1,6 @@
 """A page without a browser: its widgets keep what is written into them, and a test changes them as a person would."""
 
 import contextlib
-import re
 import time
 from types import SimpleNamespace
 
@@ -120,10 +119,7 @@ class QuietPage:
 
     def restore(self, text=""):
         """What the tab of an earlier page has kept; "" for a new tab."""
-        pieces = re.findall(".{1,5000}", text) or [""]
-        for piece in pieces[:-1]:
-            self.act("piece", piece)
-        self.act("session", pieces[-1])
+        self.act("session", text)
         self.tick()
         self.tick_until(lambda: not self.page.model.following.goes_on)
         self.settle()

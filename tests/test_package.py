@@ -19,7 +19,7 @@ from urllib.parse import parse_qsl
 import pytest
 from viewimit.app.lab.article.page import FIGURES
 from viewimit.app.lab.page import presets
-from viewimit.app.sessions.link import decode
+from viewimit.app.model.link import read_link
 
 import viewimit
 from viewimit.commands import BadInput
@@ -172,12 +172,12 @@ def test_its_links_open_the_states_that_are_drawn(wheel):
     found = {
         (address, float(E))
         for page in pages_of(wheel).values()
-        for E, address in re.findall(r'data-conflict="([^"]+)" href="http://127.0.0.1:8080/\?s=([^"]+)"', page)
+        for E, address in re.findall(r'data-conflict="([^"]+)" href="http://127.0.0.1:8080/\?([^"]+)"', page)
     }
     assert len(found) > 3
     for address, E in found:
         names: dict = {}
-        exec(as_python(decode(address, Settings.paper()).scripts[0]), names)
+        exec(as_python(read_link(html.unescape(address), Settings.paper()).script), names)
         assert names["session"].snapshot.E == pytest.approx(E, rel=1e-9)
 
 

@@ -16,10 +16,9 @@ from ..model.choices import SPEEDS, Preset, modified
 from ..model.displayed import rehearsal_of
 from ..model.following import Played
 from ..model.keeping import become
+from ..model.link import read_link
 from ..model.page_model import PageModel
 from ..model.queue import Queued, choice, number, one_of, text
-from ..model.readable_link import read_link
-from ..sessions.link import decode
 from .registry import command
 
 MESSAGE_S = 6.0  # s that a message stays
@@ -219,17 +218,11 @@ def restore_session(model: PageModel, kept: Text) -> None:
     model.is_kept = True
     if kept:
         try:
-            page = decode(kept, model.begun)
+            page = read_link(kept, model.begun)
         except ValueError as error:
             why = "what this tab has kept cannot be restored, so the session begins again: {why}"
             raise ValueError(why.format(why=error)) from None
         model.following.begin(page, Arrived, is_own=True)
-
-
-@command("resend", latest=True, link=True)
-def resend_all(model: PageModel) -> None:
-    """Send the tab its whole text again, of which it has missed a part."""
-    model.resends_all = True
 
 
 @command("unsaved", latest=True, link=True)

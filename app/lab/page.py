@@ -160,11 +160,11 @@ def lab_address(now: Snapshot) -> str | None:
         "preset": found[0].name,
         "demo": _degrees(now.theta_demo),
         "start": _degrees(now.theta),
-        "law": settings.servo if settings.servo in SERVOS else None,
+        "servo": settings.servo if settings.servo in SERVOS else None,
         "transfer": settings.transfer if settings.transfer in TRANSFERS else None,
         "points": settings.points,
         "noise": settings.noise_px,
-        "lost": round(100 * settings.missing, 3),
+        "missing": settings.missing,
         "seed": settings.seed,
     }
     return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")

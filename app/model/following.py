@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from viewimit.loop.session import Session
 
 from ..jobs.camera_images import SessionEyes
-from ..sessions.link import Branch, SavedPage
+from .link import Linked
 from .player import DENSE
 from .queue import CommandQueue, Queued
 from .services import Services
@@ -14,28 +14,24 @@ from .services import Services
 
 @dataclass(eq=False)
 class Played:
-    """A saved page, and as much of it as is played.
+    """What a link holds, and its sessions as far as they are played.
 
-    is_own: it is what the page's own tab has kept; eyes: all its sessions look with; branches: the present one first,
-    then the newest that Undo goes back to, each with its sessions; error: why not all are.
+    is_own: it is what the page's own tab has kept; eyes: all sessions look with; error: why they are not played.
     """
 
-    page: SavedPage
+    page: Linked
     is_own: bool
     eyes: SessionEyes
-    branches: list[tuple[Branch, list[Session]]] = field(default_factory=list)
+    sessions: list[Session] = field(default_factory=list)
     error: Exception | None = None
 
     def passes(self) -> Iterator[None]:
         """Play it, and yield after each pass of the loop."""
-        for branch in (self.page.present, *reversed(self.page.past)):
-            sessions: list[Session] = []
-            for run in branch.runs:
-                sessions.append(Session(run.script.settings, open_eyes=self.eyes, dense=DENSE))
-                yield from sessions[-1].passes(run.script)
-                sessions[-1].scrub(min(run.cursor, len(sessions[-1].history) - 1))
-            if sessions:
-                self.branches.append((branch, sessions))
+        for script in self.page.scripts:
+            session = Session(script.settings, open_eyes=self.eyes, dense=DENSE)
+            yield from session.passes(script)
+            session.scrub(min(self.page.at, len(session.history) - 1))
+            self.sessions.append(session)
 
 
 class Following:
@@ -57,7 +53,7 @@ class Following:
         self.goes_on = False  # whether a script is still played
         self.restores = False  # whether it is what the page's own tab has kept, before which nothing else counts
 
-    def begin(self, page: SavedPage, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
+    def begin(self, page: Linked, arrival: Callable[[Played], Queued], is_own: bool = False) -> None:
         """Play a saved page instead of the one that is played now. arrival: the entry that then takes it."""
         self.let_go()
         played = self._played = Played(page, is_own, SessionEyes(self._services.camera))

@@ -15,8 +15,7 @@ from viewimit.drawing.export.perspective import Viewpoint
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from ..sessions.link import Branch, Run, SavedPage
-from .choices import SWITCHES, Freedom, Message, Preset, View
+from .choices import Freedom, Message, Preset, View
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
 from .editing import GlossaryDemo, UndoableSession
@@ -40,8 +39,7 @@ class PageModel:
     generation: how often the world was replaced or the session restarted; inputs: how many of the visitor's commands
     were applied or rejected, after each of which widgets are written again;
     tour_offered: to a first visitor; eye(): that looks at the 3-D scene, as the page knows it;
-    is_kept: the page's tab keeps what it is sent of it; resends_all: the tab has missed a part; unsaved: whether
-    the tab cannot keep it.
+    is_kept: the page's tab keeps what it is sent of it; unsaved: whether the tab cannot keep it.
     """
 
     def __init__(
@@ -78,7 +76,7 @@ class PageModel:
         self.message: Message | None = None
         self._refusal: Message | None = None
         self.unsaved = False
-        self.is_kept = self.resends_all = False
+        self.is_kept = False
         self.displayed = self.display.at(0.0, 0.0, self.view)
 
     @property
@@ -130,18 +128,6 @@ class PageModel:
     def poses(self, now: float) -> tuple[NDArray, ...]:
         """(m,) rad each: where the learner is seen, the demonstrator, and one more arm if there is one."""
         return self.display.poses(now)
-
-    def linked(self) -> SavedPage:
-        """What a link to this page holds. Raises ValueError where that cannot be said."""
-        view, snapshot = self.view, self.session.snapshot
-        run = Run(script=self.session.script, cursor=snapshot.motion)
-        return SavedPage(
-            present=Branch(runs=(run,), preset=self.preset.name, speed=self.player.speed),
-            settings=snapshot.settings,
-            commanded=tuple(snapshot.commanded.tolist()),
-            chosen=view.chosen,
-            show={name: on for name in SWITCHES if isinstance(on := getattr(view, name), bool)},
-        )
 
     def refresh(self, now: float, shortest_motion: float = 0.0) -> Displayed:
         """Update the display. shortest_motion: s; an arm that moves for less is displayed where it arrives."""

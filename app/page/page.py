@@ -130,7 +130,7 @@ class Page:
             self.model.refresh(0.0)
             self.layout.build(PANELS, self.model)
             self._actions: Actions = self.layout.named["actions"]
-            self._keeper = Keeper(self.model, self._actions.send_part)
+            self._keeper = Keeper(self.model, self._actions.keep)
             self._scene = Scene3D(self._client, self.queue, services.share)
 
     @property

@@ -9,9 +9,10 @@ from typing import Annotated
 
 import msgspec
 
+from viewimit.loop.link import MAX_LINK
+
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, Rejected
-from ..sessions.link import MAX_TEXT
 from ..viser_private import push_input
 from .panel import Layout
 
@@ -19,11 +20,10 @@ LABEL = "vi-actions"  # of the widget
 KEPT_LABEL = "vi-session"  # of the widget whose value is for the tab to keep
 MAX_CHARS = 16_000  # of what it is sent
 MAX_ACTIONS = 64  # of a message
-PIECE = "piece"  # control of the first parts of a value
 
 Number = Annotated[int, msgspec.Meta(ge=1)]
 Control = Annotated[str, msgspec.Meta(max_length=20)]
-Value = Annotated[str, msgspec.Meta(max_length=6_000)]  # a link is the longest; longer texts come in pieces
+Value = Annotated[str, msgspec.Meta(max_length=MAX_LINK)]  # a link is the longest
 
 
 class Message(msgspec.Struct, forbid_unknown_fields=True):
@@ -53,8 +53,7 @@ class Actions:
     def __init__(self, queue: CommandQueue):
         self._queue = queue
         self._load = ""
-        self._pieces = ""  # of the next value
-        self.send_part: Callable[[str], None] = lambda part: None  # to the tab, of what it is to keep
+        self.keep: Callable[[str], None] = lambda kept: None  # sends the tab what it is to keep
         self.last = 0  # number that was taken
 
     def take(self, text: str) -> None:
@@ -65,11 +64,7 @@ class Actions:
         for number, control, value in message.acts:
             if number > self.last:
                 self.last = number
-                if control == PIECE:
-                    self._pieces = (self._pieces + value)[: MAX_TEXT + 1]  # one too many is refused where it is read
-                    continue
-                self._call(control, self._pieces + value)
-                self._pieces = ""
+                self._call(control, value)
 
     def _call(self, control: str, value: str) -> None:
         command = self._queue.commands.get(control)
@@ -92,4 +87,4 @@ def actions(layout: Layout, model: PageModel) -> None:
             push_input(box, str(taken.last))
 
     kept = layout.gui.add_text(KEPT_LABEL, "", visible=False)
-    taken.send_part = lambda part: push_input(kept, part)
+    taken.keep = lambda text: push_input(kept, text)

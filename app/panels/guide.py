@@ -16,8 +16,8 @@ from viewimit.servo import SERVOS
 from ..drawing.overlays import button, current_values, linked_cards, listed
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
+from ..model.keeping import share_link
 from ..model.page_model import PageModel
-from ..sessions.link import encode_link
 from .panel import SLOWEST, Layout, put_html
 
 
@@ -237,7 +237,7 @@ def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
 def way_back(model: PageModel) -> str:
     """The address's part by which a lesson knows the page that it is left for; empty where no link holds the page."""
     try:
-        return f"#page={quote(encode_link(model.linked()))}"
+        return f"#page={quote(share_link(model, hides=True), safe='')}"
     except ValueError:
         return ""
 

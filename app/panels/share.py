@@ -2,7 +2,6 @@
 repeats it."""
 
 import html
-from contextlib import suppress
 from typing import Any
 
 import segno
@@ -13,10 +12,10 @@ from viewimit.sensing.files import file_name
 from viewimit.wording import listed
 
 from ..lab.page import lab_address
+from ..model.keeping import share_link
+from ..model.link import described, files_named
 from ..model.page_model import PageModel
 from ..model.pictures import FORMATS, PICTURES, lacking
-from ..model.readable_link import NotReadable, write_link
-from ..sessions.link import encode_link, files_named
 from .panel import SLOWEST, Layout, put_html
 
 REPLAY = "all steps as one file that any browser opens, without a server"
@@ -76,10 +75,9 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     other machine."""
     parts, script = [], model.session.script.renamed(file_name)
     try:
-        query, files = _query(model)
-        address = f"{origin or ''}/?{query}"
+        address = f"{origin or ''}/?{share_link(model, hides=not model.view.truth)}"
         parts.append(_copied("A link that opens this very state", address))
-        parts.append(_bound(files))
+        parts.append(_bound(files_named(model.session.script.renamed(described))))
         if origin is not None:
             parts.append(f'<p class="vi-2nd">{ONLY_HERE}</p>' if is_local else "")
             parts.append(_qr(address))
@@ -94,19 +92,6 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
         except ValueError as error:
             parts.append(f"<p>{html.escape(str(error))}</p>")
     return f'<div class="vi-share">{"".join(parts)}</div>'
-
-
-def _query(model: PageModel) -> tuple[str, list[str]]:
-    """Return what follows "?" in a link, and the files that its server has to be started with.
-
-    It is readable if settings and a number of steps say everything, and the answer may be seen.
-    Raises ValueError for a link that is too long.
-    """
-    if model.view.truth:
-        with suppress(NotReadable):
-            return write_link(model), []
-    packed = encode_link(model.linked())
-    return f"s={packed}", files_named(packed)
 
 
 def _copied(title: str, text: str, lines: bool = False, tells: bool = False) -> str:

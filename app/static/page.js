@@ -4,7 +4,7 @@
 // viser's worker has the connection. An action is sent at once, and again until a text widget that nobody sees shows its
 // number: so each is taken once, in its order, also if the connection was lost
 const LABEL = "vi-actions", AGAIN_MS = 2000, WATCHES_AFTER_MS = 4000, LOAD = Math.random().toString(36).slice(2);
-const MOST_CHARS = 12000, PIECE = /.{1,5000}/g;  // of a message, and of one of its values
+const MOST_CHARS = 12000;  // of a message
 let wire = null, box = "", acted = 0, unsaid = [], again = 0, isDue = false;
 const say = () => {
   clearTimeout(again);
@@ -29,17 +29,14 @@ const taken = last => {
 // What the tab keeps is handed back first, on each connection: then come clicks that were made since it was kept, and that
 // the lost connection may have swallowed
 const searched = new URLSearchParams(location.search);
-const OWN_FIELDS = ["s", "present", "websocket", "at"];  // of the address: the others are of a link that people can read
-const readable = new URLSearchParams([...searched].filter(([name]) => !OWN_FIELDS.includes(name))).toString();
-const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, searched.get("s") ?? readable);
+const OWN_FIELDS = /^(present|websocket)(=|$)/;  // of the address: the others are of a link
+const asked = location.search.slice(1).split("&").filter(field => field && !OWN_FIELDS.test(field)).join("&");
+const kept = new TabSession(() => sessionStorage, `viewimit:${location.pathname}`, asked);
 let keptBox = "", redone = [], sentProblem = "";
 const handBack = () => {
-  kept.connect();
   const left = [...redone, ...unsaid].filter(([number, control]) => number > kept.acted && !REPORTED.includes(control));
   unsaid = redone = [];
-  const pieces = kept.text.match(PIECE) ?? [""];
-  for (const piece of pieces.slice(0, -1)) act("piece", piece);
-  act("session", pieces.at(-1));
+  act("session", kept.text);
   tellBrowser();
   for (const [, control, value] of left) act(control, value);
   sentProblem = "";
@@ -48,12 +45,12 @@ const handBack = () => {
 const tellProblem = () => {
   if (kept.problem !== sentProblem) act("unsaved", sentProblem = kept.problem);
 };
-const keep = part => {
-  if (!part) return;
-  if (!kept.take(part)) return act("resend", 0);
+const keep = sent => {
+  if (!sent) return;
+  kept.take(sent);
   redone = redone.filter(([number]) => number > kept.acted);
   const page = new URL(location.href);
-  const fields = [page.searchParams.has("present") ? "present" : "", kept.address && `s=${kept.address}`];
+  const fields = [page.searchParams.has("present") ? "present" : "", kept.address];
   const search = fields.filter(Boolean).map((one, k) => (k ? "&" : "?") + one).join("");
   if (page.search !== search) history.replaceState(history.state, "", page.pathname + search);
   tellProblem();
@@ -106,7 +103,7 @@ const MEDIA = Object.entries({
   still: "(prefers-reduced-motion:reduce)",
 }).map(([control, query]) => [control, matchMedia(query)]);
 for (const [control, media] of MEDIA) media.addEventListener("change", () => act(control, Number(media.matches)));
-const REPORTED = [...MEDIA.map(([control]) => control), "unseen", "truth", "piece", "session", "unsaved", "resend"];
+const REPORTED = [...MEDIA.map(([control]) => control), "unseen", "truth", "session", "unsaved"];
 const tellBrowser = () => {
   for (const [control, media] of MEDIA) act(control, Number(media.matches));
   sentUnseen = "none";

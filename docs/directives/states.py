@@ -4,11 +4,12 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
 from viewimit import Session, Settings
+from viewimit.loop import link
+from viewimit.loop.simulated_robot import complete
 
-PAGE = "http://127.0.0.1:8080/?s="  # where `viewimit` serves
+PAGE = "http://127.0.0.1:8080/?"  # where `viewimit` serves
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,6 @@ def chosen(name: str) -> int:
 def address(name: str) -> str:
     """Of the page in that state."""
     shown = session(name)
-    present = Branch(runs=(Run(script=shown.script, cursor=shown.cursor),))
-    saved = SavedPage(present=present, settings=shown.settings, chosen=chosen(name), show=STATES[name].show)
-    return PAGE + encode_link(saved)
+    base = complete(Settings.paper())
+    pairs = [("preset", "paper"), *link.said(shown.script, base), ("point", str(chosen(name)))]
+    return PAGE + link.joined([*pairs, *((switch, str(int(on))) for switch, on in STATES[name].show.items())])

@@ -9,7 +9,7 @@ from page_fakes import call
 from quiet_page import QuietPage
 from sameness import assert_same
 from viewimit.app.drawing.overlays import asks, beside, current_values, listed
-from viewimit.app.model.keeping import saved_page
+from viewimit.app.model.keeping import tab_link
 from viewimit.app.panels.guide import help_html, numbers_now
 
 from viewimit.drawing import glossary
@@ -138,7 +138,7 @@ def test_what_was_there_before_is_given_back_to_the_bit():
         one.act("moment", "2")
         one.tick(1.0)
     model = page.page.model
-    before, view, past = saved_page(model), model.view, model.past.everything
+    before, view, past = tab_link(model), model.view, model.past.everything
     history = tuple(model.session.history)
     assert give_back_offered(page) == []
     for key in ("E", "condition"):
@@ -151,7 +151,7 @@ def test_what_was_there_before_is_given_back_to_the_bit():
     page.act("restore", "0")
     page.tick(1.0)
     page.tick(10.0)
-    assert saved_page(model) == before and model.view == view and model.past.everything == past
+    assert tab_link(model) == before and model.view == view and model.past.everything == past
     assert_same(tuple(model.session.history), history)
     assert give_back_offered(page) == []
     for one in (page, twin):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from browsing import sparing
 from viewimit.app.lab.page import lab_address, lab_page, presets
-from viewimit.app.sessions import link
+from viewimit.app.model.link import read_link
 from waiting import wait_until
 
 from viewimit import Session, Settings, load_scene
@@ -256,16 +256,17 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
 
 @pytest.mark.browser
 def test_the_address_says_what_is_shown_and_leads_back(opened):
-    address = (
-        "#preset=noise&demo=50,-80&start=30,-40&law=gradient-retuned&transfer=linear&noise=0.5&lost=10&seed=3&steps=4"
-    )
+    changed = "servo=gradient-retuned&transfer=linear&noise=0.5&missing=0.1&seed=3"
+    address = f"#preset=noise&demo=50,-80&start=30,-40&{changed}&steps=4"
     page = opened(address)
     first = now(page)
     assert first["motion"] == 4 and degrees(first["thetaDemo"]) == [50, -80]
     page.keyboard.press("ArrowRight")
     wait_until(lambda: page.evaluate("location.hash").endswith("steps=5"))
     there = page.evaluate("location.hash")
-    assert all(part in there for part in ("preset=noise", "law=gradient-retuned", "noise=0.5", "lost=10", "seed=3"))
+    assert all(
+        part in there for part in ("preset=noise", "servo=gradient-retuned", "noise=0.5", "missing=0.1", "seed=3")
+    )
     other = opened(there)
     assert now(other) == now(page)
     library = Session(Settings.paper(
@@ -274,7 +275,7 @@ def test_the_address_says_what_is_shown_and_leads_back(opened):
     ))  # fmt: skip
     library.run(5)
     assert np.abs(np.degrees(np.array(now(page)["theta"]) - library.snapshot.theta)).max() < 1e-6
-    wrong = opened("#preset=nothing&demo=1,2,3&start=x&law=best&noise=-1&seed=1e99&points=7")
+    wrong = opened("#preset=nothing&demo=1,2,3&start=x&servo=best&noise=-1&seed=1e99&points=7")
     assert degrees(now(wrong)["thetaDemo"]) == [45, -90]
     assert "preset=nothing" in wrong.inner_text("#says") and "points=7" in wrong.inner_text("#says")
     wait_until(lambda: wrong.evaluate("location.hash").startswith("#preset=paper"))
@@ -290,7 +291,8 @@ def test_every_experiment_opens_and_the_page_of_viewimit_opens_in_it(opened):
         assert page.inner_text("#says") == preset.says
         assert page.evaluate("lab.step() ?? lab.session().now.motion") == 1
         text = page.evaluate("lab.pageLink()")
-        settings = link.decode(text, Settings()).scripts[0].settings
+        script = read_link(text, Settings()).script
+        settings = script.settings
         assert (settings.transfer, settings.servo, settings.noise_px) == (
             preset.transfer,
             preset.servo,
@@ -364,7 +366,7 @@ def test_larger_letters_cut_nothing_off(opened, width, height):
 
 @pytest.mark.browser
 def test_what_differs_from_the_experiment_is_said_and_a_run_that_cannot_go_on_stops(opened):
-    page = opened("#preset=paper&points=20&noise=4&lost=50&law=gradient")
+    page = opened("#preset=paper&points=20&noise=4&missing=0.5&servo=gradient")
     said = page.inner_text("#says")
     assert all(part in said for part in ("20 points", "4.0 px", "50 %", "Paper"))
     page.keyboard.press(" ")
@@ -437,7 +439,7 @@ def test_the_lowest_E_lies_between_the_maps_postures_and_stays_while_the_learner
 @pytest.mark.browser
 def test_equal_residuals_are_judged_alike_and_steps_count_from_the_last_pose(opened):
     for law, words in (("broyden", "Converged after"), ("gradient-retuned", "E no longer falls after")):
-        page = opened(f"#preset=paper&law={law}&steps=689")
+        page = opened(f"#preset=paper&servo={law}&steps=689")
         page.keyboard.press("ArrowRight")
         wait_until(lambda page=page, words=words: page.inner_text("#outcome").startswith(words))
         said = page.inner_text("#outcome")
@@ -545,9 +547,10 @@ def test_with_reduced_motion_a_step_is_shown_at_once(opened):
 def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
     page = browser.new_page()
     page.goto(f"{server}/lab#preset=paper&demo=50,-80&steps=2")
-    wait_until(lambda: page.evaluate("typeof lab === 'object' && document.querySelector('#open').href.includes('?s=')"))
-    text = page.locator("#open").get_attribute("href").partition("s=")[2]
-    script = link.decode(text, Settings()).scripts[0]
+    wait_until(
+        lambda: page.evaluate("typeof lab === 'object' && document.querySelector('#open').href.includes('demo=50')")
+    )
+    script = read_link(page.locator("#open").get_attribute("href").partition("?")[2], Settings()).script
     assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
     page.close()
 

@@ -16,7 +16,7 @@ from viewimit.app.model.choices import (
     servo_names,
     transfer_names,
 )
-from viewimit.app.model.keeping import saved_page
+from viewimit.app.model.keeping import tab_link
 from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 
 from viewimit.analysis.trajectory import make_motion
@@ -453,7 +453,7 @@ def test_what_the_browser_prefers_holds_until_the_visitor_chooses():
         assert model.view.on("dark") == (dark == "1")
     Hands(model).set("dark", False)
     link("dark", "1").apply(model, 0.0)
-    assert not model.view.on("dark") and saved_page(model).dark is False
+    assert not model.view.on("dark") and ("dark=0" in tab_link(model)[0])
 
 
 def test_why_something_could_not_be_is_said_until_something_can_be_that_is_no_view():

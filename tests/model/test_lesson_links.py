@@ -7,8 +7,8 @@ import msgspec
 from drawn import LESSONS, OFFER
 from quiet_page import QuietPage
 from viewimit.app.lab.lessons.source import shipped
+from viewimit.app.model.link import read_link
 from viewimit.app.panels.guide import offers
-from viewimit.app.sessions.link import decode
 
 from viewimit.loop.settings import Settings
 
@@ -34,8 +34,8 @@ def test_the_way_back_holds_what_the_page_shows():
     page.tick(0.3)
     (back,) = {unquote(text) for text in re.findall(r"#page=([^\"]+)", listed(page))}
     model = page.page.model
-    linked = decode(back, Settings.paper())
-    assert linked.scripts == [model.session.script] and linked.present.preset == model.preset.name
+    linked = read_link(back, Settings.paper())
+    assert linked.script == model.session.script and "demo=" not in back
 
 
 def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():

@@ -54,10 +54,11 @@ from browsing import (
     wait_until_complete,
 )
 from viewimit.app.model.choices import PRESETS, servo_names, transfer_names
-from viewimit.app.sessions.link import Branch, Run, SavedPage, encode_link
 
+from viewimit.loop import link
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
+from viewimit.loop.simulated_robot import complete
 
 pytestmark = pytest.mark.browser
 EXPERIMENT_S = 2 * PATIENCE_S  # of a process that lets all others go first
@@ -417,8 +418,8 @@ def test_a_link_of_an_own_scene_opens_on_a_server_that_knows_nothing_of_it_and_s
     there, usual = Session(Settings.paper(scene=scene)), Session(Settings.paper())
     for one in (there, usual):
         one.run(5)
-    sent = Branch(runs=(Run(script=there.script, cursor=there.cursor),))
-    page = open_page(browser, f"{server}/?s={encode_link(SavedPage(present=sent, settings=there.settings))}")
+    said = link.said(there.script, complete(Settings.paper()))
+    page = open_page(browser, f"{server}/?preset=paper&{link.joined(said)}")
     wait(page, lambda: posture(page) == stands(there) != stands(usual))
     page.reload()
     wait_until_complete(page)

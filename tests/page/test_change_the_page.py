@@ -8,7 +8,7 @@ import pytest
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.model import choices
-from viewimit.app.model.readable_link import write_link
+from viewimit.app.model.keeping import share_link
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.guide import KEYS
 
@@ -43,7 +43,7 @@ def test_the_blocks_of_the_documentation_add_a_command_a_panel_and_a_preset(exte
     extended.choose("Preset", "Three pixels")
     extended.tick(1.0)
     assert extended.page.model.settings.noise_px == 3.0 and "how well can it tell?" in extended.shown
-    assert write_link(extended.page.model).startswith("preset=three")
+    assert share_link(extended.page.model).startswith("preset=three")
 
 
 def test_no_two_keys_do_different_things_and_none_is_one_that_the_script_takes():

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from page_fakes import Camera, Visit, call
 from viewimit.app.jobs import camera_images as session_eyes
-from viewimit.app.model.keeping import saved_page
+from viewimit.app.model.keeping import tab_link
 from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS
-from viewimit.app.sessions.link import encode_blocks
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -173,7 +172,7 @@ def test_older_moments_have_their_pictures(camera, visit):
 
 def kept(visit):
     """What its tab hands back."""
-    return call("session", ".".join(encode_blocks(saved_page(visit.page.model))))
+    return call("session", tab_link(visit.page.model)[0])
 
 
 def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, visit):
@@ -205,7 +204,7 @@ def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
     back.tick()
     wait_until(lambda: not back.page.model.following.goes_on, 30, lambda pause: (time.sleep(pause), back.tick()))
     back.arrive()
-    assert full.refusal in back.said and "only its posture and settings are here" in back.said
+    assert full.refusal in back.said and "Only the settings" in back.said
     assert back.session.settings.sensor == "projected" and back.session.settings.demonstrator_deg[0] == 60
 
 

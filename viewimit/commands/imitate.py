@@ -11,7 +11,7 @@ from ..analysis.self_assessment import Assessment, assess
 from ..loop.history import MAX_HISTORY, History
 from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
-from ..loop.settings import SAFETY, Settings
+from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..servo import SERVOS
@@ -55,6 +55,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE", help="begin with what `viewimit rehearse` has written to this file"
     )
+    parser.add_argument(
+        "--link",
+        metavar="QUERY",
+        help="play what a link of the page or of the lab holds, such as 'demo=45,-90&steps=8'",
+    )
     add_json_option(parser)
 
 
@@ -67,11 +72,16 @@ def run(args: argparse.Namespace) -> int:
                 raise ValueError(f"{out}: unknown extension {out.suffix.lower()!r}; there are {known}")
             if calibration and out.exists() and calibration.exists() and out.samefile(calibration):
                 raise ValueError(f"{out} is the rehearsal that --calibration reads: name another file")
-    settings = settings_from(args, Settings())
-    session = Session(settings)
-    if calibration:
-        _use_calibration(session, calibration)
-    ended = session.run(args.max_motions)
+    if args.link is not None:
+        with naming("--link"):
+            session, ended = _played(args)
+        settings = session.settings
+    else:
+        settings = settings_from(args, Settings())
+        session = Session(settings)
+        if calibration:
+            _use_calibration(session, calibration)
+        ended = session.run(args.max_motions)
     if out:
         with naming("--out"):
             size = _write(out, session)
@@ -85,6 +95,22 @@ def run(args: argparse.Namespace) -> int:
         return DONE
     print(f"viewimit imitate: not converged after {result['motions']} motions. {ended.message}", file=sys.stderr)
     return MISSED
+
+
+def _played(args: argparse.Namespace) -> tuple[Session, RunResult]:
+    """Play a link; one without a step goes on to its end. Raises ValueError."""
+    from viewimit.app.model.link import read_link  # it knows the presets
+
+    others = [option(name) for name in (*FIELDS, "calibration") if vars(args).get(name) is not None]
+    if others:
+        raise ValueError(f"it says all settings: leave out {', '.join(others)}")
+    script = read_link(args.link.partition("?")[2] or args.link.partition("#")[2] or args.link, Settings()).script
+    session = Session(script.settings)
+    session.play(script)
+    if not session.snapshot.motion:
+        return session, session.run(args.max_motions)
+    moved = np.abs([past.moved for past in session.history[1:]])
+    return session, RunResult(len(moved), float(moved.max(-1).sum()), moved.sum(0), session.snapshot)
 
 
 def _report(result: dict) -> None:

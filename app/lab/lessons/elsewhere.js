@@ -1,9 +1,8 @@
 /** The addresses at which the lab, and the page of viewimit, open in the state of a step. */
+import {fieldsOf} from "../view/address.js";
 import {pageLink} from "../view/link.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
-
-const DEGREE = Math.PI / 180;
 
 /** @param {Stage} stage @param {string} preset @returns {import("../view/address.js").State} */
 function stateOf({moment, session: {settings}, state}, preset) {
@@ -20,13 +19,12 @@ const areEyesMoved = ({scene, world}) => world.scene !== scene
 export function labAddress(stage, back) {
   const {preset} = stage.scene.page ?? {};
   if (!preset || areEyesMoved(stage)) return null;
-  const {demonstrator, start, points, transfer, servo, noisePx, missing, seed} = stateOf(stage, preset);
-  const degrees = (/** @type {number[]} */ angles) => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
-  return `#preset=${preset}&demo=${degrees(demonstrator)}&start=${degrees(start)}&points=${points}&transfer=${transfer}&law=${servo}&noise=${noisePx}&lost=${Number((100 * missing).toFixed(3))}&seed=${seed}&back=${encodeURIComponent(back)}`;
+  const fields = fieldsOf(stateOf(stage, preset), /** @type {any} */ ({}));
+  return `#${[`preset=${preset}`, ...fields, `back=${encodeURIComponent(back)}`].join("&")}`;
 }
 
 /** Of viewimit's page; null where it has no such scene. @param {Stage} stage */
 export function viewimitAddress(stage) {
   const {scene = null, layouts = [], preset = ""} = stage.scene.page ?? {};
-  return scene && !areEyesMoved(stage) ? `?s=${pageLink(stateOf(stage, preset ?? ""), scene, layouts)}` : null;
+  return scene && !areEyesMoved(stage) ? `?${pageLink(stateOf(stage, preset ?? ""), scene, layouts)}` : null;
 }

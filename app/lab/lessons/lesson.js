@@ -78,10 +78,10 @@ function begin(data) {
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
-  const instrument = (new URLSearchParams(location.hash.slice(1)).get("page") ?? "").replace(/[^\w.-]/g, "");
+  const instrument = new URLSearchParams(location.hash.slice(1)).get("page") ?? "";  // a query of viewimit's page
   /** The address of another lesson, which leads back to the same state. @param {string} name @param {string[]} parts */
   const beside = (name, ...parts) => {
-    const fragment = [...parts, ...instrument ? [`page=${instrument}`] : []].join("&");
+    const fragment = [...parts, ...instrument ? [`page=${encodeURIComponent(instrument)}`] : []].join("&");
     return fragment ? `${name}#${fragment}` : name;
   };
   /** Whether the lab stands beside this page. */
@@ -203,7 +203,7 @@ function begin(data) {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
     if (stage && isRandom(stage)) parts.push(`seed=${stage.seed}`);
-    if (instrument) parts.push(`page=${instrument}`);
+    if (instrument) parts.push(`page=${encodeURIComponent(instrument)}`);
     try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
   }
 
@@ -218,7 +218,7 @@ function begin(data) {
       if (!isServed) return [];
       const lab = labAddress(now, location.pathname.split("/").pop() + location.hash), viewimit = viewimitAddress(now);
       return [...lab ? [{of: "lab", href: `../lab${lab}`, words: "Open in the lab"}] : [],
-        ...instrument ? [{of: "viewimit", href: `../?s=${instrument}`, words: "Back to viewimit"}]
+        ...instrument ? [{of: "viewimit", href: `../?${instrument}`, words: "Back to viewimit"}]
           : viewimit ? [{of: "viewimit", href: `../${viewimit}`, words: "Open in viewimit"}] : []];
     },
   };
@@ -516,7 +516,7 @@ function begin(data) {
   const leave = () => {
     if (isLocked()) return;
     if (place.kind !== "home") enter(lesson, {kind: "home"});
-    else if (isServed) location.href = instrument ? `../?s=${instrument}` : "../lab";
+    else if (isServed) location.href = instrument ? `../?${instrument}` : "../lab";
   };
   $("home").addEventListener("click", leave);
   $("leave").addEventListener("click", leave);

@@ -1,5 +1,6 @@
 /**
- * The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&start=25,-25&law=broyden.
+ * The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&steps=3&demo=50,-80.
+ * It is read from left to right: what stands behind `steps` happens at that moment, as in the links of viewimit's page.
  *
  * @typedef {Object} Preset
  * @property {string} name
@@ -23,14 +24,15 @@
  * @property {number} noisePx
  * @property {number} missing
  * @property {number} seed
- * @property {number} steps that were made
+ * @property {number} steps that were made, up to the first move of the demonstrator
+ * @property {{demonstrator: number[], steps: number}[]} [later] its moves, rad, and the steps after each
  * @property {number} [point] that the visitor chose
  */
 import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
-const DEGREE = Math.PI / 180, MAX_STEPS = 3000;
-const FIELDS = ["preset", "demo", "start", "law", "transfer", "points", "noise", "lost", "seed", "steps", "point", "back"];
+const DEGREE = Math.PI / 180, MAX_STEPS = 3000, MAX_MOVES = 500;
+const FIELDS = ["preset", "demo", "start", "servo", "transfer", "points", "noise", "missing", "seed", "steps", "point", "back"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {
@@ -49,23 +51,32 @@ export function beginning(preset, scene) {
  * @returns {State}
  */
 export function fromAddress(hash, presets, scenes, wrong = []) {
-  const asked = new URLSearchParams(hash.replace(/^#/, ""));
+  /** @type {Map<string, string>} */
+  const asked = new Map();
+  /** @type {string[][]} */
+  const later = [];
+  for (const [name, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
+    if (!name) continue;
+    const isLater = asked.has("steps") && (name === "demo" || name === "steps");
+    if (isLater && later.length < 2 * MAX_MOVES) later.push([name, text]);
+    else if (!FIELDS.includes(name) || asked.has(name)) wrong.push(`${name}=${text}`);
+    else asked.set(name, text);
+  }
   const preset = presets.find(({name}) => name === asked.get("preset")) ?? presets[0];
   const scene = scenes[preset.scene], state = beginning(preset, scene);
-  const checked = (/** @type {string} */ name, /** @type {boolean} */ isRight) => {
-    if (asked.has(name) && !isRight) wrong.push(`${name}=${asked.get(name)}`);
+  const checked = (/** @type {string} */ name, /** @type {boolean} */ isRight, text = asked.get(name)) => {
+    if (text !== undefined && !isRight) wrong.push(`${name}=${text}`);
     return isRight;
   };
-  for (const name of asked.keys()) if (name && !FIELDS.includes(name)) checked(name, false);
   checked("preset", preset.name === asked.get("preset"));
   /** @param {string} name @param {number} usual @param {number} low @param {number} high */
-  const number = (name, usual, low, high) => {
-    const value = Number(asked.get(name) || NaN);
-    return checked(name, value >= low && value <= high) || Number.isFinite(value) ? clamp(value, low, high) : usual;
+  const number = (name, usual, low, high, text = asked.get(name)) => {
+    const value = Number(text || NaN);
+    return checked(name, value >= low && value <= high, text) || Number.isFinite(value) ? clamp(value, low, high) : usual;
   };
-  const posture = (/** @type {string} */ name, /** @type {number[]} */ usual) => {
-    const angles = (asked.get(name) ?? "").split(",").map(text => text ? Number(text) * DEGREE : NaN);
-    return checked(name, angles.length === usual.length && angles.every(Number.isFinite))
+  const posture = (/** @type {string} */ name, /** @type {number[]} */ usual, text = asked.get(name)) => {
+    const angles = (text ?? "").split(",").map(word => word ? Number(word) * DEGREE : NaN);
+    return checked(name, angles.length === usual.length && angles.every(Number.isFinite), text)
       ? angles.map((v, k) => clamp(v, scene.lower[k], scene.upper[k])) : usual;
   };
   const choice = (/** @type {string} */ name, /** @type {string} */ usual, /** @type {object} */ choices) => {
@@ -75,19 +86,56 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
   const points = Number(choice("points", String(state.points), scene.layouts));
   const point = Number(asked.get("point") || NaN);
   const exists = Number.isInteger(point) && point >= 0 && point < scene.layouts[points].length;
+  const steps = Math.round(number("steps", 0, 0, MAX_STEPS)), demonstrator = posture("demo", state.demonstrator);
+  /** @type {NonNullable<State["later"]>} */
+  const moves = [];
+  let left = MAX_STEPS - steps;
+  for (const [name, text] of later) {
+    const last = moves[moves.length - 1];
+    if (name === "demo") moves.push({demonstrator: posture("demo", last?.demonstrator ?? demonstrator, text), steps: 0});
+    else if (!last || last.steps) wrong.push(`steps=${text}`);
+    else left -= last.steps = Math.round(number("steps", 0, 0, left, text));
+  }
   return {
     preset: preset.name,
-    demonstrator: posture("demo", state.demonstrator),
+    demonstrator,
     start: posture("start", state.start),
     points,
     transfer: choice("transfer", state.transfer, TRANSFER_WORDS),
-    servo: choice("law", state.servo, SERVO_WORDS),
+    servo: choice("servo", state.servo, SERVO_WORDS),
     noisePx: number("noise", state.noisePx, 0, 20),
-    missing: number("lost", 100 * state.missing, 0, 100) / 100,
+    missing: number("missing", state.missing, 0, 1),
     seed: Math.round(number("seed", state.seed, 0, 2 ** 32 - 1)),
-    steps: Math.round(number("steps", 0, 0, MAX_STEPS)),
+    steps,
+    later: moves,
     point: checked("point", exists) ? point : undefined,
   };
+}
+
+/** Angles as people read them; the lab's own have no more digits. @param {number[]} angles rad */
+export const inDegrees = angles => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
+
+/**
+ * The fields of a state, without the values that are those of the preset.
+ *
+ * @param {State} state
+ * @param {State} usual
+ */
+export function fieldsOf(state, usual) {
+  const parts = [`demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`];
+  if (state.servo !== usual.servo) parts.push(`servo=${state.servo}`);
+  if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);
+  if (state.points !== usual.points) parts.push(`points=${state.points}`);
+  if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
+  if (state.missing !== usual.missing) parts.push(`missing=${state.missing}`);
+  if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
+  return parts;
+}
+
+/** What was done since the beginning, as fields. @param {State} state */
+export function actionsOf({steps, later = []}) {
+  const first = steps || later.length ? [`steps=${steps}`] : [];
+  return [...first, ...later.flatMap(move => [`demo=${inDegrees(move.demonstrator)}`, ...move.steps ? [`steps=${move.steps}`] : []])];
 }
 
 /**
@@ -98,16 +146,6 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
  * @param {import("../engine/world.js").Scene} scene
  */
 export function toAddress(state, preset, scene) {
-  const usual = beginning(preset, scene);
-  const degrees = (/** @type {number[]} */ angles) => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
-  const parts = [`preset=${state.preset}`, `demo=${degrees(state.demonstrator)}`, `start=${degrees(state.start)}`];
-  if (state.servo !== usual.servo) parts.push(`law=${state.servo}`);
-  if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);
-  if (state.points !== usual.points) parts.push(`points=${state.points}`);
-  if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
-  if (state.missing !== usual.missing) parts.push(`lost=${Number((100 * state.missing).toFixed(3))}`);
-  if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
-  if (Number(state.point) < scene.layouts[state.points].length) parts.push(`point=${state.point}`);
-  if (state.steps) parts.push(`steps=${state.steps}`);
-  return `#${parts.join("&")}`;
+  const point = Number(state.point) < scene.layouts[state.points].length ? [`point=${state.point}`] : [];
+  return `#${[`preset=${state.preset}`, ...fieldsOf(state, beginning(preset, scene)), ...point, ...actionsOf(state)].join("&")}`;
 }

@@ -3,6 +3,8 @@ import {select, Session, World} from "../engine/engine.js";
 import {beginning, fromAddress, toAddress} from "./address.js";
 import {pageLink} from "./link.js";
 
+const DEGREE = Math.PI / 180;
+
 /**
  * @typedef {import("./address.js").State} State
  * @typedef {import("../engine/session.js").Moment} Moment
@@ -21,8 +23,10 @@ export class Experiment {
     this.world = new World(this.scene, this.state.points);
     this.session = new Session(this.world, this.#settings());
     this.chosen = 0;
-    /** The motion at which the demonstrator moved last. */
-    this.posedAt = 0;
+    /** How the demonstrator has moved since the first step, by the motions before. @type {{at: number, demonstrator: number[]}[]} */
+    this.moves = [];
+    /** The demonstrator's pose before these. */
+    this.beganAt = this.now.thetaDemo;
     this.enter(this.state);
   }
 
@@ -45,9 +49,13 @@ export class Experiment {
     this.state = state;
     this.scene = this.offered.scenes[this.preset.scene];
     if (this.world.body !== this.scene.layouts[state.points]) this.world = new World(this.scene, state.points);
-    this.posedAt = 0;
+    this.moves = [];
     this.session = new Session(this.world, this.#settings());
-    while (this.now.motion < state.steps && this.session.step());
+    this.#run(state.steps);
+    for (const move of state.later ?? []) {
+      this.pose(move.demonstrator);
+      this.#run(move.steps);
+    }
     const {point = Infinity} = state;
     this.chosen = point < this.world.body.length ? point : farthestOff(this.now);
   }
@@ -60,7 +68,7 @@ export class Experiment {
   /** One motion back. */
   undo() {
     this.session.undo();
-    this.posedAt = Math.min(this.posedAt, this.now.motion);
+    this.moves = this.moves.filter(({at}) => at <= this.now.motion);
   }
 
   /** @param {string} hash */
@@ -72,18 +80,20 @@ export class Experiment {
   /** The same experiment with other fields, from the start. @param {Partial<State>} changes */
   restart(changes) {
     this.misread = [];
-    this.enter({...this.current(), steps: 0, ...changes});
+    this.enter({...this.current(), ...changes});
   }
 
   /** The demonstrator moves. @param {number[]} theta */
   pose(theta) {
-    this.session.pose(theta);
-    this.posedAt = this.now.motion;
+    const demonstrator = snapped(theta), at = this.now.motion;
+    if (at && !this.moves.length) this.beganAt = this.now.thetaDemo;
+    this.session.pose(demonstrator);
+    if (at) this.moves = [...this.moves.filter(move => move.at < at), {at, demonstrator}];
   }
 
   /** The learner begins again from a posture. @param {number[]} theta */
   place(theta) {
-    this.#begin({demonstrator: this.now.thetaDemo, start: theta});
+    this.#begin({demonstrator: this.now.thetaDemo, start: snapped(theta)});
   }
 
   /** Another law begins to learn from where the run began. @param {string} servo */
@@ -105,21 +115,33 @@ export class Experiment {
     return !now.motion && same(now.thetaDemo, usual.demonstrator) && same(now.theta, usual.start);
   }
 
-  /** @returns {State} */
+  /** The motion at which the demonstrator moved last. */
+  get posedAt() {
+    return this.moves[this.moves.length - 1]?.at ?? 0;
+  }
+
+  /** The poses as they are, for a new beginning. @returns {State} */
   current() {
-    const {theta, thetaDemo: demonstrator, motion} = this.now, {start} = this.session.settings;
-    // No address tells how the demonstrator has moved
-    return {...this.state, demonstrator, ...this.posedAt ? {start: theta, steps: 0} : {start, steps: motion}};
+    const {theta, thetaDemo: demonstrator} = this.now, {start} = this.session.settings;
+    return {...this.state, demonstrator, start: this.posedAt ? theta : start, steps: 0, later: []};
+  }
+
+  /** How it came here. @returns {State} */
+  story() {
+    const {moves, now: {motion, thetaDemo}} = this, {start} = this.session.settings;
+    const demonstrator = moves.length ? this.beganAt : thetaDemo;
+    const later = moves.map(({at, demonstrator}, k) => ({demonstrator, steps: (moves[k + 1]?.at ?? motion) - at}));
+    return {...this.state, demonstrator, start, steps: moves[0]?.at ?? motion, later};
   }
 
   address() {
-    return toAddress(this.current(), this.preset, this.scene);
+    return toAddress(this.story(), this.preset, this.scene);
   }
 
   /** The address at which the page of viewimit opens in this state. */
   pageLink() {
     const {scene, layouts} = this.scene.page ?? {scene: "", layouts: []};
-    return pageLink(this.current(), scene, layouts);
+    return pageLink(this.story(), scene, layouts);
   }
 
   /** @param {string} hash */
@@ -132,9 +154,15 @@ export class Experiment {
     return {transfer, servo, demonstrator, start, noisePx, missing, seed};
   }
 
+  /** @param {number} steps */
+  #run(steps) {
+    const end = this.now.motion + steps;
+    while (this.now.motion < end && this.session.step());
+  }
+
   /** @param {Partial<import("../engine/session.js").Settings>} changes */
   #begin(changes) {
-    this.posedAt = 0;
+    this.moves = [];
     this.session.begin({...this.session.settings, ...changes});
   }
 }
@@ -146,6 +174,9 @@ function farthestOff({views, usable, fitted}) {
   const off = usable.map((_, k) => Math.hypot(...[0, 1, 2, 3].map(c => own[4 * k + c] - found[4 * k + c])));
   return usable[off.indexOf(Math.max(...off))];
 }
+
+/** A posture in the digits that an address has. @param {number[]} theta */
+const snapped = theta => theta.map(v => Math.round(v / DEGREE * 100) / 100 * DEGREE);
 
 /** Whether two postures are equal up to rounding. @param {number[]} a @param {number[]} b */
 const same = (a, b) => a.every((v, k) => Math.abs(v - b[k]) < 1e-6);

@@ -231,7 +231,7 @@ export class Lab {
     clearTimeout(this.remembering);
     this.remembering = setTimeout(() => {
       if (!this.isOpen) return;
-      if (this.isServed) $("open").href = `./?s=${this.experiment.pageLink()}`;
+      if (this.isServed) $("open").href = `./?${this.experiment.pageLink()}`;
       try { history.replaceState(null, "", this.experiment.address()); } catch { /* a frame without an address */ }
     }, REMEMBER_MS);
   }

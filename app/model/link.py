@@ -1,0 +1,249 @@
+"""A page as a link or its own tab holds it: one query, which the library reads from left to right as a script.
+
+Fields of the page itself stand beside the script's: the preset, the motion shown, speed, chosen point and switches; in
+a duel the opponent's own query; and for the tab alone, the colours and whether the tour was dismissed.
+"""
+
+import math
+from collections.abc import Iterator
+
+import msgspec
+import numpy as np
+
+from viewimit.loop import link
+from viewimit.loop.embodiment import to_degrees
+from viewimit.loop.history import MAX_HISTORY
+from viewimit.loop.script import Begin, ChangeSettings, MoveDemonstrator, Script
+from viewimit.loop.settings import OWN, Settings, convert_fields
+from viewimit.loop.simulated_robot import complete
+from viewimit.sensing.files import file_name, is_text
+from viewimit.simulation.robot import robot_names
+from viewimit.simulation.scene import load_scene, scene_names
+from viewimit.simulation.scene_writing import scene_text
+
+from .choices import FLAGS, PRESETS, SPEEDS, SWITCHES, Preset, View, presets_from
+
+MAX_FRAMES = 100  # images averaged in each observation
+MAX_POINTS = 64  # placed by hand, or of a layout
+MAX_LAYOUTS = 16
+MAX_TITLE = 200  # characters
+MAX_SCENES = 16  # described in full
+BOUNDED = {"scene", "robot", "transfer", "servo", "body_points", "frames", "sensor"}  # settings, by `require_allowed`
+VERSUS = "versus"  # the opponent's query
+OF_PAGE = ("preset", link.PACKED, "at", "speed", "point", VERSUS, "dark", "tour", *SWITCHES)
+EARLIER = "s"  # field of links of version 0.2
+
+
+class Linked(msgspec.Struct, frozen=True, kw_only=True):
+    """What a link, or a tab, holds of a page."""
+
+    script: Script
+    preset: Preset
+    speed: float
+    opponent: Script | None = None  # of a duel
+    at: int = MAX_HISTORY  # the motion shown
+    chosen: int | None = -1  # a point; -1: the one with the largest residual
+    show: dict[str, bool] = {}  # switches of the page
+    dark: bool | None = None
+    offers_tour: bool = True
+    motion: bytes | None = None  # a recorded motion, as its file
+
+    @property
+    def uses_pictures(self) -> bool:
+        """Whether it looks with camera images."""
+        return any(settings.sensor == "rendered" for settings in settings_of(self.scripts))
+
+    @property
+    def last_settings(self) -> Settings:
+        """The settings at its end, with the demonstrator's last posture."""
+        settings = self.script.settings
+        for action in self.script.actions:
+            if isinstance(action, Begin):
+                settings = action.settings
+            elif isinstance(action, ChangeSettings):
+                settings = msgspec.structs.replace(settings, **convert_fields(action.fields))
+            elif isinstance(action, MoveDemonstrator):
+                settings = msgspec.structs.replace(settings, demonstrator_deg=to_degrees(np.array(action.theta_demo)))
+        return settings
+
+    @property
+    def scripts(self) -> list[Script]:
+        """Its own script, and the opponent's."""
+        return [self.script, *([self.opponent] if self.opponent is not None else [])]
+
+
+def read_link(query: str, begun: Settings) -> Linked:
+    """Read a query.
+
+    begun: what the server was started with, whose scene file a link may name, and against which a link without a preset
+    is read. Raises ValueError, in one line, for what is not understood or not allowed.
+    """
+    pairs = link.split(query)
+    page, script_pairs = dict[str, str](), list[tuple[str, str]]()
+    for name, text in pairs:
+        if name == EARLIER:
+            raise ValueError("the link is of version 0.2, which is not read any more: ask for a new one")
+        if name not in OF_PAGE:
+            script_pairs.append((name, text))
+        elif name in page:
+            raise ValueError(f"the link has {name!r} twice")
+        else:
+            page[name] = text
+    own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
+    preset = _preset(page.get("preset"), begun)
+    base = complete(preset.settings)
+    script, motion = _script(page.pop(link.PACKED, None), script_pairs, base)
+    scripts = [script]
+    if VERSUS in page:
+        versus = link.split(page[VERSUS])
+        packed = dict(versus).get(link.PACKED)
+        scripts.append(_script(packed, [pair for pair in versus if pair[0] != link.PACKED], base)[0])
+    scripts = [one.renamed(lambda name: own.get(name, name)) for one in scripts]
+    require_allowed(scripts, begun)
+    return Linked(
+        script=scripts[0],
+        opponent=scripts[1] if len(scripts) > 1 else None,
+        preset=preset,
+        speed=_speed(page["speed"]) if "speed" in page else preset.motions_per_second,
+        at=_number("at", page["at"], MAX_HISTORY) if "at" in page else MAX_HISTORY,
+        chosen=_point(page.get("point")),
+        show={name: getattr(View(), name) for name in SWITCHES} | {n: _flag(n, page[n]) for n in SWITCHES if n in page},
+        dark=_flag("dark", page["dark"]) if "dark" in page else None,
+        offers_tour=_flag("tour", page.get("tour", "1")),
+        motion=motion,
+    )
+
+
+def _script(packed: str | None, pairs: link.Pairs, base: Settings) -> tuple[Script, bytes | None]:
+    if packed is None:
+        return link.understood(pairs, base), None
+    if pairs:
+        raise ValueError(f"the link has both {link.PACKED!r} and {pairs[0][0][:40]!r}")
+    found = link.unpacked(packed)
+    return found.script, found.motion
+
+
+def nearest(settings: Settings) -> Preset:
+    """Return the preset with a key from which settings differ least."""
+
+    def differing(preset: Preset) -> int:
+        base = complete(preset.settings)
+        return sum(getattr(settings, name) != getattr(base, name) for name in Settings.__struct_fields__)
+
+    return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)
+
+
+def _preset(key: str | None, begun: Settings) -> Preset:
+    if key is None:
+        return next(iter(presets_from(begun).values()))
+    offered = {preset.key: preset for preset in PRESETS}
+    if key not in offered:
+        raise ValueError(f"the link has a preset that is not here, {key[:40]!r}; there are {', '.join(offered)}")
+    return offered[key]
+
+
+def _speed(text: str) -> float:
+    offered = {f"{speed:g}": speed for speed in SPEEDS.values()}
+    if text not in offered:
+        raise ValueError(f"the link's speed must be one of {', '.join(offered)}, got {text[:40]!r}")
+    return offered[text]
+
+
+def _point(text: str | None) -> int | None:
+    return None if text == "none" else -1 if text is None else _number("point", text, 1_000)
+
+
+def _flag(name: str, text: str) -> bool:
+    if text not in FLAGS:
+        raise ValueError(f"the link's {name} is neither 0 nor 1: {text[:40]!r}")
+    return FLAGS[text]
+
+
+def _number(name: str, text: str, most: int) -> int:
+    if not (text.isascii() and text.isdecimal() and len(text) < 8 and int(text) <= most):
+        raise ValueError(f"the link's {name} must be a whole number up to {most}, got {text[:40]!r}")
+    return int(text)
+
+
+def described(place: str) -> str:
+    """Return a scene file's content, where possible; otherwise its name, as of anything that is no scene file."""
+    if not place.lower().endswith(".toml"):
+        return file_name(place)
+    try:
+        text = scene_text(load_scene(place))
+        _require_scene(text)
+        return text
+    except (OSError, ValueError):
+        return file_name(place)
+
+
+def files_named(script: Script) -> list[str]:
+    """Return the scene and robot files that a script names, with which a server has to be started to open it."""
+    named: dict[str, None] = {}  # in their order
+    script.renamed(lambda name: named.setdefault(name) or name)
+    return [name for name in named if name not in (*scene_names(), *robot_names()) and not is_text(name)]
+
+
+def settings_of(scripts: list[Script]) -> Iterator[Settings]:
+    """Yield the settings that scripts begin with or go on with."""
+    for script in scripts:
+        yield script.settings
+        for action in script.actions:
+            if isinstance(action, Begin):
+                yield action.settings
+            elif isinstance(action, ChangeSettings) and not action.fields.keys().isdisjoint(BOUNDED):
+                yield _changed(action)
+
+
+def _changed(action: ChangeSettings) -> Settings:
+    try:
+        return msgspec.convert(action.fields, Settings)
+    except (msgspec.ValidationError, ValueError) as error:
+        raise ValueError(f"the link cannot be opened: {' '.join(str(error).split())[:200]}") from None
+
+
+def require_allowed(scripts: list[Script], begun: Settings) -> None:
+    """Raise ValueError for work that a server does not do for every visitor."""
+    texts: dict[str, None] = {}
+    for settings in settings_of(scripts):
+        _require_names(settings, begun)
+        if is_text(settings.scene):
+            texts[settings.scene] = None
+    if len(texts) > MAX_SCENES:
+        raise ValueError(f"the link describes {len(texts)} scenes; {MAX_SCENES} are the most")
+    for text in texts:
+        _require_scene(text)
+
+
+def _require_names(settings: Settings, begun: Settings) -> None:
+    """No file of the server is opened for a link, except those that it shows anyhow."""
+    if OWN in (settings.transfer, settings.servo):
+        raise ValueError("the link runs a transfer or a servo that only its author has")
+    if not is_text(settings.scene) and settings.scene not in (*scene_names(), begun.scene):
+        raise ValueError(f"the link shows a scene that is not here, {settings.scene[:80]!r}")
+    if settings.robot is not None and settings.robot not in (*robot_names(), begun.robot):
+        raise ValueError(f"the link shows a robot that is not here, {settings.robot[:80]!r}")
+    if len(settings.body_points or ()) > MAX_POINTS:
+        raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
+    if settings.frames > MAX_FRAMES:
+        raise ValueError(f"the link averages {settings.frames} images; {MAX_FRAMES} are the most")
+    if not all(map(math.isfinite, (*(settings.demonstrator_deg or ()), *(settings.start_deg or ())))):
+        raise ValueError("the link has an angle that is no number")
+
+
+def _require_scene(text: str) -> None:
+    """At most what a page can draw."""
+    try:
+        scene = load_scene(text)
+    except ValueError as error:
+        raise ValueError(f"the link's scene cannot be shown: {' '.join(str(error).split())[:150]}") from None
+    points = max(map(len, scene.points.values()), default=0)
+    for what, count, most in (
+        ("points", points, MAX_POINTS),
+        ("layouts", len(scene.points), MAX_LAYOUTS),
+        ("letters in its title", len(scene.title), MAX_TITLE),
+    ):
+        if count > most:
+            raise ValueError(f"the link's scene has {count} {what}; {most} are the most")
+    if not scene.title.isprintable():
+        raise ValueError("the link's scene has a title that cannot be printed")

@@ -1,1 +1,0 @@
-"""What links and tabs keep of a page, as text."""

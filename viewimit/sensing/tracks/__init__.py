@@ -98,8 +98,9 @@ def _read_hdf5(path: Path, individual: str | None) -> Track:
 
 
 def _read_text(path: Path, individual: str | None) -> Track:
-    _, heading = next(Table(path).lines())
-    refuse_colmap(path, ",".join(heading))
+    table = Table(path)
+    refuse_colmap(path, table.first)
+    _, heading = next(table.lines())
     if heading[0] == "scorer":
         return read_deeplabcut_csv(path, individual)
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):

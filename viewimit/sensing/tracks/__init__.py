@@ -64,7 +64,7 @@ def read_files(paths: Mapping[str, Path], individuals: Mapping[str, str] | None 
     """
     files = {view_of(name): path for name, path in paths.items()}
     whose = {view_of(name): individual for name, individual in (individuals or {}).items()}
-    return combine_views({view: read_view(files[view], whose.get(view)) for view in VIEWS})
+    return combine_views({view: read_view(files[view], whose.get(view)) for view in VIEWS}).require_pixels("")
 
 
 def read_view(path: Path, individual: str | None = None) -> Track:

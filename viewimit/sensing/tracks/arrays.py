@@ -72,7 +72,7 @@ def read_arrays(path: Path) -> Track:
     for name in units:
         require_pixel_unit(f"{path}: {name}", str(found[name].ravel()[0]) if found[name].size else "")
     unread = [name for name in found if name not in (key, *NAMES, *about, numbers, *units)]
-    frames = found[numbers].astype(np.uint64) if numbers else np.arange(T)
+    frames = (found[numbers] if numbers else np.arange(T)).astype(np.uint64)
     points = tuple(map(str, range(N) if names is None else names.tolist()))
     order = np.argsort(frames, kind="stable")
     track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))

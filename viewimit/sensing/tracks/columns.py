@@ -113,7 +113,9 @@ def find_columns(where: str, heading: Sequence[str]) -> Columns:
         found = [k for k, one in enumerate(meant) if one is meaning]
         exact = [k for k in found if plain[k] == meaning.value]
         if len(found) > 1 and len(exact) != 1:
-            named = " or ".join(heading[k] for k in found)
+            if len({names[k].lower() for k in found}) == 1:
+                raise ValueError(f"{where}: two columns are named {names[found[0]]}: keep one of them")
+            named = " or ".join(names[k] for k in found)
             raise ValueError(f"{where}: is {meaning.value} the column {named}? Keep one of them, as {meaning.value}")
         if found:
             at[meaning] = (exact or found)[0]

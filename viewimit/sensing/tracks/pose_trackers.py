@@ -59,7 +59,7 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
     )  # the columns before say which frame it is
     several = head[1][1] if len(levels) == 4 else [""] * len(parts)
     headings = [_trimmed(one) for one in zip(several[first:], parts[first:], head[-1][1][first:])]
-    labels, frames, numbers = FrameLabels(), [], []
+    labels, frames, numbers = FrameLabels(), list[int](), list[list[float]]()
     for line, cells in lines:
         cells = table.filled(line, cells, len(parts))
         if not frames and not any(map(str.strip, cells[first:])) and not _is_frame(cells[first - 1]):
@@ -328,20 +328,17 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
         )
     k = names.index(choose_individual(str(path), names, individual))
     refuse(str(path), file)
-    flat, seen = [dims.index(name) - (dims.index(name) > dims.index("xy")) for name in ("track", "frame", "node")], {}
-    for key in (key for key in file if meaning_of(key) in SEEN and file[key].ndim == len(flat)):
-        meaning = meaning_of(key)
-        values = as_numbers(f"{path}: {key}", meaning, read_dataset(file[key]).transpose(flat)[k])
-        seen.setdefault(meaning, []).append(values)
-    unread = [
-        key for key in file if key not in ANALYSIS and not (meaning_of(key) in SEEN and file[key].ndim == len(flat))
-    ]
-    track = Track(
-        np.arange(tracks.shape[1]), tuple(nodes), tracks[k].astype(float), np.zeros(tracks.shape[1:3]),
-        unread=name_unread("array", unread),
-    )  # fmt: skip
-    merged = {of: _least(of, np.stack(found, -1).reshape(-1, len(found))) for of, found in seen.items()}
-    return with_seen(str(path), track, {of: found.reshape(tracks.shape[1:3]) for of, found in merged.items()})
+    flat = [name for name in dims if name != "xy"]
+    order = [flat.index(name) for name in ("track", "frame", "node")]
+    about = [key for key in file if meaning_of(key) in SEEN and file[key].ndim == len(order)]
+    seen: dict[Meaning, NDArray[np.float64]] = {}
+    for key in about:
+        values = as_numbers(f"{path}: {key}", meaning_of(key), read_dataset(file[key]).transpose(order)[k])
+        both = np.stack([values, seen.get(meaning_of(key), values)], -1)
+        seen[meaning_of(key)] = _least(meaning_of(key), both.reshape(-1, 2)).reshape(values.shape)
+    frames, image = np.arange(tracks.shape[1], dtype=np.uint64), tracks[k].astype(float)
+    unread = name_unread("array", [key for key in file if key not in (*ANALYSIS, *about)])
+    return with_seen(str(path), Track(frames, tuple(nodes), image, np.zeros(image.shape[:2]), unread=unread), seen)
 
 
 def _names(file: Any, key: str) -> list[str]:
@@ -373,7 +370,7 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
     used = sorted(set(instances["track"].tolist()) - {-1})
     chosen = choose_individual(str(path), [names[k] for k in used], individual)
     track = names.index(chosen) if chosen else -1
-    numbers = np.unique(frames["frame_idx"]).astype(int)
+    numbers = np.unique(frames["frame_idx"]).astype(np.uint64)
     require_cells(str(path), len(numbers), len(nodes))
     if (frames["instance_id_end"].astype(float) - frames["instance_id_start"]).clip(0).sum() > len(instances):
         raise ValueError(f"{path}: damaged: an instance is of several frames; export it by SLEAP again")

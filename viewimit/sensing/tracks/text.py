@@ -8,7 +8,7 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -223,7 +223,7 @@ def read_tidy(path: Path) -> TrackedPoints:
     if lacking:
         needed = ", ".join(VIEW_NAMES.values())
         raise ValueError(f"{path}: no row of view {', '.join(lacking)}; all of {needed} are needed")
-    return _named(path, lambda: combine_views(tracks))
+    return combine_views(tracks).require_pixels(f"{path}: ")
 
 
 def read_plain(path: Path) -> Track:
@@ -238,52 +238,59 @@ def read_plain(path: Path) -> Track:
     return tracks[""]
 
 
-def _named(path: Path, read: Callable[[], TrackedPoints]) -> TrackedPoints:
-    try:
-        return read()
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
 def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
     """The rows of each view; of the view "" in a table without one."""
     table = Table(path)
     lines = table.lines()
-    at, heading = next(lines)
+    line, heading = next(lines)
     refuse_colmap(path, table.first)
-    columns = _columns(path, at, heading, required)
+    columns = _columns(path, line, heading, required)
+    read, nameless = _rows_by_view(table, lines, heading, columns)
+    unread = [name_unread("column", columns.unread)]
+    unread += [f"{nameless} row{'s' if nameless > 1 else ''} without a name of a point"] if nameless else []
+    unread += [f"{table.skipped} line{'s' if table.skipped > 1 else ''} with # in front"] if table.skipped else []
+    point_column = heading[columns.at[Meaning.POINT]]
+    _require_names(f"{path}: column {point_column}", read)
+    tracks = {}
+    for view, rows in read.items():
+        rows.require_once(str(path), VIEW_NAMES.get(view, ""), _hint(columns, rows, point_column))
+        track = rows.track(f"{path}: view {VIEW_NAMES[view]}" if view else str(path))
+        tracks[view] = replace(track, unread="; ".join(filter(None, unread)))
+    return tracks
+
+
+def _rows_by_view(
+    table: Table, lines: Iterator[tuple[int, list[str]]], heading: list[str], columns: Columns
+) -> tuple[dict[str, Rows], int]:
+    """The rows of each view, and how many name no point. The view is "" in a table without one."""
+    at = columns.at
+    frame_at, view_at, point_at, x_at, y_at = (
+        at.get(one, -1) for one in (Meaning.FRAME, Meaning.VIEW, Meaning.POINT, Meaning.X, Meaning.Y)
+    )
     read: dict[str, Rows] = {}
-    known, nameless = dict[str, str](), 0
+    known, nameless, view = dict[str, str](), 0, ""
     for line, cells in lines:
         if len(cells) != len(heading):
             table.require_count(line, cells, len(heading))
-        get = lambda meaning: cells[columns.at[meaning]]
-        view = ""
-        if Meaning.VIEW in columns.at and (view := known.get(get(Meaning.VIEW), "")) == "":
+        if view_at >= 0 and not (view := known.get(cells[view_at], "")):
             try:
-                view = known[get(Meaning.VIEW)] = view_of(get(Meaning.VIEW).strip())
+                view = known[cells[view_at]] = view_of(cells[view_at].strip())
             except ValueError as error:
-                raise ValueError(f"{path}: line {line}, column view: {error}") from None
-        if view not in read:
-            read[view] = Rows(FrameLabels(), [meaning for _, meaning in columns.seen])
-        point = point_name(get(Meaning.POINT))
+                raise ValueError(f"{table.path}: line {line}, column view: {error}") from None
+        point = point_name(cells[point_at])
         if point in NO_POINT:
             nameless += 1
             continue
-        frame = get(Meaning.FRAME) if Meaning.FRAME in columns.at else "0"
-        label = table.frame(read[view].labels, line, heading[columns.at.get(Meaning.FRAME, 0)], frame)
-        x, y = (table.number(line, heading[columns.at[of]], get(of), np.nan) for of in (Meaning.X, Meaning.Y))
-        read[view].add(line, label, point, x, y, _seen(table, line, heading, cells, columns))
-    unread = [name_unread("column", columns.unread)]
-    unread += [f"{nameless} row{'s' if nameless > 1 else ''} without a name of a point"] if nameless else []
-    unread += [f"{table.skipped} line{'s' if table.skipped > 1 else ''} that begin with #"] if table.skipped else []
-    said = "; ".join(filter(None, unread))
-    point_column = heading[columns.at[Meaning.POINT]]
-    _require_names(f"{path}: column {point_column}", read)
-    for view, rows in read.items():
-        rows.require_once(str(path), VIEW_NAMES.get(view, ""), _hint(columns, rows, point_column))
-    where = lambda view: f"{path}: view {VIEW_NAMES[view]}" if view else str(path)
-    return {view: replace(rows.track(where(view)), unread=said) for view, rows in read.items() if rows.line}
+        rows = read.get(view)
+        if rows is None:
+            rows = read[view] = Rows(FrameLabels(), [meaning for _, meaning in columns.seen])
+        label = (
+            rows.labels.add("0") if frame_at < 0 else table.frame(rows.labels, line, heading[frame_at], cells[frame_at])
+        )
+        x = table.number(line, heading[x_at], cells[x_at], np.nan)
+        y = table.number(line, heading[y_at], cells[y_at], np.nan)
+        rows.add(line, label, point, x, y, _seen(table, line, heading, cells, columns))
+    return read, nameless
 
 
 def _columns(path: Path, line: int, heading: list[str], required: Sequence[Meaning]) -> Columns:

@@ -121,16 +121,17 @@ class TrackedPoints:
             return f"nearly all x and y are {grid}, scale them to the picture's size"
         return None
 
-    def require_pixels(self) -> "TrackedPoints":
+    def require_pixels(self, where: str) -> "TrackedPoints":
         """Return the tracks. Raises ValueError for a view in which the body spans too few units to be in pixels."""
         for view in VIEWS:
-            shown = self.image[view][self._present(view) & (self.confidence[view] > 0)]
-            if len(shown) < MIN_POINTS:
+            seen = self._present(view) & (self.confidence[view] > 0)
+            if seen.any(0).sum() < MIN_POINTS:
                 continue
+            shown = self.image[view][seen]
             low, high = np.percentile(shown, MOST, axis=0)
             if 0 < (high - low).max() < MIN_SPAN:
                 raise ValueError(
-                    f"{VIEW_NAMES[view]}: the body spans {(high - low).max():.2g} units, so x and y are no pixels. "
+                    f"{where}{VIEW_NAMES[view]}: the body spans {(high - low).max():.2g} units, so x and y are no pixels. "
                     "Multiply shares of the picture (0 … 1) by its width and height; before that, make -1 … 1 shares "
                     "by (1 + x) / 2. Multiply by the focal length what is in units of it"
                 )
@@ -138,7 +139,7 @@ class TrackedPoints:
 
     def no_common_frame(self) -> str | None:
         """Say that no frame number is in all four views, with the numbers in each; None if one is."""
-        shows = {view: self._present(view).any(1) for view in VIEWS}
+        shows = {view: np.asarray(self._present(view).any(1)) for view in VIEWS}
         if not all(map(np.any, shows.values())) or np.all(list(shows.values()), 0).any():
             return None
         ranges = []
@@ -301,10 +302,10 @@ def combine_views(tracks: Mapping[str, Track]) -> TrackedPoints:
     """Match the points of all views by name.
 
     If both views of a body have a single frame, such as a demonstrator that stands still, it is used for all frames.
-    Raises ValueError as `require_cells`, and for coordinates that are no pixels.
+    Raises ValueError as `require_cells`.
     """
     several = [view for pair in BODIES for view in pair if any(len(tracks[of].frames) > 1 for of in pair)]
-    frames = np.unique(np.concatenate([tracks[view].frames.astype(np.uint64) for view in several or VIEWS[:1]]))
+    frames = np.unique(np.concatenate([tracks[view].frames for view in several or VIEWS[:1]]))
     same = same_names({view: tracks[view].points for view in VIEWS})
     named = {view: tuple(same.get(name, name) for name in tracks[view].points) for view in VIEWS}
     names = list(dict.fromkeys(name for view in VIEWS for name in named[view]))
@@ -317,14 +318,11 @@ def combine_views(tracks: Mapping[str, Track]) -> TrackedPoints:
     notes = _notes(tracks, same)
     for view in VIEWS:
         track = tracks[view].as_coco() if any(tracks[of].coco for of in VIEWS) else tracks[view]
-        at = (
-            np.searchsorted(frames, track.frames.astype(np.uint64))[:, None]
-            if view in several
-            else np.arange(len(frames))[:, None]
-        )
+        at = np.searchsorted(frames, track.frames) if view in several else np.arange(len(frames))
         where = np.array([column[name] for name in named[view]], int)
-        image[view][at, where], confidence[view][at, where] = track.image, track.confidence
-    return TrackedPoints(tuple(frames.tolist()), tuple(names), image, confidence, named, notes).require_pixels()
+        cells = at[:, None], where
+        image[view][cells], confidence[view][cells] = track.image, track.confidence
+    return TrackedPoints(tuple(frames.tolist()), tuple(names), image, confidence, named, notes)
 
 
 def _notes(tracks: Mapping[str, Track], same: Mapping[str, str]) -> tuple[str, ...]:

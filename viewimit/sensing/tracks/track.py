@@ -21,7 +21,7 @@ MAX_PX = 1e6  # of a coordinate: no picture is larger
 MAX_CELLS = 5_000_000  # frames times points
 PERCENT, OWN_GRID = 100, 256  # px: a picture that is no larger is rare
 MIN_SPAN = 4.0  # units that a body in pixels spans at least; shares span 1, focal lengths 2 or 3
-MOST = (5, 95)  # percentiles: a few strays do not tell the unit
+MOST = (10, 90)  # percentiles: a few strays do not tell the unit
 CERTAIN = 1.0  # confidence where a file gives none
 MAX_CONFIDENCE = 1.5  # some trackers' peaks are a little above 1
 FLAGS, COCO_FLAGS = (-1, 0, 1), (-1, 0, 1, 2)  # COCO: 2 visible, 1 labelled but not visible, 0 not labelled
@@ -131,9 +131,9 @@ class TrackedPoints:
             low, high = np.percentile(shown, MOST, axis=0)
             if 0 < (high - low).max() < MIN_SPAN:
                 raise ValueError(
-                    f"{where}{VIEW_NAMES[view]}: the body spans {(high - low).max():.2g} units, so x and y are no pixels. "
-                    "Multiply shares of the picture (0 … 1) by its width and height; before that, make -1 … 1 shares "
-                    "by (1 + x) / 2. Multiply by the focal length what is in units of it"
+                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} the body spans "
+                    f"{(high - low).max():.2g} units. Multiply shares of the picture, 0 … 1, by its width and height. Make shares of -1 … 1 first, by "
+                    "(1 + x) / 2. Multiply units of the focal length by that, and add the centre"
                 )
         return self
 

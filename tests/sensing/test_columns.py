@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from trackers import Seen, analysis
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS
 from viewimit.sensing.tracks import read_files, read_tidy, read_view
@@ -93,6 +94,32 @@ def test_whether_a_point_is_seen_is_read_alike_in_every_format(tmp_path, name, i
         check(arrays(tmp_path, **{name: of}))
         if if_hidden[0].isdigit():
             check(arrays(tmp_path, **{name: lambda hidden: of(hidden).astype(float)}))
+
+
+@pytest.mark.parametrize("kind", ["table", "fixed"])
+def test_tables_in_hdf5_say_the_same(tmp_path, kind):
+    pandas, _, h5py = pytest.importorskip("pandas"), pytest.importorskip("tables"), pytest.importorskip("h5py")
+    tracks = {}
+    for v, view in enumerate(VIEWS):
+        columns = {}
+        for k, name in enumerate(NAMES):
+            columns |= {("net", name, axis): IMAGE[v, :, k, a] for a, axis in enumerate("xy")}
+            columns["net", name, "visible"] = ~HIDDEN[v, :, k]
+        frame = pandas.DataFrame(columns)
+        frame["net", "set", ""] = ["train", "test", "train"]
+        frame.columns.names = ["scorer", "bodyparts", "coords"]
+        tracks[view] = tmp_path / f"{v}.h5"
+        frame.to_hdf(tracks[view], key="k", format=kind)
+    tracked = read_files(tracks)
+    check(tracked)
+    assert "set" in tracked.notes[0]
+    for v, view in enumerate(VIEWS):
+        analysis(tracks[view], Seen(IMAGE[[v]], np.ones((1, 3, 6)), np.arange(3), tuple(NAMES), ("",)), names=())
+        with h5py.File(tracks[view], "r+") as file:
+            file["occluded"], file["notes"] = HIDDEN[v].T[None], [1]
+    tracked = read_files(tracks)
+    check(tracked)
+    assert tracked.notes == ("not read: array notes",)
 
 
 def test_of_several_columns_the_one_that_says_least_counts(tmp_path):

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,6 +153,7 @@ def name_unread(kind: str, names: Iterable[str]) -> str:
     return f"{kind}{'s' if len(names) > 1 else ''} {listed}{more}"
 
 
+@lru_cache(256)
 def word_as_number(meaning: Meaning, text: str) -> float | None:
     """Return 1 or 0, as a column of this meaning writes it in numbers, for a word; None for any other text."""
     word = text.strip().lower()

@@ -48,10 +48,11 @@ class FrameLabels:
             self._parts.append(parts)
         return at
 
-    def label(self, number: int) -> str:
-        """Return the first cells of that frame, for a message."""
+    def described(self, number: int) -> str:
+        """Return the number of a frame, and the cells that say so if they are others."""
         same = [text for text, one in zip(self._at, self.numbers().tolist()) if one == number]
-        return " and ".join(escape(text, MAX_NAME_CHARS) for text in same[:2])
+        names = " and ".join(escape(text, MAX_NAME_CHARS) for text in same[:2])
+        return str(number) if names == str(number) else f"{number} ({names})"
 
     def numbers(self) -> NDArray[np.uint64]:
         """Return the number of each different cell."""

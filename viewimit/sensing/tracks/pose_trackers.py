@@ -123,7 +123,7 @@ def track_of(
     if len(twice):
         number = int(numbers[order][twice[0]])
         raise ValueError(
-            f"{where}: frame {number} stands in two rows ({labels.label(number)}); keep the pictures of one video, "
+            f"{where}: frame {labels.described(number)} stands in two rows; keep the pictures of one video, "
             "named with the number of the frame"
         )
     image = np.stack([values[:, [found[Meaning.X][0], found[Meaning.Y][0]]] for found in columns.values()], 1)

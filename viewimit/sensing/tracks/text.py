@@ -113,7 +113,7 @@ class Table:
 
     def seen(self, line: int, column: str, meaning: Meaning, text: str) -> float:
         """Return what a column about that says of a point; inf for an empty cell."""
-        number = word_as_number(meaning, text)
+        number = word_as_number(meaning, text) if text.strip()[:1].isalpha() else None
         try:
             return self.number(line, column, text, math.inf) if number is None else number
         except ValueError as error:
@@ -158,7 +158,7 @@ class Table:
 
         If that is none, the last comment before it may be: numpy.savetxt writes its heading so.
         """
-        comment = None
+        comment, separator = None, ""
         try:
             with self.path.open(encoding="utf-8-sig") as file:
                 for number, line in enumerate(self._bounded_lines(file), 1):
@@ -167,21 +167,21 @@ class Table:
                         continue
                     self.first = self.first or text
                     if said := SAID_SEPARATOR.fullmatch(text):
-                        self._begins = number + 1
-                        return "\t" if said[1] == "\\t" else said[1]
+                        separator = "\t" if said[1] == "\\t" else said[1]
+                        continue
                     if text.lstrip().startswith("#"):
                         comment = (number, text)
                         continue
                     if comment is not None and not _is_heading(text) and _is_heading(comment[1]):
                         number, text = comment
                     self._begins = number
-                    return _most_frequent(text)
+                    return separator or _most_frequent(text)
         except UnicodeDecodeError:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         if comment is None:
             raise ValueError(f"{self.path}: the file is empty")
         self._begins, text = comment
-        return _most_frequent(text)
+        return separator or _most_frequent(text)
 
 
 def _most_frequent(line: str) -> str:
@@ -268,7 +268,7 @@ def _rows_by_view(
         at.get(one, -1) for one in (Meaning.FRAME, Meaning.VIEW, Meaning.POINT, Meaning.X, Meaning.Y)
     )
     read: dict[str, Rows] = {}
-    known, nameless, view = dict[str, str](), 0, ""
+    known, names, nameless, view = dict[str, str](), dict[str, str](), 0, ""
     for line, cells in lines:
         if len(cells) != len(heading):
             table.require_count(line, cells, len(heading))
@@ -277,7 +277,9 @@ def _rows_by_view(
                 view = known[cells[view_at]] = view_of(cells[view_at].strip())
             except ValueError as error:
                 raise ValueError(f"{table.path}: line {line}, column view: {error}") from None
-        point = point_name(cells[point_at])
+        point = names.get(cells[point_at])
+        if point is None:
+            point = names[cells[point_at]] = point_name(cells[point_at])
         if point in NO_POINT:
             nameless += 1
             continue
@@ -316,6 +318,9 @@ def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns
     """What a row says of whether its point is seen. Raises ValueError for other words, and for a unit but the pixel."""
     for k in columns.units:
         require_pixel_unit(f"{table.path}: line {line}, column {heading[k]}", cells[k])
+    if len(columns.seen) == 1:
+        ((k, meaning),) = columns.seen
+        return {meaning: table.seen(line, heading[k], meaning, cells[k])}
     found: dict[Meaning, list[float]] = {}
     for k, meaning in columns.seen:
         found.setdefault(meaning, []).append(table.seen(line, heading[k], meaning, cells[k]))
@@ -331,13 +336,12 @@ def _require_names(where: str, read: Mapping[str, Rows]) -> None:
 
 def _hint(columns: Columns, rows: Rows, point_column: str) -> str:
     """What may be behind two rows of one point."""
-    if len(rows.points()) == 1:
-        return f": column {point_column} names one point in all rows. {NAME_POINTS[0].upper()}{NAME_POINTS[1:]}"
-    if Meaning.FRAME not in columns.at:
-        return ": there is no column frame, so all rows are of one picture"
-    if columns.unread:
-        return f": {name_unread('column', columns.unread)} would not be read"
-    return ""
+    hints = [
+        f"column {point_column} names one point in all rows" if len(rows.points()) == 1 else "",
+        "" if Meaning.FRAME in columns.at else "there is no column frame, so all rows are of one picture",
+        f"not read: {name_unread('column', columns.unread)}" if columns.unread else "",
+    ]
+    return "".join(f"; {hint}" for hint in hints if hint)
 
 
 def refuse_colmap(path: Path, first: str) -> None:

@@ -131,8 +131,8 @@ class TrackedPoints:
             low, high = np.percentile(shown, MOST, axis=0)
             if 0 < (high - low).max() < MIN_SPAN:
                 raise ValueError(
-                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} the body spans "
-                    f"{(high - low).max():.2g} units. Multiply shares of the picture, 0 … 1, by its width and height. Make shares of -1 … 1 first, by "
+                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} a body of {(high - low).max():.2g} units. "
+                    "Multiply shares of the picture, 0 … 1, by its width and height. Make shares of -1 … 1 first, by "
                     "(1 + x) / 2. Multiply units of the focal length by that, and add the centre"
                 )
         return self
@@ -230,6 +230,8 @@ def with_seen(where: str, track: Track, seen: Mapping[Meaning, NDArray[np.float6
         if flags:
             coco = bool((known == 2).any())
             flag_1 = there & (values == 1) if np.isin(known, COCO_FLAGS if coco else FLAGS).all() else None
+        if meaning is Meaning.VISIBLE and len(set(known.tolist())) == 1:  # yes or nothing
+            values = np.where(np.isinf(values), 0.0, values)
         sure = 1 - values if meaning is Meaning.HIDDEN else values == 2 if coco and flags else values
         confidence = np.minimum(confidence, np.where(np.isinf(values), CERTAIN, sure))
     return replace(track, confidence=confidence, flag_1=flag_1, coco=coco)
@@ -272,7 +274,8 @@ class Rows:
         name = escape(list(self._points)[self.point[at]], MAX_NAME_CHARS)
         of = f" in view {view}" if view else ""
         raise ValueError(
-            f"{where}: line {line[k + 1]}: point {name} of frame {frame[at]}{of} stands in line {line[k]} too{hint}"
+            f"{where}: line {line[k + 1]}: point {name} of frame {self.labels.described(int(frame[at]))}{of} stands in "
+            f"line {line[k]} too{hint}"
         )
 
     def points(self) -> tuple[str, ...]:

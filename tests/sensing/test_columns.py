@@ -215,6 +215,15 @@ def test_frames_are_whole_numbers_and_pictures_in_every_format(tmp_path, frame, 
     ):  # fmt: skip
         check(tracked, hidden=False)
         assert tracked.frames == tuple(numbers)
+    stored = arrays(tmp_path, frames=lambda hidden: np.array([frame(t).strip('"') for t in range(3)]))
+    assert stored.frames == tuple(numbers) and not stored.notes
+
+
+def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
+    more = lambda hidden: "take.png,1733000000.5,arm,0.4"
+    tracked = plain(tmp_path, "image_id,point,x,y,file_name,timestamp,joint,instance_score", more)
+    check(tracked, hidden=False)
+    assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
 
 
 @pytest.mark.parametrize(

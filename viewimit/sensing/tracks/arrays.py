@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..files import MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
 from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse, require_pixel_unit
+from .numbering import FrameLabels
 from .track import Track, require_cells, with_seen
 
 TRACKS = ("pred_tracks", "tracks", "points")
@@ -54,7 +55,7 @@ def read_arrays(path: Path) -> Track:
         raise ValueError(f"{path}: {key} has shape {found[key].shape}: needs (frames, points, 2) px; save as {SAVE}")
     require_cells(str(path), *tracks.shape[:2])
     refuse(str(path), found)
-    about = [name for name in found if meaning_of(name) in SEEN]
+    about = [name for name, values in found.items() if meaning_of(name) in SEEN and values.ndim > 1]
     points_first = _has_points_first(path, found[key], key, about, None if names is None else len(names))
     given = tracks.shape[:2]
     tracks = tracks.swapaxes(0, 1) if points_first else tracks
@@ -65,14 +66,16 @@ def read_arrays(path: Path) -> Track:
         values = _about_points(path, name, found[name], given, points_first)
         least = np.maximum if meaning is Meaning.HIDDEN else np.minimum
         seen[meaning] = least(seen[meaning], values) if meaning in seen else values
-    numbers = next(
-        (name for name in found if meaning_of(name) is Meaning.FRAME and _numbers_frames(found[name], T)), ""
-    )
+    numbered = [
+        (name, frames)
+        for name, values in found.items()
+        if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE) and (frames := _frames(values, T)) is not None
+    ]
+    numbers, frames = numbered[0] if numbered else ("", np.arange(T, dtype=np.uint64))
     units = [name for name in found if meaning_of(name) is Meaning.UNIT]
     for name in units:
         require_pixel_unit(f"{path}: {name}", str(found[name].ravel()[0]) if found[name].size else "")
     unread = [name for name in found if name not in (key, *NAMES, *about, numbers, *units)]
-    frames = (found[numbers] if numbers else np.arange(T)).astype(np.uint64)
     points = tuple(map(str, range(N) if names is None else names.tolist()))
     order = np.argsort(frames, kind="stable")
     track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))
@@ -80,10 +83,17 @@ def read_arrays(path: Path) -> Track:
     return with_seen(str(path), track, {meaning: values[order] for meaning, values in seen.items()})
 
 
-def _numbers_frames(values: NDArray[Any], T: int) -> bool:
-    """Whether these are the different numbers of T frames."""
-    numbers = values.shape == (T,) and values.dtype.kind in "iuf" and bool((values >= 0).all())
-    return numbers and bool((values == np.floor(values)).all()) and len(np.unique(values)) == T
+def _frames(values: NDArray[Any], T: int) -> NDArray[np.uint64] | None:
+    """The numbers of T different frames, None if these are none."""
+    if values.shape != (T,):
+        return None
+    labels = FrameLabels()
+    try:
+        at = [labels.add(str(value)) for value in values.tolist()]
+    except ValueError:
+        return None
+    frames = labels.numbers()[at]
+    return frames if len(np.unique(frames)) == T else None
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:

@@ -22,9 +22,11 @@ class Meaning(Enum):
     """What a column is about."""
 
     FRAME = "frame"
-    TIME = "time"  # numbers the frames if nothing else does
+    PICTURE = "picture"  # tells the frames if nothing numbers them
+    TIME = "time"  # numbers the frames if nothing else tells them
     VIEW = "view"
     POINT = "point"
+    PART = "part"  # names the points if nothing else does
     X = "x"
     Y = "y"
     CONFIDENCE = "confidence"
@@ -38,6 +40,7 @@ class Meaning(Enum):
 
 
 SEEN = (Meaning.CONFIDENCE, Meaning.VISIBLE, Meaning.HIDDEN)
+INSTEAD = ((Meaning.FRAME, Meaning.PICTURE), (Meaning.FRAME, Meaning.TIME), (Meaning.POINT, Meaning.PART))
 ONE_EACH = (Meaning.FRAME, Meaning.VIEW, Meaning.POINT, Meaning.X, Meaning.Y)
 REFUSED = {
     Meaning.SPACE: "points in space, but x and y must be pixels of one picture. If they are, leave this column out",
@@ -48,11 +51,12 @@ _POINT = "(?:is|was|points?|keypoints?|kpts?|kp|joints?|markers?|nodes?|bodypart
 _SEEN = "visibles?|visibility|visibilities|vis|seen|present|presence|valid|detected|found|inlier|inview"
 _DEGREE = "(?:flags?|masks?|values?|scores?|prob|probability|conf|confidence|levels?)?"
 NAMES = {  # of columns, in lower case without punctuation; % reads percent
-    Meaning.FRAME: "frames?|frame(?:idx|index|id|no|num|number)|image|image(?:id|idx|index|name|file)|img|picture|"
-    "filename|slice|t",
+    Meaning.FRAME: "frames?|frame(?:idx|index|id|no|num|number)|image|image(?:id|idx|index)|t",
+    Meaning.PICTURE: "image(?:name|file)|img|picture|filename|slice",
     Meaning.VIEW: "view",
     Meaning.POINT: "points?|point(?:id|name)|name|id|keypoint|keypoint(?:id|name)|bodyparts?|node|nodename|trackid|"
-    "point3did|classid|marker|markerid|label|landmark|joint",
+    "point3did|classid|marker|markerid|label",
+    Meaning.PART: "landmark|landmark(?:id|name)|joint|joint(?:id|name)|part",
     Meaning.X: "x|xpx|x?u|upx|ptx|px|posx|positionx|x(?:in)?pixels?",
     Meaning.Y: "y|ypx|y?v|vpx|pty|py|posy|positiony|y(?:in)?pixels?",
     Meaning.TIME: "(?:time|timestamps?|stamp|ts)(?:in)?(?:s|ms|us|ns|secs?|seconds|nsecs?)?",
@@ -107,8 +111,9 @@ def find_columns(where: str, heading: Sequence[str]) -> Columns:
     plain = [plain_name(name) for name in names]
     if "v" in plain and "u" not in plain and meant.count(Meaning.Y) > 1:  # COCO's x, y, v
         meant[plain.index("v")] = Meaning.VISIBLE
-    if Meaning.FRAME not in meant and meant.count(Meaning.TIME) == 1:
-        meant[meant.index(Meaning.TIME)] = Meaning.FRAME
+    for lacking, instead in INSTEAD:
+        if lacking not in meant and meant.count(instead) == 1:
+            meant[meant.index(instead)] = lacking
     at: dict[Meaning, int] = {}
     for meaning in ONE_EACH:
         found = [k for k, one in enumerate(meant) if one is meaning]

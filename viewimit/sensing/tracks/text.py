@@ -337,7 +337,7 @@ def _require_names(where: str, read: Mapping[str, Rows]) -> None:
 def _hint(columns: Columns, rows: Rows, point_column: str) -> str:
     """What may be behind two rows of one point."""
     hints = [
-        f"column {point_column} names one point in all rows" if len(rows.points()) == 1 else "",
+        f"column {point_column} names one point in all rows: {NAME_POINTS}" if len(rows.points()) == 1 else "",
         "" if Meaning.FRAME in columns.at else "there is no column frame, so all rows are of one picture",
         f"not read: {name_unread('column', columns.unread)}" if columns.unread else "",
     ]

@@ -129,9 +129,9 @@ class TrackedPoints:
                 continue
             shown = self.image[view][seen]
             low, high = np.percentile(shown, MOST, axis=0)
-            if 0 < (high - low).max() < MIN_SPAN:
+            if 0 < (span := (high - low).max()) < MIN_SPAN:
                 raise ValueError(
-                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} a body of {(high - low).max():.2g} units. "
+                    f"{where}x and y are no pixels: in {VIEW_NAMES[view]} the body spans {span:.2g} units. "
                     "Multiply shares of the picture, 0 … 1, by its width and height. Make shares of -1 … 1 first, by "
                     "(1 + x) / 2. Multiply units of the focal length by that, and add the centre"
                 )

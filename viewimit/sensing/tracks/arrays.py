@@ -60,18 +60,7 @@ def read_arrays(path: Path) -> Track:
     given = tracks.shape[:2]
     tracks = tracks.swapaxes(0, 1) if points_first else tracks
     T, N = tracks.shape[:2]
-    seen: dict[Meaning, NDArray[np.float64]] = {}
-    for name in about:
-        meaning = meaning_of(name)
-        values = _about_points(path, name, found[name], given, points_first)
-        least = np.maximum if meaning is Meaning.HIDDEN else np.minimum
-        seen[meaning] = least(seen[meaning], values) if meaning in seen else values
-    numbered = [
-        (name, frames)
-        for name, values in found.items()
-        if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE) and (frames := _frames(values, T)) is not None
-    ]
-    numbers, frames = numbered[0] if numbered else ("", np.arange(T, dtype=np.uint64))
+    numbers, frames = _numbers_of_frames(found, T)
     units = [name for name in found if meaning_of(name) is Meaning.UNIT]
     for name in units:
         require_pixel_unit(f"{path}: {name}", str(found[name].ravel()[0]) if found[name].size else "")
@@ -80,7 +69,21 @@ def read_arrays(path: Path) -> Track:
     order = np.argsort(frames, kind="stable")
     track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))
     track = replace(track, unread=name_unread("array", unread))
-    return with_seen(str(path), track, {meaning: values[order] for meaning, values in seen.items()})
+    seen: dict[Meaning, NDArray[np.float64]] = {}
+    for name in about:
+        meaning = meaning_of(name)
+        values = _about_points(path, name, found[name], given, points_first)[order]
+        least = np.maximum if meaning is Meaning.HIDDEN else np.minimum
+        seen[meaning] = least(seen[meaning], values) if meaning in seen else values
+    return with_seen(str(path), track, seen)
+
+
+def _numbers_of_frames(found: dict[str, NDArray[Any]], T: int) -> tuple[str, NDArray[np.uint64]]:
+    """The array that numbers the frames and what it says; without one, "" and 0 to T - 1."""
+    for name in (name for name in found if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE)):
+        if (frames := _frames(found[name], T)) is not None:
+            return name, frames
+    return "", np.arange(T, dtype=np.uint64)
 
 
 def _frames(values: NDArray[Any], T: int) -> NDArray[np.uint64] | None:

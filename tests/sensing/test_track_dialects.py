@@ -34,12 +34,6 @@ def test_what_tables_write_for_a_missing_number_is_a_point_that_is_not_seen(tmp_
     assert np.isnan(found.image[0, found.points.index("elbow")]).all()
 
 
-def test_frames_may_be_written_with_a_decimal_point(tmp_path):
-    assert read_view(table(tmp_path, HEAD, "0.0,tip,1,2,1", "3.,tip,1,3,1")).frames.tolist() == [0, 3]
-    with pytest.raises(ValueError, match="'0.5' is not a whole number"):
-        read_view(table(tmp_path, HEAD, "0.5,tip,1,2,1"))
-
-
 DLC = ("scorer,me,me,me,me,me,me", "bodyparts,tip,tip,tip,elbow,elbow,elbow", "coords,x,y,likelihood,x,y,likelihood")
 
 
@@ -48,13 +42,6 @@ def test_cells_that_were_cut_at_the_end_of_a_trackers_row_are_empty(tmp_path):
     assert np.isfinite(found.image[0]).all() and np.isnan(found.image[1, 1]).all()
     with pytest.raises(ValueError, match="8 cells, but 7 columns"):
         read_view(table(tmp_path, *DLC, "0,1,2,1,3,4,1,9"))
-
-
-@pytest.mark.parametrize("coordinate, says", [("z", "points in space"), ("depth", "which is not understood")])
-def test_a_table_of_points_in_space_is_not_taken_for_one_of_a_picture(tmp_path, coordinate, says):
-    space = [line.replace("likelihood", coordinate) for line in DLC]
-    with pytest.raises(ValueError, match=f"body part 'tip' has a column '{coordinate}', {says}"):
-        read_view(table(tmp_path, *space, "0,1,2,1,3,4,1"))
 
 
 @pytest.mark.parametrize("kind", ["external", "virtual", "soft link", "external link"])

@@ -86,8 +86,9 @@ def test_headings_that_would_run_something_are_not_unpickled(tmp_path):
     [
         (("bodyparts", "parts"), "its first lines must begin with scorer, bodyparts, coords or scorer, individuals"),
         (("tip,tip,tip", "tip,tip,top"), None),
-        (("coords,x,y", "coords,likelihood,y"), "two columns are likelihood of 'tip'"),
-        (("\n1,", "\nframe one,"), "line 5, column 1: 'frame one' is neither a whole number from 0 nor a picture"),
+        (("coords,x,y", "coords,likelihood,y"), "body part 'tip' needs columns x and y"),
+        (("coords,x,y", "coords,x,x"), "two columns are x of 'tip'"),
+        (("\n1,", "\nframe one,"), "line 5, column 1: 'frame one' is not a whole number"),
         (("\n1,", "\n0,"), "frame 0 stands in two rows"),
     ],
 )
@@ -218,8 +219,7 @@ def test_the_number_of_names_decides_which_axis_is_of_points(tmp_path):
     [
         ({"boxes": CO}, "no array pred_tracks or tracks; it has boxes: save as numpy.savez"),
         ({"pred_tracks": CO[..., :1]}, r"pred_tracks has shape \(3, 3, 1\): needs \(frames, points, 2\) px"),
-        ({"pred_tracks": CO / 1000}, "all in 0 … 1: multiply x by the picture's width"),
-        ({"pred_tracks": CO, "pred_visibility": 9.0 * SEEN - 4}, "not logits"),
+        ({"pred_tracks": CO, "pred_visibility": 9.0 * SEEN - 4}, "logit"),
         ({"pred_tracks": CO, "pred_visibility": SEEN[:2]}, r"\(2, 3\), which does not fit 3 frames of 3 points"),
         ({"pred_tracks": CO, "names": "tip"}, "1 names, but pred_tracks has shape"),
         ({"pred_tracks": CO, "names": ("tip", "tip", "base")}, "two points are named 'tip'"),

@@ -176,20 +176,6 @@ def test_a_confidence_in_percent_is_refused(tmp_path, tidy):
         read_view(of_one)
 
 
-def test_coordinates_as_shares_of_the_picture_are_refused(tmp_path, tidy):
-    head, *rows = [line.split(",") for line in tidy.read_text().splitlines()]
-    for row in rows:
-        row[3:5] = [f"{float(row[3]) / 640:.6f}", f"{float(row[4]) / 240:.6f}"]
-    shares = tmp_path / "shares.csv"
-    shares.write_text("".join(",".join(row) + "\n" for row in (head, *rows)))
-    with pytest.raises(ValueError, match="shares.csv: view demo_left: .* multiply by its width and height, px"):
-        read_tidy(shares)
-    of_one = tmp_path / "of_one.csv"
-    of_one.write_text("frame,point,x,y\n0,a,0.25,1\n0,b,0.5,0.125\n0,c,0,0\n")
-    with pytest.raises(ValueError, match="of_one.csv: .* multiply by its width and height, px"):
-        read_view(of_one)
-
-
 def test_a_png_that_cannot_be_rendered_is_refused_with_alternatives(ask, tidy, tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "can_render", lambda suffix=".png": False)
     status, _, err = ask("evaluate", tidy, "--out", tmp_path / "report.png")
@@ -270,7 +256,7 @@ def test_too_few_points_are_no_success(ask, tidy):
 @pytest.mark.parametrize(
     "line, column, text, says",
     [
-        (1, 3, "u", "line 1: no column x"),
+        (1, 3, "ux", "line 1: no column x"),
         (1, 5, "x", "line 1: two columns are named x: keep one of them"),
         (5, 3, "abc", "line 5, column x: 'abc' is not a finite number"),
         (5, 4, "inf", "line 5, column y: 'inf'"),

@@ -86,8 +86,10 @@ def run(args: argparse.Namespace) -> int:
     if lost := tracked.n_missing(args.min_confidence):
         says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
         print(f"viewimit evaluate: {says}", file=sys.stderr)
-    for doubtful in filter(None, (tracked.doubtful_units(), tracked.doubtful_frames())):
-        print(f"viewimit evaluate: {doubtful}", file=sys.stderr)
+    unnamed = tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
+    for said in (*tracked.notes, *unnamed, tracked.doubtful_units(), tracked.doubtful_frames()):
+        if said:
+            print(f"viewimit evaluate: {said}", file=sys.stderr)
     removed = tracked.n_below_confidence(args.min_confidence)
     if removed:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
@@ -289,6 +291,8 @@ def _too_few(tracked: TrackedPoints, least_confidence: float) -> str:
     seen_in = tracked.views(least_confidence).visible.any(0)  # (N, 4)
     if seen_in.any(0).all() and not seen_in.all(-1).any():
         return "no point has the same name in all four views: points are matched by name"
+    if apart := tracked.no_common_frame():
+        return apart
     none = f"no frame has {MIN_POINTS} points in all four views"
     if (tracked.views().usable.sum(-1) >= MIN_POINTS).any():
         return f"{none} of confidence {least_confidence:g} or more: lower it, --min-confidence 0 keeps all points"

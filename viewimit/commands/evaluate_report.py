@@ -227,14 +227,15 @@ def print_report(result: dict) -> None:
             print(f"  the demonstrator of frame {named['frame']} is at {posture(named['posture_deg'])}")
     if misfit := result.get("misfit"):
         print(f"misfit: {misfit['text']} (frame {misfit['frame']})")
-    print(f"{'frame':>7}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
+    width = max(7, *(2 + len(str(frame["frame"])) for frame in result["frames"]))
+    print(f"{'frame':>{width}}{'usable':>8}{'E px²':>12}{'rms px':>9}{'condition':>11}{'flatness':>10}")
     for frame in result["frames"]:
         numbers = [
             "–" if frame[key] is None else f"{frame[key]:{form}}"
             for key, form in (("E", ".4g"), ("rms_px", ".3g"), ("condition", ".3g"), ("flatness", ".3g"))
         ]
         print(
-            f"{frame['frame']:>7}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
+            f"{frame['frame']:>{width}}{len(frame['usable']):>8}{numbers[0]:>12}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>10}"
             + ("  mirrored" if frame["mirrored"] else "")
         )
     _report_transfers(result)

@@ -64,7 +64,7 @@ def read_files(paths: Mapping[str, Path], individuals: Mapping[str, str] | None 
     """
     files = {view_of(name): path for name, path in paths.items()}
     whose = {view_of(name): individual for name, individual in (individuals or {}).items()}
-    return combine_views({view: read_view(files[view], whose.get(view)) for view in VIEWS})
+    return combine_views({view: read_view(files[view], whose.get(view)) for view in VIEWS}).require_pixels("")
 
 
 def read_view(path: Path, individual: str | None = None) -> Track:
@@ -98,8 +98,9 @@ def _read_hdf5(path: Path, individual: str | None) -> Track:
 
 
 def _read_text(path: Path, individual: str | None) -> Track:
-    _, heading = next(Table(path).lines())
-    refuse_colmap(path, ",".join(heading))
+    table = Table(path)
+    refuse_colmap(path, table.first)
+    _, heading = next(table.lines())
     if heading[0] == "scorer":
         return read_deeplabcut_csv(path, individual)
     if "frame_idx" in heading and {"track", "instance.score"} & set(heading):

@@ -11,8 +11,9 @@ import importlib.util
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import MAX_ARRAY_BYTES, MEGABYTE, TooLarge, read_npz, require_file
-from .track import CERTAIN, Track, require_cells
+from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse, require_pixel_unit
+from .numbering import FrameLabels
+from .track import Track, require_cells, with_seen
 
 TRACKS = ("pred_tracks", "tracks", "points")
 NAMES = ("names", "point_names", "node_names")
 FRAMES_FIRST = ("pred_visibility", "visibility", "visibilities", "confidence")  # CoTracker's order of axes
 POINTS_FIRST = ("visibles", "occluded", "occlusions")  # TAPIR's
-HIDDEN = ("occluded", "occlusions")
 DAMAGED = (
     zipfile.BadZipFile, zlib.error, tokenize.TokenError, EOFError, NotImplementedError, OSError, ValueError, TypeError,
     MemoryError, RecursionError, SyntaxError,
@@ -52,20 +54,49 @@ def read_arrays(path: Path) -> Track:
     if tracks.ndim != 3 or tracks.shape[-1] != 2 or not np.issubdtype(tracks.dtype, np.number):
         raise ValueError(f"{path}: {key} has shape {found[key].shape}: needs (frames, points, 2) px; save as {SAVE}")
     require_cells(str(path), *tracks.shape[:2])
-    visibility = next((name for name in (*FRAMES_FIRST, *POINTS_FIRST) if name in found), None)
-    if _has_points_first(path, found[key], key, visibility, None if names is None else len(names)):
-        tracks = tracks.swapaxes(0, 1)
-    confidence = np.full(tracks.shape[:2], CERTAIN)
-    if visibility is not None:
-        confidence = _confidence(path, visibility, found[visibility], tracks.shape[:2])
+    refuse(str(path), found)
+    about = [name for name, values in found.items() if meaning_of(name) in SEEN and values.ndim > 1]
+    points_first = _has_points_first(path, found[key], key, about, None if names is None else len(names))
+    given = tracks.shape[:2]
+    tracks = tracks.swapaxes(0, 1) if points_first else tracks
     T, N = tracks.shape[:2]
+    numbers, frames = _numbers_of_frames(found, T)
+    units = [name for name in found if meaning_of(name) is Meaning.UNIT]
+    for name in units:
+        require_pixel_unit(f"{path}: {name}", str(found[name].ravel()[0]) if found[name].size else "")
+    unread = [name for name in found if name not in (key, *NAMES, *about, numbers, *units)]
     points = tuple(map(str, range(N) if names is None else names.tolist()))
-    seen = tracks[np.isfinite(tracks).all(-1) & (confidence > 0)]
-    if len(seen) and 0 <= seen.min() and seen.max() <= 1:
-        raise ValueError(
-            f"{path}: {key} is all in 0 … 1: multiply x by the picture's width and y by its height in pixels"
-        )
-    return Track(np.arange(T), points, tracks.astype(float), confidence)
+    order = np.argsort(frames, kind="stable")
+    track = Track(frames[order], points, tracks[order].astype(float), np.zeros((T, N)))
+    track = replace(track, unread=name_unread("array", unread))
+    seen: dict[Meaning, NDArray[np.float64]] = {}
+    for name in about:
+        meaning = meaning_of(name)
+        values = _about_points(path, name, found[name], given, points_first)[order]
+        least = np.maximum if meaning is Meaning.HIDDEN else np.minimum
+        seen[meaning] = least(seen[meaning], values) if meaning in seen else values
+    return with_seen(str(path), track, seen)
+
+
+def _numbers_of_frames(found: dict[str, NDArray[Any]], T: int) -> tuple[str, NDArray[np.uint64]]:
+    """The array that numbers the frames and what it says; without one, "" and 0 to T - 1."""
+    for name in (name for name in found if meaning_of(name) in (Meaning.FRAME, Meaning.PICTURE)):
+        if (frames := _frames(found[name], T)) is not None:
+            return name, frames
+    return "", np.arange(T, dtype=np.uint64)
+
+
+def _frames(values: NDArray[Any], T: int) -> NDArray[np.uint64] | None:
+    """The numbers of T different frames, None if these are none."""
+    if values.shape != (T,):
+        return None
+    labels = FrameLabels()
+    try:
+        at = [labels.add(str(value)) for value in values.tolist()]
+    except ValueError:
+        return None
+    frames = labels.numbers()[at]
+    return frames if len(np.unique(frames)) == T else None
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:
@@ -87,33 +118,30 @@ def _unbatched(values: NDArray[Any], dims: int) -> NDArray[Any]:
     return values[0] if values.ndim == dims + 1 and len(values) == 1 else values
 
 
-def _has_points_first(path: Path, tracks: NDArray[Any], key: str, visibility: str | None, n_names: int | None) -> bool:
+def _has_points_first(path: Path, tracks: NDArray[Any], key: str, about: Sequence[str], n_names: int | None) -> bool:
     """Whether the first axis is of points, by the names, the key or a batch. Raises ValueError if nothing tells."""
     first, second = _unbatched(tracks, 3).shape[:2]
     if n_names is not None and n_names not in (first, second):
         raise ValueError(f"{path}: {n_names} names, but {key} has shape {tracks.shape}: one name a point is needed")
     if n_names is not None and first != second:
         return n_names == first
-    if visibility in POINTS_FIRST:
+    if set(about) & set(POINTS_FIRST):
         return True
-    if key == "pred_tracks" or visibility in FRAMES_FIRST or tracks.ndim == 4:
+    if key == "pred_tracks" or set(about) & set(FRAMES_FIRST) or tracks.ndim == 4:
         return False
     raise ValueError(f"{path}: {key} has shape {tracks.shape}: which axis is of points? Save as {SAVE}")
 
 
-def _confidence(path: Path, key: str, values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Confidence in 0 … 1, (frames, points)."""
+def _about_points(
+    path: Path, key: str, values: NDArray[Any], shape: tuple[int, ...], points_first: bool
+) -> NDArray[np.float64]:
+    """What an array says of whether points are seen, (frames, points). shape: of the tracks, in the file's order."""
     values = values[..., 0] if values.ndim > 2 and values.shape[-1] == 1 else values
-    found = _unbatched(values, 2)
-    found = found.swapaxes(0, 1) if key in POINTS_FIRST and found.ndim == 2 else found
-    if found.shape != shape:
-        raise ValueError(
-            f"{path}: {key} has shape {values.shape}, which does not fit {shape[0]} frames of {shape[1]} points"
-        )
-    found = found.astype(float)
-    if not ((found >= 0) & (found <= 1)).all():
-        raise ValueError(f"{path}: {key} must be true or false or in 0 … 1, not logits: save 1 / (1 + exp(-{key}))")
-    return 1 - found if key in HIDDEN else found
+    found = as_numbers(f"{path}: {key}", meaning_of(key), _unbatched(values, 2))
+    if found.shape not in (shape, shape[::-1]):
+        T, N = shape[::-1] if points_first else shape
+        raise ValueError(f"{path}: {key} has shape {values.shape}, which does not fit {T} frames of {N} points")
+    return found.T if points_first == (found.shape == shape) else found
 
 
 @contextmanager

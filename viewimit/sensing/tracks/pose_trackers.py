@@ -19,23 +19,23 @@ arrays   tracks (tracks, 2, nodes, frames), transposed for MATLAB, or as their a
 import io
 import json
 import pickle
-import re
-from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import islice
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import as_text, read_dataset
-from .text import MAX_FRAME, Table
-from .track import CERTAIN, Rows, Track, choose_individual, require_cells
+from .columns import SEEN, Meaning, as_numbers, meaning_of, name_unread, refuse
+from .numbering import FrameLabels
+from .text import Table
+from .track import CERTAIN, Rows, Track, choose_individual, least_seen, require_cells, with_seen
 
 LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
 Heading = tuple[str, str, str]  # individual ("" if there is one), body part, coordinate
-COORDINATES = ("x", "y", "likelihood")  # of a body part in one picture
 SINGLE = "single"  # DeepLabCut's individual for points that belong to none
 EXPORT_CSV = "export it as CSV: pandas.read_hdf(…).to_csv(…), or deeplabcut.analyze_videos(…, save_as_csv=True)"
 
@@ -58,65 +58,106 @@ def read_deeplabcut_csv(path: Path, individual: str | None) -> Track:
         (k for k, name in enumerate(parts[1:], 1) if name), len(parts)
     )  # the columns before say which frame it is
     several = head[1][1] if len(levels) == 4 else [""] * len(parts)
-    headings = list(zip(several[first:], parts[first:], head[-1][1][first:]))
-    frames, numbers = [], []
+    headings = [_trimmed(one) for one in zip(several[first:], parts[first:], head[-1][1][first:])]
+    labels, frames, numbers = FrameLabels(), list[int](), list[list[float]]()
     for line, cells in lines:
         cells = table.filled(line, cells, len(parts))
-        frames.append(frame_of(f"{path}: line {line}, column 1", cells[:first]))
+        if not frames and not any(map(str.strip, cells[first:])) and not _is_frame(cells[first - 1]):
+            continue  # the name of pandas' index
+        frames.append(table.frame(labels, line, "1", cells[first - 1]))
         numbers.append(
-            [
-                table.number(line, f"{first + k + 1} ({part} {coordinate})", cells[first + k], np.nan)
-                for k, (_, part, coordinate) in enumerate(headings)
-            ]
+            [_cell(table, line, first + k + 1, one, text) for k, (one, text) in enumerate(zip(headings, cells[first:]))]
         )
     values = np.array(numbers).reshape(len(frames), len(headings))
-    return track_of(str(path), headings, np.array(frames, int), values, individual)
+    return track_of(str(path), headings, labels, frames, values, individual)
+
+
+def _trimmed(heading: Heading) -> Heading:
+    individual, part, coordinate = (name.strip() for name in heading)
+    return individual, part, coordinate
+
+
+def _is_frame(text: str) -> bool:
+    try:
+        FrameLabels().add(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _cell(table: Table, line: int, column: int, heading: Heading, text: str) -> float:
+    """The number in a cell; inf for an empty one that says whether a point is seen, NaN for one that is not read."""
+    _, part, name = heading
+    where, meaning = f"{column} ({part} {name})", meaning_of(name)
+    if meaning in SEEN:
+        return table.seen(line, where, meaning, text)
+    return table.number(line, where, text, np.nan) if meaning in (Meaning.X, Meaning.Y) else np.nan
 
 
 def track_of(
-    where: str, headings: Sequence[Heading], frames: NDArray[Any], values: NDArray[Any], individual: str | None
+    where: str,
+    headings: Sequence[Heading],
+    labels: FrameLabels,
+    frames: Sequence[int],
+    values: NDArray[Any],
+    individual: str | None,
 ) -> Track:
-    """Make a track of values, (T, columns). Raises ValueError that names the file and the column."""
-    chosen = choose_individual(where, list(dict.fromkeys(one for one, _, _ in headings if one != SINGLE)), individual)
-    several = [heading for heading, count in Counter(headings).items() if count > 1 and heading[0] == chosen]
-    if several:
-        _, part, name = several[0]
-        raise ValueError(f"{where}: two columns are {name} of {part!r}: keep those of one scorer")
-    columns = {(part, name): k for k, (one, part, name) in enumerate(headings) if one == chosen}
-    parts = list(dict.fromkeys(part for part, _ in columns))
-    for part, name in columns:
-        if name not in COORDINATES:
-            what = "points in space: take the table of each picture" if name == "z" else "which is not understood"
-            raise ValueError(f"{where}: body part {part!r} has a column {name!r}, {what}")
-    for part in parts:
-        if not {(part, "x"), (part, "y")} <= columns.keys():
-            raise ValueError(f"{where}: body part {part!r} needs columns x and y, and likelihood if it is known")
-    if not parts:
+    """Make a track of values, (T, columns), in frames by the index of their label.
+
+    Raises ValueError that names the file and the column.
+    """
+    parts, unread = _body_parts(where, headings)
+    chosen = choose_individual(where, list(dict.fromkeys(one for one, _ in parts if one != SINGLE)), individual)
+    columns = {part: found for (one, part), found in parts.items() if one == chosen}
+    if not columns:
         raise ValueError(f"{where}: no body part")
-    image = np.stack([values[:, [columns[part, "x"], columns[part, "y"]]] for part in parts], 1)
-    likelihoods = [
-        values[:, columns[part, "likelihood"]] if (part, "likelihood") in columns else None for part in parts
-    ]
-    likelihood = np.stack([np.full(len(values), CERTAIN) if one is None else one for one in likelihoods], 1)
-    order = np.argsort(frames, kind="stable")
-    twice = np.flatnonzero(np.diff(frames[order]) == 0)
+    for part, found in columns.items():
+        for meaning, of in found.items():
+            if meaning not in SEEN and len(of) > 1:
+                raise ValueError(f"{where}: two columns are {meaning.value} of {part!r}: keep those of one scorer")
+        if not {Meaning.X, Meaning.Y} <= found.keys():
+            raise ValueError(f"{where}: body part {part!r} needs columns x and y, and likelihood if it is known")
+    numbers = labels.numbers()[np.array(frames, int)]
+    order = np.argsort(numbers, kind="stable")
+    twice = np.flatnonzero(np.diff(numbers[order]) == 0)
     if len(twice):
-        raise ValueError(f"{where}: frame {frames[order][twice[0]]} stands in two rows; keep the pictures of one video")
-    confidence = np.where(np.isnan(likelihood), CERTAIN, likelihood)  # labelled by hand
-    return Track(frames[order], tuple(parts), image[order], confidence[order])
-
-
-def frame_of(where: str, cells: Sequence[str]) -> int:
-    """Return the number of a frame, or the last number in the name of its picture. Raises ValueError."""
-    text = cells[-1].strip().replace("\\", "/")
-    if text.isdecimal() and int(text) <= MAX_FRAME:
-        return int(text)
-    digits = re.findall(r"\d+", PurePosixPath(text).stem)
-    if not digits or not PurePosixPath(text).suffix or int(digits[-1]) > MAX_FRAME:
+        number = int(numbers[order][twice[0]])
         raise ValueError(
-            f"{where}: {text!r} is neither a whole number from 0 nor a picture named with one, img0003.png"
+            f"{where}: frame {labels.described(number)} stands in two rows; keep the pictures of one video, "
+            "named with the number of the frame"
         )
-    return int(digits[-1])
+    image = np.stack([values[:, [found[Meaning.X][0], found[Meaning.Y][0]]] for found in columns.values()], 1)
+    seen = {}
+    for meaning in (meaning for meaning in SEEN if any(meaning in found for found in columns.values())):
+        cells = [_least(meaning, values[:, found.get(meaning, [])]) for found in columns.values()]
+        seen[meaning] = np.stack(cells, 1)[order]
+    track = Track(numbers[order], tuple(columns), image[order], np.zeros(image.shape[:2]), unread=unread)
+    return with_seen(where, track, seen)
+
+
+def _least(meaning: Meaning, values: NDArray[Any]) -> NDArray[np.float64]:
+    """Of columns of one meaning, (T, columns), what says least that a point is seen; inf, not known, for NaN."""
+    if meaning is Meaning.HIDDEN:
+        least = np.where(np.isnan(values), -np.inf, values).max(1, initial=-np.inf)
+        return np.where(least == -np.inf, np.inf, least)
+    return np.where(np.isnan(values), np.inf, values).min(1, initial=np.inf)
+
+
+def _body_parts(where: str, headings: Sequence[Heading]) -> tuple[dict[tuple[str, str], dict[Meaning, list[int]]], str]:
+    """Columns of each individual's body parts by meaning, and what is not read.
+
+    A part without any column of a point, such as Lightning Pose's `set`, is none.
+    """
+    refuse(where, [name for _, _, name in headings])
+    parts: dict[tuple[str, str], dict[Meaning, list[int]]] = {}
+    unread = []
+    for k, (one, part, name) in enumerate(headings):
+        meaning = meaning_of(name)
+        if meaning in (Meaning.X, Meaning.Y, *SEEN):
+            parts.setdefault((one, part), {}).setdefault(meaning, []).append(k)
+        else:
+            unread.append(name or part)
+    return parts, name_unread("column", unread)
 
 
 def find_table(file: Any) -> Any | None:
@@ -130,26 +171,36 @@ def read_deeplabcut_h5(path: Path, group: Any, individual: str | None) -> Track:
     if kind not in ("frame_table", "frame"):
         raise ValueError(f"{path}: a table of kind {kind!r}, not a frame; {EXPORT_CSV}")
     index, headings, values = _read_table(path, group) if kind == "frame_table" else _read_fixed(path, group)
-    frames = np.array([_frame(path, k, one) for k, one in enumerate(index)], int)
-    return track_of(str(path), [_heading(path, one) for one in headings], frames, values, individual)
+    labels = FrameLabels()
+    frames = [_frame(path, labels, k, one) for k, one in enumerate(index)]
+    return track_of(str(path), headings, labels, frames, values, individual)
 
 
-def _read_table(path: Path, group: Any) -> tuple[list[Any], list[Any], NDArray[Any]]:
+def _read_table(path: Path, group: Any) -> tuple[list[Any], list[Heading], NDArray[Any]]:
     table = group["table"]
     blocks = sorted((name for name in table.dtype.names if name.startswith("values_block_")), key=lambda n: int(n[13:]))
-    headings = [one for block in blocks for one in _unpickled(path, table.attrs[f"{block}_kind"])]
-    rows = read_dataset(table)
-    values = np.concatenate([_numbers(path, rows[block]).reshape(len(rows), -1) for block in blocks], 1)
-    return rows["index"].tolist(), headings, values
+    headings: list[Heading] = []
+    rows, values = read_dataset(table), []
+    for block in blocks:
+        of = [_heading(path, one) for one in _unpickled(path, table.attrs[f"{block}_kind"])]
+        headings += of
+        values.append(_numbers(path, of, rows[block].reshape(len(rows), -1)))
+    return rows["index"].tolist(), headings, np.concatenate(values, 1)
 
 
-def _read_fixed(path: Path, group: Any) -> tuple[list[Any], list[Any], NDArray[Any]]:
-    headings, values = [], []
-    for block in range(int(group.attrs["nblocks"])):
-        headings += _levels(group, f"block{block}_items")
-        values.append(_numbers(path, read_dataset(group[f"block{block}_values"])))
+def _read_fixed(path: Path, group: Any) -> tuple[list[Any], list[Heading], NDArray[Any]]:
     regular = as_text(group.attrs["axis1_variety"]) == "regular"
     index = read_dataset(group["axis1"]).tolist() if regular else _levels(group, "axis1")
+    headings: list[Heading] = []
+    values = []
+    for block in range(int(group.attrs["nblocks"])):
+        of = [_heading(path, one) for one in _levels(group, f"block{block}_items")]
+        dataset = group[f"block{block}_values"]
+        found = read_dataset(dataset)
+        if dataset.dtype == object:  # pickled, so not opened
+            found = np.full((len(index), len(of)), None)
+        headings += of
+        values.append(_numbers(path, of, found))
     return index, headings, np.concatenate(values, 1)
 
 
@@ -162,10 +213,18 @@ def _levels(group: Any, of: str) -> list[tuple[Any, ...]]:
     return list(zip(*columns))
 
 
-def _numbers(path: Path, values: Any) -> NDArray[Any]:
-    if not np.issubdtype(values.dtype, np.number):
-        raise ValueError(f"{path}: its values are kept as {values.dtype}, not as numbers; {EXPORT_CSV}")
-    return values.astype(float)
+def _numbers(path: Path, headings: Sequence[Heading], values: NDArray[Any]) -> NDArray[np.float64]:
+    """Values of a block, (rows, columns), as numbers; NaN in columns that are not read."""
+    if values.dtype.kind in "biuf":
+        return values.astype(float)
+    found = np.full(values.shape, np.nan)
+    for k, (_, part, name) in enumerate(headings):
+        meaning = meaning_of(name)
+        if meaning in SEEN and values.dtype != object:
+            found[:, k] = as_numbers(f"{path}: {part} {name}", meaning, values[:, k])
+        elif meaning in (Meaning.X, Meaning.Y, *SEEN):
+            raise ValueError(f"{path}: {part} {name} is kept as {values.dtype}, not as numbers; {EXPORT_CSV}")
+    return found
 
 
 def _heading(path: Path, one: Sequence[Any]) -> Heading:
@@ -176,12 +235,14 @@ def _heading(path: Path, one: Sequence[Any]) -> Heading:
         raise ValueError(
             f"{path}: headings of {len(names)} levels; DeepLabCut's are scorer, (individuals,) bodyparts, coords"
         )
-    return ("" if len(names) == 3 else names[1], names[-2], names[-1])
+    return _trimmed(("" if len(names) == 3 else names[1], names[-2], names[-1]))
 
 
-def _frame(path: Path, row: int, index: Any) -> int:
-    cells = index if isinstance(index, tuple) else (index,)
-    return frame_of(f"{path}: row {row + 1}", [as_text(cell) for cell in cells])
+def _frame(path: Path, labels: FrameLabels, row: int, index: Any) -> int:
+    try:
+        return labels.add(as_text(index[-1] if isinstance(index, tuple) else index))
+    except ValueError as error:
+        raise ValueError(f"{path}: row {row + 1}: {error}") from None
 
 
 PICKLE_ERRORS = (
@@ -205,7 +266,11 @@ def _unpickled(path: Path, value: Any) -> list[Any]:
     return list(found)
 
 
-FRAME, TRACK, X, Y, SCORE = "frame_idx", "track", ".x", ".y", ".score"
+FRAME, TRACK, INSTANCE_SCORE, X, Y = "frame_idx", "track", "instance.score", ".x", ".y"
+ANALYSIS = (
+    "tracks", "track_names", "track_occupancy", "node_names", "edge_names", "edge_inds", "instance_scores",
+    "tracking_scores", "labels_path", "video_path", "video_ind", "provenance",
+)  # fmt: skip
 MATLAB = ("track", "xy", "node", "frame")
 LABELLED = 0  # kind of instance; 1 is predicted
 
@@ -217,25 +282,36 @@ def read_sleap_csv(path: Path, individual: str | None) -> Track:
     _, heading = next(lines)
     nodes = [name.removesuffix(X) for name in heading if name.endswith(X) and name.removesuffix(X) + Y in heading]
     at = {name: k for k, name in enumerate(heading)}
+    about = {node: [(k, meaning_of(name[len(node) + 1 :])) for name, k in at.items() if name.startswith(f"{node}.")]
+             for node in nodes}  # fmt: skip
+    used = {k for found in about.values() for k, meaning in found if meaning in (Meaning.X, Meaning.Y, *SEEN)}
+    refuse(str(path), [heading[k].rpartition(".")[2] for found in about.values() for k, _ in found])
+    unread = [name for k, name in enumerate(heading) if k not in used and name not in (FRAME, TRACK, INSTANCE_SCORE)]
     read = [(line, table.filled(line, cells, len(heading))) for line, cells in lines]
     tracks = [cells[at[TRACK]].strip() if TRACK in at else "" for _, cells in read]
     chosen = choose_individual(str(path), list(dict.fromkeys(filter(None, tracks))), individual)
-    rows = Rows()
+    labels, meanings = (
+        FrameLabels(),
+        [one for one in SEEN if any(one is of for found in about.values() for _, of in found)],
+    )
+    rows = Rows(labels, meanings)
     for (line, cells), track in zip(read, tracks):
         if track != chosen:
             continue
-        frame = table.whole(line, FRAME, cells[at[FRAME]])
+        frame = table.frame(labels, line, FRAME, cells[at[FRAME]])
         for node in nodes:
             x, y = (table.number(line, node + axis, cells[at[node + axis]], np.nan) for axis in (X, Y))
-            score = node + SCORE
-            confidence = table.number(line, score, cells[at[score]], CERTAIN) if score in at else CERTAIN
+            says = [(one, table.seen(line, heading[k], one, cells[k])) for k, one in about[node] if one in SEEN]
             if np.isfinite((x, y)).all():
-                rows.add(line, frame, node, x, y, confidence)
+                rows.add(
+                    line, frame, node, x, y,
+                    {one: least_seen(one, [value for of, value in says if of is one]) for one in meanings},
+                )  # fmt: skip
     try:
         rows.require_once(str(path))
     except ValueError as error:
         raise ValueError(f"{error}: instances without a track; track them in SLEAP first") from None
-    return rows.track(str(path))
+    return replace(rows.track(str(path)), unread=name_unread("column", unread))
 
 
 def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
@@ -251,12 +327,18 @@ def read_sleap_analysis(path: Path, file: Any, individual: str | None) -> Track:
             "nodes; export it by SLEAP as analysis HDF5 again, or as CSV"
         )
     k = names.index(choose_individual(str(path), names, individual))
-    scores = np.full(tracks.shape[:3], np.nan)
-    if "point_scores" in file:
-        flat = [name for name in dims if name != "xy"]
-        scores = read_dataset(file["point_scores"]).transpose([flat.index(name) for name in ("track", "frame", "node")])
-    confidence = np.where(np.isnan(scores[k]), CERTAIN, scores[k])  # labelled by hand
-    return Track(np.arange(tracks.shape[1]), tuple(nodes), tracks[k].astype(float), confidence)
+    refuse(str(path), file)
+    flat = [name for name in dims if name != "xy"]
+    order = [flat.index(name) for name in ("track", "frame", "node")]
+    about = [key for key in file if meaning_of(key) in SEEN and file[key].ndim == len(order)]
+    seen: dict[Meaning, NDArray[np.float64]] = {}
+    for key in about:
+        values = as_numbers(f"{path}: {key}", meaning_of(key), read_dataset(file[key]).transpose(order)[k])
+        both = np.stack([values, seen.get(meaning_of(key), values)], -1)
+        seen[meaning_of(key)] = _least(meaning_of(key), both.reshape(-1, 2)).reshape(values.shape)
+    frames, image = np.arange(tracks.shape[1], dtype=np.uint64), tracks[k].astype(float)
+    unread = name_unread("array", [key for key in file if key not in (*ANALYSIS, *about)])
+    return with_seen(str(path), Track(frames, tuple(nodes), image, np.zeros(image.shape[:2]), unread=unread), seen)
 
 
 def _names(file: Any, key: str) -> list[str]:
@@ -288,7 +370,7 @@ def read_slp(path: Path, file: Any, individual: str | None) -> Track:
     used = sorted(set(instances["track"].tolist()) - {-1})
     chosen = choose_individual(str(path), [names[k] for k in used], individual)
     track = names.index(chosen) if chosen else -1
-    numbers = np.unique(frames["frame_idx"]).astype(int)
+    numbers = np.unique(frames["frame_idx"]).astype(np.uint64)
     require_cells(str(path), len(numbers), len(nodes))
     if (frames["instance_id_end"].astype(float) - frames["instance_id_start"]).clip(0).sum() > len(instances):
         raise ValueError(f"{path}: damaged: an instance is of several frames; export it by SLEAP again")

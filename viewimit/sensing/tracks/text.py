@@ -9,32 +9,30 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 
 from ...estimation.views import VIEW_NAMES, VIEWS, view_of
-from ..files import MEGABYTE, require_file
-from .track import CERTAIN, MAX_PX, Row, Rows, Track, TrackedPoints, combine_views
+from ..files import MAX_NAME_CHARS, MEGABYTE, escape, require_file
+from .columns import Columns, Meaning, find_columns, meaning_of, name_unread, require_pixel_unit, word_as_number
+from .names import point_name
+from .numbering import FrameLabels, whole_number
+from .track import MAX_PX, Row, Rows, Track, TrackedPoints, combine_views, least_seen
 
-MAX_FRAME = 2**53
 MAX_LINE = 1 << 20  # characters
 MAX_BYTES = 1024 * MEGABYTE  # rows are kept in a few bytes each
 SEPARATORS = ",;\t"
 SAID_SEPARATOR = re.compile(r'"?sep=(,|;|\t|\\t)"?', re.IGNORECASE)  # a first line of spreadsheets
 MISSING = ("nan", "na", "n/a", "null", "none")  # of a number that is not there
-WHOLE = re.compile(r"\.0*$")  # behind a whole number, as pandas writes one
 COLUMNS = ("frame", "view", "point", "x", "y", "confidence")  # of a table of all four views
-HEADINGS = {  # of a table of one view, in lower case without punctuation
-    "frame": ("frame", "frameidx", "frameindex", "frameid", "framenumber", "image", "imageid", "imageidx", "t"),
-    "point": ("point", "pointid", "pointname", "name", "id", "keypoint", "keypointid", "keypointname", "bodypart",
-              "node", "nodename", "trackid", "point3did", "classid", "marker", "markerid", "label"),
-    "x": ("x", "xpx", "u", "upx", "ptx", "px", "posx", "xpixel"),
-    "y": ("y", "ypx", "v", "vpx", "pty", "py", "posy", "ypixel"),
-    "confidence": ("confidence", "likelihood", "score", "probability", "prob", "visibility", "visible"),
-}  # fmt: skip
-REQUIRED = ("point", "x", "y")
+REQUIRED = (Meaning.POINT, Meaning.X, Meaning.Y)
+PICTURE_NAME = re.compile(r"\.(?:png|jpe?g|tiff?|bmp|gif|avi|mp4)\b", re.IGNORECASE)
+NAME_POINTS = "name points in a column point, and pictures in a column frame"
+NO_POINT = ("", "-1")  # no keypoint, or one that COLMAP has not matched
 COLMAP_FILES = {"# Image list": "images.txt", "# 3D point list": "points3D.txt", "# Camera list": "cameras.txt"}
 COLMAP_NUMBERS = 9  # before the name in the first line of an image
 COLMAP_COMMAND = (
@@ -53,7 +51,9 @@ class Table:
     def __init__(self, path: Path):
         require_file(path, MAX_BYTES)
         self.path = path
-        self._says_separator = False  # in a first line of its own, sep=;
+        self.first = ""  # line that is not empty
+        self.skipped = 0  # comments below the heading, once all lines have been read
+        self._begins = 0  # line of the heading
         self._separator = self._detect_separator()
         self._decimal: str | None = None  # "," or ".", once an ambiguous number has been read
 
@@ -61,16 +61,23 @@ class Table:
         """Yield line numbers from 1 and cells, without empty lines."""
         try:
             with self.path.open(newline="", encoding="utf-8-sig") as file:
-                reader = csv.reader(self._bounded_lines(file), strict=True, delimiter=self._separator)
+                lines = islice(self._bounded_lines(file), self._begins - 1, None)
+                reader = csv.reader(lines, strict=True, delimiter=self._separator)
                 for cells in reader:
-                    if self._says_separator and reader.line_num == 1:
+                    line = reader.line_num + self._begins - 1
+                    if not cells or not (cells[0] or any(map(str.strip, cells))):
                         continue
-                    if cells and (cells[0] or any(map(str.strip, cells))):
-                        yield reader.line_num, cells
+                    if line == self._begins:
+                        cells[0], columns = cells[0].lstrip("# "), len(cells)
+                        of_points = meaning_of(cells[0]) is Meaning.POINT  # whose names may begin with #
+                    elif cells[0].lstrip().startswith("#") and not (of_points and len(cells) == columns):
+                        self.skipped += 1
+                        continue
+                    yield line, cells
         except UnicodeDecodeError:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
         except csv.Error as error:
-            raise ValueError(f"{self.path}: line {reader.line_num}: {error}") from None
+            raise ValueError(f"{self.path}: line {reader.line_num + self._begins - 1}: {error}") from None
 
     def filled(self, line: int, cells: list[str], columns: int) -> list[str]:
         """Return a line with the empty cells that were cut at its end. Raise ValueError for one that has too many."""
@@ -104,13 +111,27 @@ class Table:
         fault = f"is no pixel: beyond {MAX_PX:g}" if math.isfinite(value) else "is not a finite number"
         raise ValueError(f"{self.path}: line {line}, column {column}: {text!r} {fault}")
 
+    def seen(self, line: int, column: str, meaning: Meaning, text: str) -> float:
+        """Return what a column about that says of a point; inf for an empty cell."""
+        number = word_as_number(meaning, text) if text.strip()[:1].isalpha() else None
+        try:
+            return self.number(line, column, text, math.inf) if number is None else number
+        except ValueError as error:
+            raise ValueError(f"{error}: write 1 or 0, yes or no, or a share in 0 … 1") from None
+
     def whole(self, line: int, column: str, text: str) -> int:
         """Return a whole number, such as a frame's."""
-        text = WHOLE.sub("", text.strip())
-        if not text.isdecimal() or int(text) > MAX_FRAME:
-            fault = f"{text!r} is not a whole number from 0"
-            raise ValueError(f"{self.path}: line {line}, column {column}: {fault}")
-        return int(text)
+        try:
+            return whole_number(text)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: line {line}, column {column}: {error}") from None
+
+    def frame(self, labels: FrameLabels, line: int, column: str, text: str) -> int:
+        """Return the index of a frame's label."""
+        try:
+            return labels.add(text)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: line {line}, column {column}: {error}") from None
 
     def _with_decimal(self, line: int, column: str, text: str) -> float:
         """A number with , or . where columns are not separated by commas. Raises ValueError if both occur."""
@@ -133,20 +154,45 @@ class Table:
             yield line
 
     def _detect_separator(self) -> str:
-        """The separator that is most frequent in the first line."""
+        """The separator that is said or most frequent in the heading: the first line that is no comment.
+
+        If that is none, the last comment before it may be: numpy.savetxt writes its heading so.
+        """
+        comment, separator = None, ""
         try:
             with self.path.open(encoding="utf-8-sig") as file:
-                first = next((line for line in self._bounded_lines(file) if line.strip()), "")
+                for number, line in enumerate(self._bounded_lines(file), 1):
+                    text = line.strip("\r\n")
+                    if not text.strip():
+                        continue
+                    self.first = self.first or text
+                    if said := SAID_SEPARATOR.fullmatch(text):
+                        separator = "\t" if said[1] == "\\t" else said[1]
+                        continue
+                    if text.lstrip().startswith("#"):
+                        comment = (number, text)
+                        continue
+                    if comment is not None and not _is_heading(text) and _is_heading(comment[1]):
+                        number, text = comment
+                    self._begins = number
+                    return separator or _most_frequent(text)
         except UnicodeDecodeError:
             raise ValueError(f"{self.path}: not a text file in UTF-8: save it as CSV in UTF-8") from None
-        if not first:
+        if comment is None:
             raise ValueError(f"{self.path}: the file is empty")
-        said = SAID_SEPARATOR.fullmatch(first.strip("\r\n"))
-        if said is not None:
-            self._says_separator = True
-            return "\t" if said[1] == "\\t" else said[1]
-        count = Counter(first)
-        return max(SEPARATORS, key=lambda separator: count[separator])
+        self._begins, text = comment
+        return separator or _most_frequent(text)
+
+
+def _most_frequent(line: str) -> str:
+    count = Counter(line)
+    return max(SEPARATORS, key=lambda separator: count[separator])
+
+
+def _is_heading(line: str) -> bool:
+    """Whether a line names columns x and y, or is the first of a pose tracker's."""
+    names = [name.strip(' "#') for name in re.split("[,;\t]", line)]
+    return {Meaning.X, Meaning.Y} <= {*map(meaning_of, names)} or names[0] == "scorer" or "frame_idx" in names
 
 
 def column_names(cells: Sequence[str]) -> list[str]:
@@ -167,106 +213,135 @@ def write_tidy(path: Path, rows: Mapping[str, Sequence[Row]]) -> None:
 def read_tidy(path: Path) -> TrackedPoints:
     """Read a table of all four views: one row for each point visible in a picture.
 
-    Columns are frame, view, point, x, y and, optionally, confidence. Views have their full names, such as demo_left,
-    or the paper's, such as l.
+    Columns are frame, view, point, x, y and, optionally, confidence or the like. Views have their full names, such as
+    demo_left, or the paper's, such as l.
 
     Raises ValueError that names the file, line and column, and OSError.
     """
-    table = Table(path)
-    lines = table.lines()
-    at, cells = next(lines)
-    heading = column_names(cells)
-    missing = [name for name in COLUMNS[:-1] if name not in heading]
-    refuse_colmap(path, ",".join(map(str.strip, cells)))
-    if missing:
-        hint = ""
-        if "view" in missing:
-            hint = ". Files of one view are given by --demo-left, --demo-right, --own-left and --own-right"
-        fault = f"no column {', '.join(missing)}; the first line is {','.join(COLUMNS)}{hint}"
-        raise ValueError(f"{path}: line {at}: {fault}")
-    twice = [name for name in COLUMNS if heading.count(name) > 1]
-    if twice:
-        raise ValueError(f"{path}: line {at}: two columns are named {twice[0]}: keep one of them")
-    frame_at, view_at, point_at, x_at, y_at = (heading.index(name) for name in COLUMNS[:-1])
-    confidence_at = heading.index(COLUMNS[-1]) if COLUMNS[-1] in heading else None
-    names: dict[str, int] = {}
-    rows, known = {view: Rows(names) for view in VIEWS}, dict[str, str]()
-    for line, cells in lines:
-        if len(cells) != len(heading):
-            table.require_count(line, cells, len(heading))
-        frame = table.whole(line, "frame", cells[frame_at])
-        view, point = known.get(cells[view_at]), cells[point_at].strip()
-        if view is None:
-            try:
-                view = known[cells[view_at]] = view_of(cells[view_at].strip())
-            except ValueError as error:
-                raise ValueError(f"{path}: line {line}, column view: {error}") from None
-        if not point:
-            raise ValueError(f"{path}: line {line}, column point: it is empty")
-        x = table.number(line, "x", cells[x_at], empty=np.nan)
-        y = table.number(line, "y", cells[y_at], empty=np.nan)
-        confidence = CERTAIN
-        if confidence_at is not None:
-            confidence = table.number(line, COLUMNS[-1], cells[confidence_at], empty=CERTAIN)
-        rows[view].add(line, frame, point, x, y, confidence)
-    for view in VIEWS:
-        rows[view].require_once(str(path), VIEW_NAMES[view])
-    lacking = [VIEW_NAMES[view] for view in VIEWS if not rows[view].line]
+    tracks = _read_rows(path, (Meaning.FRAME, Meaning.VIEW, *REQUIRED))
+    lacking = [VIEW_NAMES[view] for view in VIEWS if view not in tracks]
     if lacking:
         needed = ", ".join(VIEW_NAMES.values())
         raise ValueError(f"{path}: no row of view {', '.join(lacking)}; all of {needed} are needed")
-    return combine_views(
-        {view: rows[view].track(str(path)).require_units(f"{path}: view {VIEW_NAMES[view]}") for view in VIEWS}
-    )
+    return combine_views(tracks).require_pixels(f"{path}: ")
 
 
 def read_plain(path: Path) -> Track:
-    """Read a table of one view, under any of HEADINGS, as OpenCV's keypoints or a spreadsheet have them.
+    """Read a table of one view, under the usual names of columns, as OpenCV's keypoints or a spreadsheet have them.
 
     Without a column for the frame, all rows are of one frame. Raises ValueError that names the file, line and column,
     and OSError.
     """
+    tracks = _read_rows(path, REQUIRED)
+    if not tracks:
+        raise ValueError(f"{path}: no point in any frame")
+    return tracks[""]
+
+
+def _read_rows(path: Path, required: Sequence[Meaning]) -> dict[str, Track]:
+    """The rows of each view; of the view "" in a table without one."""
     table = Table(path)
     lines = table.lines()
     line, heading = next(lines)
-    at = _find_columns(path, line, heading)
-    rows = Rows()
+    refuse_colmap(path, table.first)
+    columns = _columns(path, line, heading, required)
+    read, nameless = _rows_by_view(table, lines, heading, columns)
+    unread = [name_unread("column", columns.unread)]
+    unread += [f"{nameless} row{'s' if nameless > 1 else ''} without a name of a point"] if nameless else []
+    unread += [f"{table.skipped} line{'s' if table.skipped > 1 else ''} with # in front"] if table.skipped else []
+    point_column = heading[columns.at[Meaning.POINT]]
+    _require_names(f"{path}: column {point_column}", read)
+    tracks = {}
+    for view, rows in read.items():
+        rows.require_once(str(path), VIEW_NAMES.get(view, ""), _hint(columns, rows, point_column))
+        track = rows.track(f"{path}: view {VIEW_NAMES[view]}" if view else str(path))
+        tracks[view] = replace(track, unread="; ".join(filter(None, unread)))
+    return tracks
+
+
+def _rows_by_view(
+    table: Table, lines: Iterator[tuple[int, list[str]]], heading: list[str], columns: Columns
+) -> tuple[dict[str, Rows], int]:
+    """The rows of each view, and how many name no point. The view is "" in a table without one."""
+    at = columns.at
+    frame_at, view_at, point_at, x_at, y_at = (
+        at.get(one, -1) for one in (Meaning.FRAME, Meaning.VIEW, Meaning.POINT, Meaning.X, Meaning.Y)
+    )
+    read: dict[str, Rows] = {}
+    known, names, nameless, view = dict[str, str](), dict[str, str](), 0, ""
     for line, cells in lines:
-        table.require_count(line, cells, len(heading))
-        frame = table.whole(line, heading[at["frame"]], cells[at["frame"]]) if "frame" in at else 0
-        point = cells[at["point"]].strip()
-        if point in ("", "-1"):  # no keypoint, or one that COLMAP has not matched
+        if len(cells) != len(heading):
+            table.require_count(line, cells, len(heading))
+        if view_at >= 0 and not (view := known.get(cells[view_at], "")):
+            try:
+                view = known[cells[view_at]] = view_of(cells[view_at].strip())
+            except ValueError as error:
+                raise ValueError(f"{table.path}: line {line}, column view: {error}") from None
+        point = names.get(cells[point_at])
+        if point is None:
+            point = names[cells[point_at]] = point_name(cells[point_at])
+        if point in NO_POINT:
+            nameless += 1
             continue
-        x, y = (table.number(line, heading[at[name]], cells[at[name]], empty=np.nan) for name in "xy")
-        confidence = CERTAIN
-        if "confidence" in at:
-            confidence = table.number(line, heading[at["confidence"]], cells[at["confidence"]], empty=CERTAIN)
-        rows.add(line, frame, point, x, y, confidence)
-    rows.require_once(str(path))
-    return rows.track(str(path))
-
-
-def _find_columns(path: Path, line: int, heading: list[str]) -> dict[str, int]:
-    """Column of each quantity. Raises ValueError if one is missing, or two columns could be meant."""
-    plain = ["".join(filter(str.isalnum, name.lower())) for name in heading]
-    at: dict[str, int] = {}
-    for quantity, names in HEADINGS.items():
-        found = [k for k, name in enumerate(plain) if name in names]
-        exact = [k for k in found if plain[k] == quantity]
-        if len(found) > 1 and len(exact) != 1:
-            named = " or ".join(heading[k] for k in found)
-            raise ValueError(f"{path}: line {line}: is {quantity} the column {named}? Keep one of them, as {quantity}")
-        if found:
-            at[quantity] = (exact or found)[0]
-    missing = [name for name in REQUIRED if name not in at]
-    if missing:
-        spaces = len(heading) == 1 and len(heading[0].split()) >= len(REQUIRED)
-        hint = ": separate columns by , or ; or tabs, not spaces" if spaces else ""
-        raise ValueError(
-            f"{path}: line {line}: no column {', '.join(missing)}{hint}; a table of one view begins with the line "
-            "frame,point,x,y,confidence, where points of the same name in all views are the same"
+        rows = read.get(view)
+        if rows is None:
+            rows = read[view] = Rows(FrameLabels(), [meaning for _, meaning in columns.seen])
+        label = (
+            rows.labels.add("0") if frame_at < 0 else table.frame(rows.labels, line, heading[frame_at], cells[frame_at])
         )
-    return at
+        x = table.number(line, heading[x_at], cells[x_at], np.nan)
+        y = table.number(line, heading[y_at], cells[y_at], np.nan)
+        rows.add(line, label, point, x, y, _seen(table, line, heading, cells, columns))
+    return read, nameless
+
+
+def _columns(path: Path, line: int, heading: list[str], required: Sequence[Meaning]) -> Columns:
+    """Where the columns are. Raises ValueError as `find_columns`, and if one is missing."""
+    columns = find_columns(f"{path}: line {line}", heading)
+    missing = [meaning.value for meaning in required if meaning not in columns.at]
+    if not missing:
+        return columns
+    if Meaning.VIEW in required:
+        form, hint = ",".join(COLUMNS), ""
+        if "view" in missing:
+            hint = ". Files of one view are given by --demo-left, --demo-right, --own-left and --own-right"
+        raise ValueError(f"{path}: line {line}: no column {', '.join(missing)}; the first line is {form}{hint}")
+    spaces = len(heading) == 1 and len(heading[0].split()) >= len(REQUIRED)
+    hint = ": separate columns by , or ; or tabs, not spaces" if spaces else ""
+    raise ValueError(
+        f"{path}: line {line}: no column {', '.join(missing)}{hint}; a table of one view begins with the line "
+        "frame,point,x,y,confidence, where points of the same name in all views are the same"
+    )
+
+
+def _seen(table: Table, line: int, heading: list[str], cells: list[str], columns: Columns) -> dict[Meaning, float]:
+    """What a row says of whether its point is seen. Raises ValueError for other words, and for a unit but the pixel."""
+    for k in columns.units:
+        require_pixel_unit(f"{table.path}: line {line}, column {heading[k]}", cells[k])
+    if len(columns.seen) == 1:
+        ((k, meaning),) = columns.seen
+        return {meaning: table.seen(line, heading[k], meaning, cells[k])}
+    found: dict[Meaning, list[float]] = {}
+    for k, meaning in columns.seen:
+        found.setdefault(meaning, []).append(table.seen(line, heading[k], meaning, cells[k]))
+    return {meaning: least_seen(meaning, values) for meaning, values in found.items()}
+
+
+def _require_names(where: str, read: Mapping[str, Rows]) -> None:
+    """Raise ValueError if all names of points are names of pictures."""
+    names = [name for rows in read.values() for name in rows.points()]
+    if names and all(map(PICTURE_NAME.search, names)):
+        raise ValueError(f"{where}: {escape(names[0], MAX_NAME_CHARS)!r} is a picture, not a point: {NAME_POINTS}")
+
+
+def _hint(columns: Columns, rows: Rows, point_column: str) -> str:
+    """What may be behind two rows of one point."""
+    hints = [
+        f"column {point_column} names one point in all rows: {NAME_POINTS}" if len(rows.points()) == 1 else "",
+        "" if Meaning.FRAME in columns.at else "there is no column frame, so all rows are of one picture",
+        f"not read: {name_unread('column', columns.unread)}" if columns.unread else "",
+    ]
+    return "".join(f"; {hint}" for hint in hints if hint)
 
 
 def refuse_colmap(path: Path, first: str) -> None:

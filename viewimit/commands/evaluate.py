@@ -18,13 +18,11 @@ from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
-from ..geometry.distortion import RadialDistortion
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..simulation.camera import undistort_points
-from . import BadInput, evaluate_body, evaluate_report
+from . import BadInput, evaluate_body, evaluate_report, lenses
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -35,7 +33,6 @@ from .options import (
     add_settings,
     add_view_options,
     between,
-    lens,
     naming,
     naming_words,
     require_separate_files,
@@ -65,11 +62,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
     )
     rectify = "rectify the images where that predicts points better that are left out of the fit, or never (auto)"
-    undistort = "radial distortion k1, k2 (OpenCV's model) to remove from the images first (none)"
-    add_settings(parser, "rectify", "undistort", rectify=rectify, undistort=undistort)
-    parser.add_argument(
-        "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
-    )
+    add_settings(parser, "rectify", rectify=rectify)
+    lenses.add_options(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
     )
@@ -92,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     if removed:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
-    views, points, named = _pinhole(args, images), tracked.points, None
+    views, points, named = lenses.without_distortion(args, images), tracked.points, None
     body = evaluate_body.learn_body(args, tracked.frames, views)
     if body is not None and args.unmatched:
         views, points, named = evaluate_body.named(body, tracked.frames, points, views)
@@ -207,28 +201,6 @@ def _find_mirrored(
         handedness = Handedness.from_images(rectified(views.demo), axes, noise_px)
         if handedness is not None:
             frame["mirrored"] = handedness.is_mirrored(rectified(views.own))
-
-
-def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
-    """The views without the lenses' distortion, if the user knows that. Raises BadInput."""
-    if (args.undistort is None) != (args.lens is None):
-        raise BadInput("--undistort and --lens go together: a distortion is about a centre, in focal lengths")
-    if args.undistort is None:
-        return views
-    (fx, fy, *centre), by = args.lens, RadialDistortion(*args.undistort)
-    for name, image in zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)):
-        farthest = np.nanmax(np.linalg.norm((image - centre) / (fx, fy), axis=-1), initial=0.0)
-        if not farthest < by.max_distorted_radius:
-            raise BadInput(
-                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.max_distorted_radius:.3g} focal "
-                f"lengths on, where it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
-            )
-
-    def pair(images: NDArray) -> NDArray:
-        halves = (undistort_points(images[..., side], (fx, fy), tuple(centre), by) for side in (slice(2), slice(2, 4)))
-        return np.concatenate(list(halves), -1)
-
-    return FourViews(pair(views.demo), pair(views.own), views.visible)
 
 
 def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, own: NDArray) -> str | None:

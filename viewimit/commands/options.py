@@ -103,14 +103,6 @@ def radial(text: str) -> tuple[float, float]:
     return k1, k2
 
 
-def lens(text: str) -> tuple[float, ...]:
-    """A type for argparse: focal lengths and centre of a lens, px."""
-    found = _numbers(text, 4, "600,600,320,240")
-    if min(found[:2]) <= 0:
-        raise argparse.ArgumentTypeError(f"focal lengths must be more than 0, got {text!r}")
-    return found
-
-
 def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
     """Finite ones, separated by commas."""
     try:
@@ -287,6 +279,8 @@ def robot_reference(args: argparse.Namespace) -> str | None:
     if args.meshes is not None and not args.meshes.is_dir():
         raise ValueError(f"--meshes: {args.meshes} is no folder")
     found = parse_reference(name)
+    if twice := [part for part in given if getattr(found, part) not in (None, given[part])]:
+        raise ValueError(f"--{twice[0]}: {name} names another one: leave one out")
     return str(dataclasses.replace(found, **given))
 
 

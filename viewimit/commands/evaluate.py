@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
+from ..analysis.timing import TimeShift, find_time_shift
 from ..drawing.images.panel import AMBER
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
@@ -94,6 +95,9 @@ def run(args: argparse.Namespace) -> int:
         own = body.points
         views = FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
         points = tuple(points[k] for k in own.tolist())
+    shift = _time_shift(tracked, views)
+    for said in filter(None, (*_lengths(tracked), *_shift_words(shift, tracked.frames))):
+        print(f"viewimit evaluate: {said}", file=sys.stderr)
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = find_outliers(views, rounding_px=views_rounding_std(images))
     without = found.corrected(views)
@@ -110,6 +114,7 @@ def run(args: argparse.Namespace) -> int:
         **({} if named is None else {"naming": named}),
         **({} if body is None else {"misfit": evaluate_body.misfit_of(body, tracked.frames, points, views)}),
         "removed_by_confidence": removed,
+        "time_shift": _shift_json(shift, tracked.frames),
         "leave_one_out": evaluate_report.transfers_json(compared),
         "suspects": evaluate_report.suspects_json(found, points, tracked.frames),
         "undecided": found.undecided,
@@ -232,6 +237,52 @@ def _doubts(frames: Sequence[dict]) -> Iterator[str]:
             first = those[0]
             why = evaluate_report.MIRRORED if key == "mirrored" else first[key]
             yield f"{len(those)} of {len(frames)} frames {key}: frame {first['frame']}: {why}"
+
+
+def _lengths(tracked: TrackedPoints) -> Iterator[str]:
+    """In a line for each body: its tracks begin or end at other frames in the left view than in the right one."""
+    seen: NDArray[np.bool_] = np.any(tracked.views().visible, axis=1)  # (T, 4)
+    for body, pair in zip(BODIES, ((0, 1), (2, 3))):
+        ends = [(tracked.frames[at[0]], tracked.frames[at[-1]]) for k in pair if len(at := np.flatnonzero(seen[:, k]))]
+        if len(ends) == len(pair) and ends[0] != ends[1]:
+            left, right = (f"{first} to {last} in {VIEW_NAMES[VIEWS[k]]}" for k, (first, last) in zip(pair, ends))
+            yield (
+                f"the {body} has frames {left}, but {right}: if one camera has lost a frame, left and right are not "
+                "of the same moment from then on; cut both to the same moments"
+            )
+
+
+def _time_shift(tracked: TrackedPoints, views: FourViews) -> TimeShift | None:
+    """Of both bodies together, as one head sees both, or else of one that moves."""
+    steps = np.diff(tracked.frames)
+    if len(steps) == 0 or (steps != steps[0]).any():
+        return None
+    seen = [views.demo, views.own]
+    tried = (np.concatenate(seen, 1), *seen)  # NaN, where a point is not seen
+    return next(filter(None, map(find_time_shift, tried)), None)
+
+
+def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:
+    if shift is None:
+        return None
+    parts = [{"from_frame": frames[first], "frames": late} for first, late in shift.parts]
+    return {"parts": parts, "rms_px": shift.rms_px, "shifted_px": shift.shifted_px}
+
+
+def _shift_words(shift: TimeShift | None, frames: Sequence[int]) -> Iterator[str]:
+    """In a line: the cameras are not in time, and the shift that mends that."""
+    if shift is None:
+        return
+    by = [
+        f"{abs(late):.1f} frames {'later' if late > 0 else 'earlier'}"
+        + (f" from frame {frames[first]} on" if len(shift.parts) > 1 else "")
+        for first, late in shift.parts
+    ]
+    yield (
+        "left and right contradict each other the more the faster the points move: the cameras are not in time. Pair "
+        f"each left frame with the right one {', '.join(by)}: the rms misfit falls from "
+        f"{shift.rms_px:.2g} to {shift.shifted_px:.2g} px"
+    )
 
 
 def _frames(views: FourViews, which: NDArray | int) -> FourViews:

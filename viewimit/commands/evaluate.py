@@ -98,6 +98,9 @@ def run(args: argparse.Namespace) -> int:
     shift = _time_shift(tracked, views)
     for said in filter(None, (*_lengths(tracked), *_shift_words(shift, tracked.frames))):
         print(f"viewimit evaluate: {said}", file=sys.stderr)
+    if body is not None and body.gains is not None:
+        said = f"--postures: these are no degrees: {evaluate_body.gain_words(body.gains)}; write degrees"
+        print(f"viewimit evaluate: {said}", file=sys.stderr)
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = find_outliers(views, rounding_px=views_rounding_std(images))
     without = found.corrected(views)
@@ -112,6 +115,7 @@ def run(args: argparse.Namespace) -> int:
         "rectification": rectified,
         "points": points,
         **({} if named is None else {"naming": named}),
+        **({} if body is None or body.gains is None else {"degrees_per_unit": body.gains}),
         **({} if body is None else {"misfit": evaluate_body.misfit_of(body, tracked.frames, points, views)}),
         "removed_by_confidence": removed,
         "time_shift": _shift_json(shift, tracked.frames),

@@ -114,8 +114,8 @@ def detect(picture: Picture, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
             confidence[marker] = roundness
     small = count_px < MIN_MEDIAN_FRACTION * np.median(count_px[count_px > 0]) if count_px.any() else count_px > 0
     left_out |= {marker: TOO_SMALL for marker in np.flatnonzero(small & (count_px > 0)).tolist()}
-    told = {marker: why for marker, why in left_out.items() if why != NOT_ROUND or not count_px[marker]}
-    return Detections(points, confidence, covered, told).without(small)
+    reasons = {marker: why for marker, why in left_out.items() if why != NOT_ROUND or not count_px[marker]}
+    return Detections(points, confidence, covered, reasons).without(small)
 
 
 def reject_partly_hidden(left: Detections, right: Detections) -> tuple[Detections, Detections]:

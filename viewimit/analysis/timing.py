@@ -3,7 +3,7 @@
 A camera that is late by δ frames shows a point where it was: its match misses the epipolar line by δ v, where v is the
 point's speed across that line [px a frame]. So the misfit of left and right grows with the speed, and pairing each left
 image with a later or earlier right one removes it. One fundamental matrix is fitted for each shift by whole frames, and
-the rest of the shift is estimated by linear regression of the misfit on v. Shifts are estimated in parts of the run, as a
+the rest of the shift is estimated by linear regression of the misfit on v. Parts of a run have their own shifts, as a
 camera that loses a frame is late from then on only.
 """
 

@@ -545,7 +545,12 @@ def test_the_page_is_served_at_the_printed_address(server):
 
 @pytest.mark.parametrize(
     "words",
-    ["imitate --undistort 0.1", "imitate --joints 2:3", "nonsense", "bench calibration --nonsense 3", "rehearse"],
+    [
+        *("imitate --undistort 0.1", "imitate --joints 2:3", "nonsense", "bench calibration --nonsense 3", "rehearse"),
+        *("imitate --seed 1 --seed 2", "--port 1 --port=2", "detect --demo-left a --demo-left b --out c.csv"),
+        *("evaluate a.csv --lens a --lens a", "scene a.urdf --tip a --tip b", "bench success --runs 1 --runs 1"),
+        *("lab --out a.html --out b.html", "class --port 1 --port 1", "markers --out a.pdf --out b.pdf"),
+    ],
 )
 def test_an_option_that_cannot_be_is_one_line(ask, words):
     status, out, err = ask(*words.split())

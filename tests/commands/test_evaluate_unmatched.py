@@ -1,6 +1,7 @@
 """`evaluate --unmatched` names tracked points by several postures of the learner's own body, or by a rehearsal."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -49,6 +50,7 @@ def test_several_postures_of_the_own_body_name_the_points_and_say_the_posture(as
     assert status == 0 and found["accepted"] and not found["two_answers"] and all(found["certain"].values())
     assert [found["names"][str(k)] for k in range(POINTS)] == [LETTERS[j] for j in np.argsort(ORDER)]
     np.testing.assert_allclose(found["posture_deg"], SHOWN_DEG, atol=0.5)
+    assert "degrees_per_unit" not in said
     assert said["points"] == [str(k) for k in range(POINTS)] and found["without_partner"] == {
         "learner": [],
         "demonstrator": [],
@@ -115,3 +117,19 @@ def test_points_of_another_body_are_not_named(ask, ask_json, tracks):
     status, out, error = ask("evaluate", path, "--unmatched", "--postures", angles, "--json")
     assert status == 1 and not json.loads(out)["naming"]["accepted"]
     assert "no naming of the demonstrator's points explains its images" in error
+
+
+@pytest.mark.parametrize("per_degree", [np.radians([1, 1]), [4096 / 360] * 2, [1 / 360] * 2, [2.1, 1.43], [1.0, 0.5]])
+def test_angles_that_are_no_degrees_are_told_by_the_images(ask, tracks, per_degree):
+    """The learner's own motions show by how much a joint turns for each unit of the table."""
+    path, angles = tracks()
+    rows = np.array(POSTURES_DEG) * per_degree
+    angles.write_text("\n".join(["frame,a,b", *(f"{k},{x!r},{y!r}" for k, (x, y) in enumerate(rows.tolist()))]) + "\n")
+    _, out, err = ask("evaluate", path, "--unmatched", "--postures", angles)
+    assert "is at" not in out or "°" not in out.split("is at")[1].splitlines()[0]
+    (said,) = [line for line in err.splitlines() if "--postures" in line]
+    if "radians" in said:
+        assert per_degree[0] == np.radians(1)
+    else:
+        turns = [float(turn) for turn in re.findall(r"by ([\d.]+)°", said)]
+        np.testing.assert_allclose(turns, 1 / np.array(per_degree), rtol=0.03)

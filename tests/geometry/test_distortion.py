@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.geometry.distortion import RadialDistortion
+from viewimit.geometry.distortion import LensDistortion, RadialDistortion
 
 LENSES = [(-0.3, 0.1), (0.16, -0.5), (0.5, -0.3), (1.0, -0.5), (0.3, -0.1), (0.2, -0.05), (5.0, 5.0), (-0.1, 0.0),
           (-2.0, 2.0), (0.05, 0.0), (0.1, -0.25)]  # fmt: skip
@@ -39,3 +39,22 @@ def test_the_undistorted_radius_increases_with_the_distorted_one(k1, k2):
     by = RadialDistortion(k1, k2)
     seen = np.linspace(0, 3 * min(by.max_distorted_radius, 4.0), 500)
     assert (np.diff(seen * by.inverse_factor(seen**2)) > 0).all()
+
+
+@pytest.mark.parametrize(
+    "k",
+    [(-0.3, 0.1, 0.001, -0.002, 0.0), (-0.2, 0.05, 0, 0, -0.01), (0.1, -0.3, 0.003, 0.001, 0.4), (0, 0, 0.01, 0, 0)],
+)
+def test_five_coefficients_are_opencvs(k):
+    cv2 = pytest.importorskip("cv2")
+    pinhole = np.random.default_rng(0).uniform(-0.5, 0.5, (300, 2))
+    seen, _ = cv2.projectPoints(
+        np.column_stack([pinhole, np.ones(300)]), np.zeros(3), np.zeros(3), np.eye(3), np.array(k)
+    )
+    np.testing.assert_allclose(LensDistortion.of(*k).undistorted(seen[:, 0]), pinhole, atol=1e-9)
+
+
+def test_beyond_the_fold_there_is_no_point():
+    by = LensDistortion.of(-0.3, 0.0, 0.001, 0.0)
+    found = by.undistorted(np.array([[0.3, 0.0], [0.9, 0.0], [np.nan, 0.0]]))
+    assert np.isfinite(found[0]).all() and np.isnan(found[1:]).all()

@@ -118,3 +118,14 @@ def test_all_balls_may_be_smaller_in_one_picture_than_in_the_other():
     assert all(one.found.all() for one in reject_partly_hidden(left, right))
     nothing = detect(np.full((48, 64, 3), 90, np.uint8), HUES)
     assert not any(one.found.any() for one in reject_partly_hidden(nothing, nothing))
+
+
+def test_a_ball_that_is_left_out_is_told_with_the_reason():
+    balls = [(20.0 + 30 * k, 60.0, 4.0, colours(hue)) for k, hue in enumerate(HUES[:4])]
+    assert not detect(drawn(balls), HUES).left_out
+    cover = (20.0, 90.0, 30.0, [0.75] * 3)
+    small = (140.0, 60.0, 1.8, colours(HUES[4]))
+    again = (50.0, 100.0, 3.8, colours(HUES[1]))
+    found = detect(drawn([*balls, cover, small, again]), HUES)
+    assert set(found.left_out) == {0, 1, 4} and found.found.tolist() == [False, True, True, True, False, False]
+    assert len(set(found.left_out.values())) == 3

@@ -72,7 +72,7 @@ def test_missing_meshes_are_reported_without_failure(ask, tmp_path):
     lost = '<visual><geometry><mesh filename="package://nowhere/hand.stl"/></geometry></visual>'
     path = write(tmp_path, *arm(joint("roll", "lower", "hand", axis="0 0 1", xyz="0 0 0.3"), link("hand", visual=lost)))
     status, out, err = ask("imitate", "--robot", path)
-    assert status == 0 and "converged" in out and "not drawn: no folder nowhere above" in err
+    assert status == 0 and "converged" in out and "nowhere/hand.stl" in err
     assert err.count("\n") == 3
 
 
@@ -90,8 +90,8 @@ def test_missing_meshes_are_reported_without_failure(ask, tmp_path):
             "imitate --robot small.urdf --base upper --tip lower",
             "--robot: small.urdf: from upper to lower 1 joint can turn",
         ),
-        ("imitate --robot panda --tip nose", "--robot: --base and --tip are of a .urdf file"),
-        ("imitate --tip nose", "--robot: --base and --tip are of a .urdf file"),
+        ("imitate --robot panda --tip nose", "--robot: .*--tip .* of a .urdf file"),
+        ("imitate --tip nose", "--robot: .*--tip .* of a .urdf file"),
         ("imitate --robot small.urdf.xacro", "--robot: small.urdf.xacro is xacro"),
         ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
         ("bench robots", "the following arguments are required: FOLDER"),

@@ -40,6 +40,11 @@ def torso_arm(side, xyz):
         (joint("jaw", "lower", "beak", xyz="0 0 0.3"),),
         (joint("hand_slide", "lower", "plate", "prismatic", xyz="0 0 0.3"),),
         (joint("grip_close", "lower", "pad", xyz="0 0 0.3"),),
+        (
+            joint("bolt", "lower", "gripper_body", "fixed", xyz="0 0 0.3"),
+            joint("servo 4", "gripper_body", "gripper_moving_side"),
+        ),
+        (joint("bolt", "lower", "LeftHand", "fixed"), joint("m4", "LeftHand", "hand_plate", "continuous", more="")),
     ],
 )
 def test_fingers_are_not_joints_of_the_arm(tmp_path, fingers):
@@ -49,6 +54,17 @@ def test_fingers_are_not_joints_of_the_arm(tmp_path, fingers):
 def test_a_link_called_gripper_may_be_turned_by_a_wrist(tmp_path):
     path = write(tmp_path, *arm(joint("wrist_roll", "lower", "gripper", xyz="0 0 0.3")))
     assert names(path) == ["yaw", "lift", "elbow", "wrist_roll"]
+
+
+def test_arms_that_are_equally_long_are_told(tmp_path):
+    chest = [part for side, y in (("left", 0.2), ("right", -0.2)) for part in torso_arm(side, f"0 {y} 0")]
+    path = write(tmp_path, *chest)
+    tip, others = find_arm(read_tree(path)).tip, find_arm(read_tree(path)).equal_tips
+    assert {tip, *others} == {"left_hand", "right_hand"}
+    assert find_arm(read_tree(path), tip=others[0]).equal_tips == ()
+    longer = write(tmp_path, *chest[:-1], joint("right_wrist", "right_lower", "right_hand", xyz="0 0 -0.35"))
+    assert find_arm(read_tree(longer)).equal_tips == ()
+    assert find_arm(read_tree(write(tmp_path, *arm(*gripper("lower"))))).equal_tips == ()
 
 
 def test_of_a_hand_alone_a_finger_is_the_arm(tmp_path):

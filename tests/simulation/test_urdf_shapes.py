@@ -116,7 +116,8 @@ def test_many_faults_are_reported_in_few_lines(tmp_path):
         for part in (joint(f"j{k}", f"l{k}", f"l{k + 1}"), link(f"l{k}", visual=mesh_of(f"{k}.stl")))
     ]
     faults = shapes_of(Reference(write(tmp_path, *links))).faults
-    assert len(faults) == 4 and "and 6 more" in faults[-1]
+    (fault,) = faults
+    assert "0.stl" in fault and "6 more" in fault and "--meshes" in fault
 
 
 def test_a_shape_that_is_no_numbers_is_left_out_and_named(tmp_path):
@@ -150,6 +151,22 @@ def test_packages_are_found_above_the_file_and_along_ros_package_path(package, m
     export(BALL, far / "far/ball.stl")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{ws}:{far}")
     assert mesh_path(package, "package://far/ball.stl") == far / "far/ball.stl"
+
+
+@pytest.mark.parametrize("folder", ["secret", "."])
+@pytest.mark.parametrize(
+    "name", ["../../../secret/ball.stl", "file://{root}/secret/ball.stl", "package://far/secret/ball.stl", "x/ball.stl"]
+)
+def test_a_further_folder_is_read_if_the_user_names_it(package, name, folder):
+    root = package.parents[3]
+    if folder == "." and name == "x/ball.stl":
+        name = "x/secret/ball.stl"
+    assert mesh_path(package, name.format(root=root), root / folder) == root / "secret/ball.stl"
+    with pytest.raises(NotFound):
+        mesh_path(package, "../../../secret/ball.stl", root / "ws")
+    (root / "ws/link.stl").symlink_to(root / "secret/ball.stl")
+    with pytest.raises(NotFound):
+        mesh_path(package, "link.stl", root / "ws")
 
 
 @pytest.mark.parametrize(

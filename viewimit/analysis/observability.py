@@ -253,7 +253,7 @@ def find_candidates(world: World, theta: ArrayLike) -> BodyPoints:
     meshes = link_meshes(scene.robot)
     theta = np.asarray(theta, float)
     rest = np.array(world.joint_angles(theta), float)
-    surface = sample_arm(meshes, robot, rest, int(scene.moving[0]) + 1)
+    surface = sample_arm(link_meshes(scene.robot, held_only=True), robot, rest, int(scene.moving[0]) + 1)
     postures = [theta]
     if len(scene.moving) <= MAX_GRID_JOINTS:
         grid = np.array(list(product(CANDIDATE_GRID, repeat=len(scene.moving))))

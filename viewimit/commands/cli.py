@@ -92,8 +92,25 @@ def _print_no_more() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+class _StoreOnce(argparse.Action):
+    """Stores a value; an option that is given twice, of which one value would be lost, is an error."""
+
+    stored_in: argparse.Namespace | None = None
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if self.option_strings and self.stored_in is namespace:
+            raise argparse.ArgumentError(self, "it is given twice, and one value counts: leave the other out")
+        self.stored_in = namespace
+        setattr(namespace, self.dest, values)
+
+
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line, without the usage."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        for action in (None, "store"):
+            self.register("action", action, _StoreOnce)
 
     def parse_args(self, args=None, namespace=None):
         """Parse as argparse does, but name the command whose option is unknown."""
@@ -124,7 +141,7 @@ def parser_of(chosen: str) -> argparse.ArgumentParser:
     return top
 
 
-TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--workspace-deg")
+TAKE_NUMBERS = ("--demonstrator", "--start", "--undistort", "--lens", "--lens-left", "--lens-right", "--workspace-deg")
 
 
 def attached(argv: Iterable[str]) -> list[str]:

@@ -4,7 +4,7 @@ import argparse
 import importlib.util
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -30,11 +30,15 @@ from .options import (
 
 Picture = NDArray[np.uint8]
 Point = tuple[str, float, float, float]  # name, x, y [px], confidence
-Detector = Callable[[Picture], Iterator[Point]]
+LeftOut = dict[str, str]  # why, by the name of the marker
+Detector = Callable[[Picture], tuple[list[Point], LeftOut]]
 CERTAIN = 1.0
 VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v")
 DEMONSTRATOR_VIEWS = VIEWS[:2]
+BODIES = {"demonstrator": ("demo_left", "demo_right"), "learner": ("own_left", "own_right")}  # and their views
 MAX_NUMBER = 9999  # of a marker
+MAX_LINES = 10  # about markers that are left out
+TIMES = {2: "twice"}
 BOTH = re.compile(r"(?:^|[^A-Za-z])(?i:(left|right))$")  # a picture of both arms
 NAMED = re.compile(r"(?:^|[^A-Za-z])(?:(?P<body>(?i:demo|own))[_-](?P<side>(?i:left|right))|(?P<view>[lrLR]))$")
 
@@ -97,31 +101,39 @@ def run(args: argparse.Namespace) -> int:
     from ..sensing.detection import read_pictures  # loads OpenCV
 
     rows: dict[str, list[Row]] = {}
-    counts = {}
+    counts: dict[str, dict[str, float]] = {}
+    left_out: dict[tuple[str, str], dict[str, list[int]]] = {}  # frames by view, of a marker and a reason
     sizes: dict[tuple[int, ...], str] = {}  # of pictures, and a view of each
     for view, paths in files.items():
         rows[view], frames = [], 0
         with naming(option(VIEW_NAMES[view])):
             for path, picture in ((each, picture) for each in paths for picture in read_pictures(each)):
-                points = detect(picture)
+                points, without = detect(picture)
                 if path in files_of_both:
-                    points = _of_one_arm(points, args.demonstrator_from, view in DEMONSTRATOR_VIEWS)
+                    points, without = _of_one_arm(points, without, args.demonstrator_from, view in DEMONSTRATOR_VIEWS)
                 rows[view] += [(frames, *point) for point in points]
+                for marker in without.items():
+                    left_out.setdefault(marker, {}).setdefault(VIEW_NAMES[view], []).append(frames)
                 frames += 1
                 sizes.setdefault(picture.shape[1::-1], VIEW_NAMES[view])
         counts[VIEW_NAMES[view]] = {"frames": frames, "points_a_frame": len(rows[view]) / frames}
     if len(sizes) > 1:
         named = ", ".join(f"{width} x {height} px in {view}" for (width, height), view in sizes.items())
         print(f"viewimit detect: pictures of different sizes, {named}: points are in pixels of each", file=sys.stderr)
-    markers = len(names) or len({point for each in rows.values() for _, point, *_ in each})
+    seen = {point for each in rows.values() for _, point, *_ in each}
+    markers = len(names) or len(seen | {name for name, _ in left_out})
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json(args, {"markers": markers, "views": counts, "file": str(args.out)})
+        print_json(
+            args, {"markers": markers, "views": counts, "left_out": _left_out_json(left_out), "file": str(args.out)}
+        )
     else:
         for name, count in counts.items():
             print(f"{name:<10}  {count['frames']} frames, {count['points_a_frame']:.1f} of {markers} points in each")
         print(f"written to {args.out}")
+    for said in (*_lengths(counts), *_left_out(left_out, counts)):
+        print(f"viewimit detect: {said}", file=sys.stderr)
     empty = [VIEW_NAMES[view] for view in files if not rows[view]]
     if empty:
         kind = args.markers if args.aruco is None else args.aruco
@@ -135,10 +147,11 @@ def _ball_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
         hue_deg = load_markers(args.markers).hue_deg
     from ..sensing.detection import detect  # loads OpenCV
 
-    def points(picture: Picture) -> Iterator[Point]:
+    def points(picture: Picture) -> tuple[list[Point], LeftOut]:
         balls = detect(picture, hue_deg, args.middle)
-        for k in np.flatnonzero(balls.found).tolist():
-            yield str(k), float(balls.points[k, 0]), float(balls.points[k, 1]), float(balls.confidence[k])
+        found = np.column_stack([balls.points, balls.confidence])
+        seen = [(str(k), *found[k].tolist()) for k in np.flatnonzero(balls.found).tolist()]
+        return seen, {str(k): why for k, why in balls.left_out.items()}
 
     return [str(k) for k in range(len(hue_deg))], points
 
@@ -150,20 +163,55 @@ def _square_detector(args: argparse.Namespace) -> tuple[list[str], Detector]:
     with naming("--aruco"):
         fiducials = Fiducials(args.aruco)
 
-    def points(picture: Picture) -> Iterator[Point]:
+    def points(picture: Picture) -> tuple[list[Point], LeftOut]:
         first = round((1 - args.middle) / 2 * picture.shape[1])
-        for number, (x, y) in sorted(fiducials.detect(picture[:, first : picture.shape[1] - first]).items()):
-            yield str(number), float(x) + first, float(y), CERTAIN
+        found = sorted(fiducials.detect_all(picture[:, first : picture.shape[1] - first]).items())
+        seen = [(str(k), float(at[0][0]) + first, float(at[0][1]), CERTAIN) for k, at in found if len(at) == 1]
+        return seen, {str(k): f"it is there {TIMES.get(len(at), f'{len(at)} times')}" for k, at in found if len(at) > 1}
 
     return [], points
 
 
-def _of_one_arm(points: Iterator[Point], first_of_demonstrator: int, is_demonstrator: bool) -> Iterator[Point]:
-    """Yield the markers of one arm, numbered as the learner's."""
-    for name, x, y, confidence in points:
+def _of_one_arm(
+    points: list[Point], left_out: LeftOut, first_of_demonstrator: int, is_demonstrator: bool
+) -> tuple[list[Point], LeftOut]:
+    """The markers of one arm, numbered as the learner's."""
+
+    def own(name: str) -> str | None:
         number = int(name)
-        if (number >= first_of_demonstrator) == is_demonstrator:
-            yield str(number - first_of_demonstrator if is_demonstrator else number), x, y, confidence
+        if (number >= first_of_demonstrator) != is_demonstrator:
+            return None
+        return str(number - first_of_demonstrator if is_demonstrator else number)
+
+    kept = [(number, x, y, certain) for name, x, y, certain in points if (number := own(name)) is not None]
+    return kept, {number: why for name, why in left_out.items() if (number := own(name)) is not None}
+
+
+def _lengths(counts: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+    """In a line for each body: its two films differ in length."""
+    for body, pair in BODIES.items():
+        frames = [counts[view]["frames"] for view in pair if view in counts]
+        if len(set(frames)) > 1:
+            yield (
+                f"the {body} has {frames[0]} frames in {pair[0]} and {frames[1]} in {pair[1]}: if one has lost "
+                "a frame, left and right are not of the same moment from then on; cut both to the same moments"
+            )
+
+
+def _left_out(
+    left_out: Mapping[tuple[str, str], Mapping[str, list[int]]], counts: Mapping[str, Mapping[str, float]]
+) -> Iterator[str]:
+    """In a line for each marker and reason: where it is left out."""
+    for (name, why), frames in list(left_out.items())[:MAX_LINES]:
+        of = {view: f" ({len(at)} of {counts[view]['frames']} frames)" for view, at in frames.items()}
+        where = [view + ("" if counts[view]["frames"] == 1 else words) for view, words in of.items()]
+        yield f"marker {name} in {', '.join(where)}: {why}" + ("" if "taken" in why else ", and is left out")
+    if len(left_out) > MAX_LINES:
+        yield f"and {len(left_out) - MAX_LINES} more such markers"
+
+
+def _left_out_json(left_out: Mapping[tuple[str, str], Mapping[str, list[int]]]) -> list[dict]:
+    return [{"marker": name, "why": why, "frames": dict(frames)} for (name, why), frames in left_out.items()]
 
 
 def _in_folder(path: Path) -> list[Path]:

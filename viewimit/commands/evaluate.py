@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
+from ..analysis.timing import TimeShift, find_time_shift
 from ..drawing.images.panel import AMBER
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
@@ -18,13 +19,11 @@ from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
 from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
-from ..geometry.distortion import RadialDistortion
 from ..geometry.handedness import Handedness, principal_axes
 from ..geometry.rectification import Rectification
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..simulation.camera import undistort_points
-from . import BadInput, evaluate_body, evaluate_report
+from . import BadInput, evaluate_body, evaluate_report, lenses
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -35,7 +34,6 @@ from .options import (
     add_settings,
     add_view_options,
     between,
-    lens,
     naming,
     naming_words,
     require_separate_files,
@@ -65,11 +63,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="points of less were not seen, which is said; 0 keeps all (%(default)s)",
     )
     rectify = "rectify the images where that predicts points better that are left out of the fit, or never (auto)"
-    undistort = "radial distortion k1, k2 (OpenCV's model) to remove from the images first (none)"
-    add_settings(parser, "rectify", "undistort", rectify=rectify, undistort=undistort)
-    parser.add_argument(
-        "--lens", type=lens, metavar="FX,FY,CX,CY", help="of all cameras: focal lengths and centre px, for --undistort"
-    )
+    add_settings(parser, "rectify", rectify=rectify)
+    lenses.add_options(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
     )
@@ -94,7 +89,7 @@ def run(args: argparse.Namespace) -> int:
     if removed:
         print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
     images = tracked.views(args.min_confidence)
-    views, points, named = _pinhole(args, images), tracked.points, None
+    views, points, named = lenses.without_distortion(args, images), tracked.points, None
     body = evaluate_body.learn_body(args, tracked.frames, views)
     if body is not None and args.unmatched:
         views, points, named = evaluate_body.named(body, tracked.frames, points, views)
@@ -102,6 +97,12 @@ def run(args: argparse.Namespace) -> int:
         own = body.points
         views = FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
         points = tuple(points[k] for k in own.tolist())
+    shift = _time_shift(tracked, views)
+    for said in filter(None, (*_lengths(tracked), *_shift_words(shift, tracked.frames))):
+        print(f"viewimit evaluate: {said}", file=sys.stderr)
+    if body is not None and body.gains is not None:
+        said = f"--postures: these are no degrees: {evaluate_body.gain_words(body.gains)}; write degrees"
+        print(f"viewimit evaluate: {said}", file=sys.stderr)
     transfer = args.transfer or default_transfer(_usual_count(views))
     found = find_outliers(views, rounding_px=views_rounding_std(images))
     without = found.corrected(views)
@@ -116,8 +117,10 @@ def run(args: argparse.Namespace) -> int:
         "rectification": rectified,
         "points": points,
         **({} if named is None else {"naming": named}),
+        **({} if body is None or body.gains is None else {"degrees_per_unit": body.gains}),
         **({} if body is None else {"misfit": evaluate_body.misfit_of(body, tracked.frames, points, views)}),
         "removed_by_confidence": removed,
+        "time_shift": _shift_json(shift, tracked.frames),
         "leave_one_out": evaluate_report.transfers_json(compared),
         "suspects": evaluate_report.suspects_json(found, points, tracked.frames),
         "undecided": found.undecided,
@@ -211,28 +214,6 @@ def _find_mirrored(
             frame["mirrored"] = handedness.is_mirrored(rectified(views.own))
 
 
-def _pinhole(args: argparse.Namespace, views: FourViews) -> FourViews:
-    """The views without the lenses' distortion, if the user knows that. Raises BadInput."""
-    if (args.undistort is None) != (args.lens is None):
-        raise BadInput("--undistort and --lens go together: a distortion is about a centre, in focal lengths")
-    if args.undistort is None:
-        return views
-    (fx, fy, *centre), by = args.lens, RadialDistortion(*args.undistort)
-    for name, image in zip(VIEWS, (views.demo_left, views.demo_right, views.own_left, views.own_right)):
-        farthest = np.nanmax(np.linalg.norm((image - centre) / (fx, fy), axis=-1), initial=0.0)
-        if not farthest < by.max_distorted_radius:
-            raise BadInput(
-                f"--undistort: a lens of {by.k1:g}, {by.k2:g} shows nothing from {by.max_distorted_radius:.3g} focal "
-                f"lengths on, where it folds its image; a point of {VIEW_NAMES[name]} is {farthest:.3g} from the centre"
-            )
-
-    def pair(images: NDArray) -> NDArray:
-        halves = (undistort_points(images[..., side], (fx, fy), tuple(centre), by) for side in (slice(2), slice(2, 4)))
-        return np.concatenate(list(halves), -1)
-
-    return FourViews(pair(views.demo), pair(views.own), views.visible)
-
-
 def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, own: NDArray) -> str | None:
     """What speaks against the result of a frame of `count` points. demo, own: their extents, (4,) px each."""
     if method is TRANSFERS["projective"] and count < PROJECTIVE_MIN_POINTS:
@@ -262,6 +243,52 @@ def _doubts(frames: Sequence[dict]) -> Iterator[str]:
             first = those[0]
             why = evaluate_report.MIRRORED if key == "mirrored" else first[key]
             yield f"{len(those)} of {len(frames)} frames {key}: frame {first['frame']}: {why}"
+
+
+def _lengths(tracked: TrackedPoints) -> Iterator[str]:
+    """In a line for each body: its tracks begin or end at other frames in the left view than in the right one."""
+    seen: NDArray[np.bool_] = np.any(tracked.views().visible, axis=1)  # (T, 4)
+    for body, pair in zip(BODIES, ((0, 1), (2, 3))):
+        ends = [(tracked.frames[at[0]], tracked.frames[at[-1]]) for k in pair if len(at := np.flatnonzero(seen[:, k]))]
+        if len(ends) == len(pair) and ends[0] != ends[1]:
+            left, right = (f"{first} to {last} in {VIEW_NAMES[VIEWS[k]]}" for k, (first, last) in zip(pair, ends))
+            yield (
+                f"the {body} has frames {left}, but {right}: if one camera has lost a frame, left and right are not "
+                "of the same moment from then on; cut both to the same moments"
+            )
+
+
+def _time_shift(tracked: TrackedPoints, views: FourViews) -> TimeShift | None:
+    """Of both bodies together, as one head sees both, or else of one that moves."""
+    steps = np.diff(tracked.frames)
+    if len(steps) == 0 or (steps != steps[0]).any():
+        return None
+    seen = [views.demo, views.own]
+    tried = (np.concatenate(seen, 1), *seen)  # NaN, where a point is not seen
+    return next(filter(None, map(find_time_shift, tried)), None)
+
+
+def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:
+    if shift is None:
+        return None
+    parts = [{"from_frame": frames[first], "frames": late} for first, late in shift.parts]
+    return {"parts": parts, "rms_px": shift.rms_px, "shifted_px": shift.shifted_px}
+
+
+def _shift_words(shift: TimeShift | None, frames: Sequence[int]) -> Iterator[str]:
+    """In a line: the cameras are not in time, and the shift that mends that."""
+    if shift is None:
+        return
+    by = [
+        f"{abs(late):.1f} frames {'later' if late > 0 else 'earlier'}"
+        + (f" from frame {frames[first]} on" if len(shift.parts) > 1 else "")
+        for first, late in shift.parts
+    ]
+    yield (
+        "left and right contradict each other the more the faster the points move: the cameras are not in time. Pair "
+        f"each left frame with the right one {', '.join(by)}: the rms misfit falls from "
+        f"{shift.rms_px:.2g} to {shift.shifted_px:.2g} px"
+    )
 
 
 def _frames(views: FourViews, which: NDArray | int) -> FourViews:

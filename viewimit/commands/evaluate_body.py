@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, image_unit
-from ..geometry.kinematics.adjustment import fit_kinematics
+from ..geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
 from ..geometry.kinematics.clusters import Observations
 from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ..geometry.kinematics.model import ProjectiveKinematics
-from ..geometry.rectification import fit_rectification
+from ..geometry.rectification import Rectification, fit_rectification
 from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
 from ..sensing.tracks.text import Table, column_names
 from ..servo import Misfit, MisfitKind, Observation
@@ -33,6 +33,9 @@ from . import BadInput
 from .options import misfit_json, naming, naming_json
 
 MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
+UNITS_DEG = {"radians": float(np.degrees(1)), "turns": 360.0, "steps of 4096 a turn": 360 / 4096, "tenths": 0.1}
+SAME_UNIT = 0.15  # of the logarithm of a joint's turn for a unit
+MIN_GAIN_CHANGE, GAIN_SIGMA = 0.1, 4.0  # of a joint's turn for a degree; in standard errors
 N_TOGETHER = 5  # frames that show how a demonstrator's body differs, at most
 N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is tried
 NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
@@ -50,6 +53,7 @@ class OwnBody:
     unit_px: float  # pixels of one unit
     lower: NDArray[np.float64]  # (m,) rad, between which the demonstrator's posture is looked for
     upper: NDArray[np.float64]
+    gains: NDArray[np.float64] | None  # (m,) degrees that each joint turns for a unit of the table, if it is no degree
 
     @property
     def model(self) -> KinematicImages:
@@ -113,15 +117,54 @@ def learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews
     unit_px = image_unit(seen.images[seen.visible_in_both])
     seen, noise = replace(seen, images=seen.images / unit_px), noise_px / unit_px
     rectified = None if rectification is None else rectification.in_units(unit_px)
+    in_radians = args.postures is not None and np.abs(seen.displacement).max() <= np.radians(2 * np.pi)
+    if in_radians:
+        _require_degrees(seen, noise, rectified, {"radians": UNITS_DEG["radians"]})
     kinematics, shortfall = fit_kinematics(seen, noise, rectified), None
     if kinematics is None and (found := fit_shortfall(seen, noise, rectified)) is not None:
         kinematics, shortfall = found
         seen = replace(seen, displacement=shortfall.reached(seen.displacement))
+    if kinematics is None and args.postures:
+        _require_degrees(seen, noise, rectified, UNITS_DEG)
     if kinematics is None:
         option = "--postures" if args.postures else "--calibration"
         wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
+        wanted += "; if these are radians, write degrees" if in_radians else ""
         raise BadInput(f"{option}: {len(seen.displacement)} postures do not show how the joints move points: {wanted}")
-    return OwnBody(own, seen, kinematics, shortfall, noise, unit_px, lower, upper)
+    gains = _gains(kinematics, seen, noise) if args.postures else None
+    return OwnBody(own, seen, kinematics, shortfall, noise, unit_px, lower, upper, gains)
+
+
+def _require_degrees(
+    seen: Observations, noise: float, rectified: Rectification | None, units_deg: dict[str, float]
+) -> None:
+    """Raise BadInput for joint angles of which the images tell that they are in one of these units."""
+    for unit, degrees in units_deg.items():
+        scaled = replace(seen, displacement=seen.displacement * degrees)
+        kinematics = fit_kinematics(scaled, noise, rectified)
+        if kinematics is not None and (rates := kinematics.rates).min() > 0:
+            if np.abs(np.log(degrees * rates)).max() < SAME_UNIT:
+                return
+            if np.abs(np.log(rates)).max() < SAME_UNIT:
+                raise BadInput(f"--postures: these look like {unit}, not degrees: multiply them by {degrees:.5g}")
+            raise BadInput(f"--postures: these are no degrees: {gain_words(degrees * rates)}; write degrees")
+
+
+def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -> NDArray[np.float64] | None:
+    """By how many degrees each joint turns for a unit of the table, (m,); None if the images agree to degrees."""
+    rates, m = kinematics.rates, seen.displacement.shape[1]
+    twists = kinematics.parameters[-6 * m :].reshape(m, 6)[:, :3]
+    cov = KinematicsCovariance.estimate(kinematics, seen).sqrt_cov[-6 * m :].reshape(m, 6, -1)[:, :3]
+    along = twists / np.maximum(rates, 1e-9)[:, None]
+    std = noise * np.linalg.norm(np.einsum("mk,mkp->mp", along, cov), axis=1)
+    differs = np.abs(rates - 1) > np.maximum(MIN_GAIN_CHANGE, GAIN_SIGMA * std)
+    return rates if differs.any() else None
+
+
+def gain_words(gains: NDArray[np.float64]) -> str:
+    """Say by how much the joints turn for a unit."""
+    turns = ", ".join(f"joint {k} by {gain:.3g}°" for k, gain in enumerate(gains, 1))
+    return f"the images show that one unit turns {turns}"
 
 
 def find_misfit(body: OwnBody, frames: Sequence[int], views: FourViews) -> tuple[Misfit, int] | None:
@@ -226,10 +269,11 @@ def named(
         if found is not None and found.accepted:
             break
     names = tuple(points[k] for k in body.points.tolist())
+    unit = "posture_deg" if body.gains is None else "posture"
     rows = found.names if found is not None and found.accepted else np.full(len(body.points), -1)
     demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
     ordered = FourViews(demo, views.own[:, body.points], _visible(views, rows, body.points))
-    return ordered, names, _json(found, frames[used], names, points, unit_px)
+    return ordered, names, _json(found, frames[used], names, points, unit_px, unit)
 
 
 def _visible(views: FourViews, rows: NDArray[np.int_], own: NDArray[np.int_]) -> NDArray[np.bool_]:
@@ -271,8 +315,10 @@ def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
     )
 
 
-def _json(found: Naming | None, frame: int, names: Sequence[str], points: Sequence[str], unit_px: float) -> dict:
-    """What was found, with names of points instead of indices and in pixels."""
+def _json(
+    found: Naming | None, frame: int, names: Sequence[str], points: Sequence[str], unit_px: float, unit: str
+) -> dict:
+    """What was found, with names of points instead of indices and in pixels. unit: the name of the joint angles."""
     if found is None:
         return {"accepted": False, "frame": None}
     said = naming_json(found.per_pixel(unit_px))
@@ -280,7 +326,7 @@ def _json(found: Naming | None, frame: int, names: Sequence[str], points: Sequen
     partner = [None if row < 0 or not found.accepted else points[row] for row in found.names]
     return said | {
         "frame": frame,
-        "posture_deg": np.degrees(found.displacement),
+        unit: np.degrees(found.displacement),
         "names": dict(zip(names, partner)),
         "probability": dict(zip(names, found.probability)),
         "certain": dict(zip(names, found.certain)),

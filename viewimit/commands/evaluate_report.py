@@ -224,7 +224,8 @@ def print_report(result: dict) -> None:
         print(f"names: {naming_words(named)}")
         if named["accepted"]:
             print(f"  {', '.join(f'{own} = {demo}' for own, demo in named['names'].items() if demo is not None)}")
-            print(f"  the demonstrator of frame {named['frame']} is at {posture(named['posture_deg'])}")
+            at = posture(named["posture_deg"]) if "posture_deg" in named else _without_unit(named["posture"])
+            print(f"  the demonstrator of frame {named['frame']} is at {at}")
     if misfit := result.get("misfit"):
         print(f"misfit: {misfit['text']} (frame {misfit['frame']})")
     width = max(7, *(2 + len(str(frame["frame"])) for frame in result["frames"]))
@@ -246,6 +247,10 @@ def print_report(result: dict) -> None:
     print(f"affine fundamental matrices of frame {first['frame']}: f13 x + f23 y + f31 x' + f32 y' + f33 = 0")
     for pair, f in named_coefficients(first)["fundamental"].items():
         print(f"  {pair:<20}  " + "".join(f"{name} {value:9.4f}  " for name, value in f.items()).rstrip())
+
+
+def _without_unit(angles: Sequence[float]) -> str:
+    return f"({', '.join(f'{angle:.4g}' for angle in angles)}) in the unit of --postures"
 
 
 def _report_transfers(result: dict) -> None:

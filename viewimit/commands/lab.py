@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from . import BadInput
-from .options import DONE, naming
+from .options import DONE, add_chain_options, naming, robot_reference
 
 MB = 1_000_000
 
@@ -13,6 +13,7 @@ MB = 1_000_000
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="a name, or the path of a .toml or .urdf file (panda)")
     parser.add_argument("--robot", metavar="NAME", help="replaces the scene's: a name, or the path of a .urdf file")
+    add_chain_options(parser)
     parser.add_argument(
         "--lesson",
         metavar="NAME",
@@ -51,6 +52,8 @@ def _lab(args: argparse.Namespace) -> str:
     from ..app.lab.page import SHIPPED, lab_page
     from ..simulation.scene import load_scene
 
+    with naming("--robot"):
+        args.robot = robot_reference(args)
     with naming("--scene"):
         own = args.scene is not None or args.robot is not None
         scene = load_scene(args.scene or SHIPPED, args.robot) if own else None

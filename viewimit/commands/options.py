@@ -52,7 +52,7 @@ DEFAULT_TRANSFER = f"projective from {PROJECTIVE_MIN_POINTS} points on, epipolar
 
 
 def add_settings(parser: argparse.ArgumentParser, *names: str, defaults: Settings = PAPER, **helps: str | None) -> None:
-    """Add options for these fields of `Settings`, from their descriptions; with `robot` also --base and --tip.
+    """Add options for these fields of `Settings`, from their descriptions; with `robot` those of its URDF.
 
     helps: another help text for a field, by its name.
     """
@@ -82,10 +82,13 @@ def _default(field: Setting | Disturbance, value: object) -> str:
 
 
 def add_chain_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that select the arm in a URDF."""
+    """Add the options that select the arm in a URDF, and where its meshes may be."""
     parser.add_argument("--base", metavar="LINK", help="first link of a .urdf file's arm (its root)")
     parser.add_argument(
         "--tip", metavar="LINK", help="last link of a .urdf file's arm (of the longest chain, without fingers)"
+    )
+    parser.add_argument(
+        "--meshes", type=Path, metavar="DIR", help="a further folder to read a .urdf file's meshes from (its own alone)"
     )
 
 
@@ -97,14 +100,6 @@ def radial(text: str) -> tuple[float, float]:
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
     return k1, k2
-
-
-def lens(text: str) -> tuple[float, ...]:
-    """A type for argparse: focal lengths and centre of a lens, px."""
-    found = _numbers(text, 4, "600,600,320,240")
-    if min(found[:2]) <= 0:
-        raise argparse.ArgumentTypeError(f"focal lengths must be more than 0, got {text!r}")
-    return found
 
 
 def _numbers(text: str, count: int, such_as: str) -> tuple[float, ...]:
@@ -209,7 +204,7 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
     if args.scene is None and (args.robot in scene_names() or is_reference(args.robot)):
         args.scene, args.robot = args.robot, None  # every robot has a scene of its own
         asked = "--robot"
-    del args.base, args.tip  # the robot's name says them now
+    del args.base, args.tip, args.meshes  # the robot's name says them now
     settings = defaults
     later = (
         "scene",
@@ -267,17 +262,24 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
 
 
 def robot_reference(args: argparse.Namespace) -> str | None:
-    """--robot, a URDF of robot_descriptions by its path, and with --base and --tip in it. Raises ValueError."""
+    """--robot, a URDF of robot_descriptions by its path, and with --base, --tip and --meshes in it.
+
+    Raises ValueError.
+    """
     name = args.robot
     if name is not None:
         require_urdf(name)
         name = str(description_path(name)) if is_description(name) else name
-    if args.base is None and args.tip is None:
+    given = {part: vars(args)[part] for part in PARTS if vars(args)[part] is not None}
+    if not given:
         return name
     if not is_reference(name):
-        raise ValueError("--base and --tip are of a .urdf file: give its path")
+        raise ValueError("--base, --tip and --meshes are of a .urdf file: give its path")
+    if args.meshes is not None and not args.meshes.is_dir():
+        raise ValueError(f"--meshes: {args.meshes} is no folder")
     found = parse_reference(name)
-    given = {part: vars(args)[part] for part in PARTS if vars(args)[part] is not None}
+    if twice := [part for part in given if getattr(found, part) not in (None, given[part])]:
+        raise ValueError(f"--{twice[0]}: {name} names another one: leave one out")
     return str(dataclasses.replace(found, **given))
 
 

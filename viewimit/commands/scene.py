@@ -68,7 +68,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _relative_robot(out: Path | None, name: str) -> str:
-    """The robot's path from the folder of the scene file, or from the current folder."""
+    """The robot with its paths from the folder of the scene file, or from the current folder."""
     found = parse_reference(name)
-    path = found.path if out is None else Path(os.path.relpath(found.path, out.parent))
-    return str(dataclasses.replace(found, path=path))
+    if out is None:
+        return name
+    below = lambda path: Path(os.path.relpath(path, out.parent))
+    meshes = None if found.meshes is None else below(found.meshes)
+    return str(dataclasses.replace(found, path=below(found.path), meshes=meshes))

@@ -11,8 +11,8 @@ Pixel (i, j) covers j … j + 1 and i … i + 1, so its centre is at (j + 0.5, i
 
 import struct
 import warnings
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -37,6 +37,8 @@ AREA_TOL, AREA_SIGMA = (
     0.15,
     3.0,
 )  # relative difference of areas in two pictures that is accepted; in standard deviations
+NOT_ROUND, TOO_SMALL = "it is not round: something may hide a part", "it is far smaller than the others"
+TWO_BALLS = "two balls have its hue: the larger one is taken"
 MAD_TO_STD = 1.4826  # from the median of |x| to the standard deviation
 HUES_PER_DEGREE = 4
 PIXEL_VARIANCE = 1 / 12  # of a uniform distribution over one pixel [px²]
@@ -54,6 +56,7 @@ class Detections:
     points: Floats  # (N, 2) centres [px], NaN if not found
     confidence: Floats  # (N,) roundness in 0 … 1, 0 if not found
     area: Floats  # (N,) visible area [px²], NaN if not found
+    left_out: Mapping[int, str] = field(default_factory=dict)  # why, by marker: blobs that are not taken
 
     @property
     def found(self) -> NDArray[np.bool_]:
@@ -66,6 +69,7 @@ class Detections:
             np.where(rejected[:, None], np.nan, self.points),
             np.where(rejected, 0.0, self.confidence),
             np.where(rejected, np.nan, self.area),
+            self.left_out,
         )
 
 
@@ -91,22 +95,27 @@ def detect(picture: Picture, hue_deg: ArrayLike, middle: float = 1.0) -> Detecti
     points, confidence = np.full((len(hue_deg), 2), np.nan), np.zeros(len(hue_deg))
     count_px, covered = np.zeros(len(hue_deg)), np.full(len(hue_deg), np.nan)
     (left, top), (a, b) = _coloured_part(picture, middle)
-    chroma = np.hypot(a, b)
+    chroma, left_out = np.hypot(a, b), dict[int, str]()
     which = _marker_by_hue(hue_deg)[np.round(np.degrees(np.arctan2(b, a)) * HUES_PER_DEGREE).astype(int)]
     which[chroma < MIN_CHROMA] = -1
     for marker, part, inside in _blobs(which):
         pixels = int(inside.sum())
-        if pixels < max(MIN_AREA_PX, count_px[marker]):
+        if pixels < max(MIN_AREA_PX, MIN_MEDIAN_FRACTION * count_px[marker]):
             continue
         centre, roundness, area = _disc(np.where(inside, chroma[part], 0.0))
-        if roundness >= MIN_ROUNDNESS:
+        if roundness < MIN_ROUNDNESS:
+            left_out.setdefault(marker, NOT_ROUND)
+            continue
+        if min(pixels, count_px[marker]) > MIN_MEDIAN_FRACTION * max(pixels, count_px[marker]):
+            left_out[marker] = TWO_BALLS
+        if pixels >= count_px[marker]:
             count_px[marker], covered[marker] = pixels, area
             points[marker] = centre + (left + part[1].start, top + part[0].start)
             confidence[marker] = roundness
-    found = Detections(points, confidence, covered)
-    if not count_px.any():
-        return found
-    return found.without(count_px < MIN_MEDIAN_FRACTION * np.median(count_px[count_px > 0]))
+    small = count_px < MIN_MEDIAN_FRACTION * np.median(count_px[count_px > 0]) if count_px.any() else count_px > 0
+    left_out |= {marker: TOO_SMALL for marker in np.flatnonzero(small & (count_px > 0)).tolist()}
+    reasons = {marker: why for marker, why in left_out.items() if why != NOT_ROUND or not count_px[marker]}
+    return Detections(points, confidence, covered, reasons).without(small)
 
 
 def reject_partly_hidden(left: Detections, right: Detections) -> tuple[Detections, Detections]:
@@ -311,14 +320,16 @@ class Fiducials:
 
     def detect(self, picture: Picture) -> dict[int, Floats]:
         """Return the centre of each marker, (2,) px, by its number. A number that appears twice is left out."""
+        return {number: places[0] for number, places in self.detect_all(picture).items() if len(places) == 1}
+
+    def detect_all(self, picture: Picture) -> dict[int, list[Floats]]:
+        """Return the centres of all markers, (2,) px each, by their number."""
         corners, numbers, _ = self._detector.detectMarkers(picture)
-        found = [] if numbers is None else [int(number) for number in np.ravel(numbers)]
-        once = {number for number in found if found.count(number) == 1}
-        return {
-            k: _diagonal_crossing(np.reshape(four, (4, 2))) + OPENCV_OFFSET_PX
-            for k, four in zip(found, corners)
-            if k in once
-        }
+        found: dict[int, list[Floats]] = {}
+        for number, four in zip([] if numbers is None else [int(number) for number in np.ravel(numbers)], corners):
+            place = _diagonal_crossing(np.reshape(four, (4, 2))) + OPENCV_OFFSET_PX
+            found.setdefault(number, []).append(place)
+        return found
 
 
 def _diagonal_crossing(corners: NDArray[np.float32]) -> Floats:

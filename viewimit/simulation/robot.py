@@ -314,15 +314,17 @@ def require_joints(robot: Robot, joints: tuple[int, ...]) -> None:
             )
 
 
-def link_meshes(robot: str) -> dict[int, Mesh]:
+def link_meshes(robot: str, held_only: bool = False) -> dict[int, Mesh]:
     """Return meshes by link number (0 = base), each in its link's frame, for a robot as a scene names it.
 
-    Raises ValueError for a URDF that cannot be read.
+    held_only: without what moves by itself, such as another arm of a URDF. Raises ValueError for a URDF that cannot be
+    read.
     """
     if is_reference(robot):
         from .urdf.shapes import shapes_of  # loads trimesh
 
-        return shapes_of(parse_reference(robot)).meshes
+        shapes = shapes_of(parse_reference(robot))
+        return shapes.held if held_only else shapes.meshes
     return _shipped_meshes(robot)
 
 

@@ -121,7 +121,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ----------
     title : str
     robot : str
-        Shipped robot, or path of a URDF from the scene file. #base=LINK&tip=LINK may follow: first and last link.
+        Shipped robot, or path of a URDF from the scene file. #base=LINK&tip=LINK&meshes=FOLDER may follow.
     moving_joints : (int, ...)
         Joints that imitate.
     range_deg : ((low, high), ...)
@@ -377,13 +377,13 @@ def _robot_of(scene: Scene, path: Path | None, robot: str | Path | None) -> str:
         found = parse_reference(robot) if is_reference(robot) else None
         if found is None or own is None or found.path.name != own.path.name or (found.base, found.tip) != (None, None):
             return str(robot)
-        return str(replace(own, path=found.path))
+        return str(replace(own, path=found.path, meshes=found.meshes or own.meshes))
     if own is None or path is None:
         return scene.robot
     beside = path.parent / own.path
     if not beside.is_file():
         raise RobotFileMissing(f"its robot, {beside}, is not there: put it there, or name it by --robot")
-    return str(replace(own, path=beside))
+    return str(replace(own, path=beside, meshes=None if own.meshes is None else path.parent / own.meshes))
 
 
 def _with_moving_joints(scene: Scene, joints: tuple[int, ...]) -> Scene:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -16,8 +17,8 @@ from .scene import Eye, Scene, load_scene, scene_names
 from .urdf.reference import is_reference, parse_reference
 
 COMMENTS = {  # before a field or table
-    "robot": "The URDF, from this file; --robot names one elsewhere. #base=LINK&tip=LINK may follow: the first and\n"
-    "# the last link of the arm",
+    "robot": "The URDF, from this file; --robot names one elsewhere. #base=LINK&tip=LINK&meshes=FOLDER may follow:\n"
+    "# the first and the last link of the arm, and a further folder of meshes",
     "moving_joints": "Joints that imitate, by number",
     "range_deg": "Their ranges in this scene, degrees",
     "posture_deg": "All joints at rest, degrees; the moving ones at the demonstrator's start",
@@ -41,7 +42,8 @@ def saved_scene(scene: Scene, heading: str) -> str:
     fields = msgspec.to_builtins(scene)
     if is_reference(scene.robot):
         found = parse_reference(scene.robot)
-        fields["robot"] = str(dataclasses.replace(found, path=Path(found.path.name)))
+        meshes = None if found.meshes is None else Path(os.path.relpath(found.meshes, found.path.parent))
+        fields["robot"] = str(dataclasses.replace(found, path=Path(found.path.name), meshes=meshes))
     return scene_file(fields, load_robot(scene.robot), heading)
 
 

@@ -181,6 +181,11 @@ class ProjectiveKinematics:
         return generator_powers(np.linalg.inv(A) @ twist_matrices(twists) @ A, rate), rate
 
     @property
+    def rates(self) -> NDArray[np.float64]:
+        """By how many rad each joint turns for a unit of its displacement, (..., m): 1 if that is in rad."""
+        return self._generators[1]
+
+    @property
     def metric_upgrade(self) -> NDArray[np.float64]:
         """A, (..., 4, 4): from the projective frame to a metric one."""
         return frame_matrices(self.parameters[..., :N_FRAME])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..camera import Cameras
 from ..robot import Robot
-from ..urdf.chain import Chain, find_arm
+from ..urdf.chain import Chain, find_arm, held_links
 from ..urdf.reference import Reference
 from ..urdf.shapes import Shapes, shapes_of
 from ..urdf.tree import FREE, KINDS, REST_MARGIN, SLIDING, Tree, read_tree
@@ -31,9 +31,10 @@ from .placing import (
     turning_range,
     two_that_move_most,
 )
-from .surface import Surface, choose_layout, parts_of, sample_arm, sample_body, visible_fraction
+from .surface import Surface, choose_layout, parts_of, sample_arm, sample_body, sample_links, visible_fraction
 
 LAYOUTS = 10, 16, 20  # numbers of points
+MAX_NAMED = 3  # joints and tips in a message
 YAWS_DEG = range(0, 360, 45)
 GRID_ANGLES = 5  # for each moving joint, over its range
 VIEW_ANGLES = 3  # of those, for visibility
@@ -77,7 +78,7 @@ def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[
     among = imitating_joints(robot)
     _require_movable(tree, arm, robot, among, joints)
     rest = rest_posture(robot)
-    surface = sample_arm(shapes.meshes, robot, rest, (joints or among)[0])
+    surface = sample_arm(shapes.held, robot, rest, (joints or among)[0])
     lowest = _lowest(shapes, robot, rest)
     yaw, moving = _best_view(robot, rest, surface, lowest, among if joints is None else joints, joints is not None)
     ranges = [turning_range(robot, joint, rest) for joint in moving]
@@ -86,7 +87,8 @@ def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[
     postures = _posture_grid(robot, rest, moving, ranges)
     sides = [surface.at(robot.link_frames(posture)) for posture in postures]
     rough = fit_to_view(np.array([places for places, _ in sides]), lowest, yaw)
-    visible = _visibility(rough, sides)
+    body = surface.and_also(sample_links(shapes.loose))
+    visible = _visibility(rough, [body.at(robot.link_frames(posture)) for posture in postures])[: len(surface.link)]
     part = parts_of(surface.link, moving)
     places = surface.at(robot.link_frames(rest))[0]
     layouts = {
@@ -102,7 +104,7 @@ def _make_scene(tree: Tree, shapes: Shapes, reference: Reference, joints: tuple[
         str(count): [[int(surface.link[k]), *surface.local[k].round(4).tolist()] for k in chosen]
         for count, chosen in layouts.items()
     }
-    return AutoScene(fields, tuple(_choices(tree, arm, robot)), shapes.faults)
+    return AutoScene(fields, tuple(_choices(tree, arm, robot, surface)), shapes.faults)
 
 
 def _require_movable(tree: Tree, arm: Chain, robot: Robot, among: list[int], joints: tuple[int, ...] | None) -> None:
@@ -232,15 +234,32 @@ def _rounded(values: Floats) -> list[float]:
     return [float(value) for value in np.asarray(values).round(4) + 0.0]
 
 
-def _choices(tree: Tree, arm: Chain, robot: Robot) -> list[str]:
+def _choices(tree: Tree, arm: Chain, robot: Robot, surface: Surface) -> list[str]:
     lines = [f"{tree.path}: {arm.base} to {arm.tip}, {len(robot.joints)} joints: {_numbered(robot)}"]
+    if arm.equal_tips:
+        others = " or ".join(f"--tip {link}" for link in arm.equal_tips[:MAX_NAMED])
+        more = f" or {len(arm.equal_tips) - MAX_NAMED} more" if len(arm.equal_tips) > MAX_NAMED else ""
+        lines.append(f"{tree.path}: equally long arms: this one is --tip {arm.tip}; for another, {others}{more}")
     for joint in arm.joints:
         if joint.kind in SLIDING:
             lines.append(f"{tree.path}: {joint.name} slides, and is held at {tree.rest(joint, REST_MARGIN):.4g} m")
     for one in robot.joints:
         if one.leader is not None:
             lines.append(f"{tree.path}: {one.name} follows {robot.joints[one.leader.joint].name}")
-    return lines + [f"{tree.path}: {line}" for line in _fixed_joints(tree, arm, robot)]
+    held = (*_left_out(tree, arm, surface), *_fixed_joints(tree, arm, robot))
+    return lines + [f"{tree.path}: {line}" for line in held]
+
+
+def _left_out(tree: Tree, arm: Chain, surface: Surface) -> Iterator[str]:
+    """Messages about what moves by itself, on which no points lie, and about a base without any."""
+    held = held_links(tree, arm)
+    loose = [joint.name for joint in tree.joints if (joint.parent in held) != (joint.child in held)]
+    drawn = any(shapes for link, shapes in tree.shapes.items() if link not in held)
+    if loose and drawn:
+        more = f" and {len(loose) - MAX_NAMED} more" if len(loose) > MAX_NAMED else ""
+        yield f"no point beyond {', '.join(loose[:MAX_NAMED])}{more}, which the arm does not hold"
+    if not (surface.link == 0).any():
+        yield "no point on the base: all that is drawn of it moves by itself; --base names another link"
 
 
 def _fixed_joints(tree: Tree, arm: Chain, robot: Robot) -> Iterator[str]:

@@ -31,6 +31,10 @@ class Surface:
     local: Floats  # (K, 3) in that link's frame [m]
     normal: Floats  # (K, 3) unit vectors in that frame
 
+    def and_also(self, other: "Surface") -> "Surface":
+        """Return its places, and then those of another surface."""
+        return Surface(*(np.concatenate(both) for both in zip(vars(self).values(), vars(other).values())))
+
     def only(self, chosen: NDArray[np.bool_]) -> "Surface":
         """Return the chosen places, (K,)."""
         return Surface(self.link[chosen], self.local[chosen], self.normal[chosen])
@@ -55,7 +59,7 @@ def sample_arm(meshes: Mapping[int, Mesh], robot: Robot, rest: Floats, first: in
     first : int
         Number, from 1, of the first joint that moves.
     """
-    surface = _sample(meshes, LINK_SAMPLES, BASE_SAMPLES)
+    surface = sample_links(meshes)
     frames = robot.link_frames(rest)
     places, _ = surface.at(frames)
     distance = np.linalg.norm(places - frames[first][:3, 3], axis=1)
@@ -71,9 +75,14 @@ def sample_body(meshes: Mapping[int, Mesh], robot: Robot, rest: Floats) -> Float
     return _sample(meshes, BODY_SAMPLES, BODY_SAMPLES).at(robot.link_frames(rest))[0]
 
 
+def sample_links(meshes: Mapping[int, Mesh]) -> Surface:
+    """Sample places evenly over each link and over the base."""
+    return _sample(meshes, LINK_SAMPLES, BASE_SAMPLES)
+
+
 def _sample(meshes: Mapping[int, Mesh], per_link: int, on_base: int) -> Surface:
     rng = np.random.default_rng(0)
-    link, local, normal = [], [], []
+    link, local, normal = [np.empty(0, int)], [np.empty((0, 3))], [np.empty((0, 3))]
     for number, mesh in meshes.items():
         areas = mesh.area_faces
         if not areas.sum() > 0:

@@ -1,6 +1,7 @@
 """Find the arm of a URDF, the longest chain of revolute joints without fingers, and the joint that moves each link."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +13,10 @@ FINGER = re.compile(
     r"finger|jaw|thumb|knuckle|claw", re.IGNORECASE
 )  # in the name of a joint or of the link that it moves
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # in the name of a joint; a link of that name may be the whole hand
+HAND = re.compile(r"grip|hand(?!le)|jaw|claw", re.IGNORECASE)  # in the names of both links of a finger's joint
 MAX_HAND_REACH = 0.35  # of the arm's length
 MIN_ARM_JOINTS = 2  # without fingers
+EQUAL_LENGTH = 1e-3  # relative difference of two arms of one kind
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,7 @@ class Chain:
     base: str  # link
     tip: str  # link
     joints: tuple[TreeJoint, ...]  # from the base to the last one that turns, fixed ones too
+    equal_tips: tuple[str, ...] = ()  # links: last ones of other arms that are as long, where the tip was not given
 
 
 def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Chain:
@@ -65,7 +69,15 @@ def find_arm(tree: Tree, base: str | None = None, tip: str | None = None) -> Cha
                 f"{tree.path}: joint {joint.name!r}: its limits lower={joint.lower:g} upper={joint.upper:g} leave it "
                 "no angle: swap them"
             )
-    return Chain(arm[0].parent, tip or arm[-1].child, arm)
+    return Chain(arm[0].parent, tip or arm[-1].child, arm, () if tip else _equal_tips(arm, arms))
+
+
+def _equal_tips(arm: tuple[TreeJoint, ...], arms: Iterable[tuple[TreeJoint, ...]]) -> tuple[str, ...]:
+    """Last links of the other arms with as many joints and, but for rounding, the same length."""
+    others = dict.fromkeys(
+        each[-1].child for each in map(_up_to_last_revolute, arms) if each and _is_as_long(each, arm)
+    )
+    return tuple(link for link in others if link != arm[-1].child)
 
 
 def turning_joints(arm: Chain) -> list[TreeJoint]:
@@ -110,6 +122,8 @@ def _without_fingers(tree: Tree, arm: tuple[TreeJoint, ...]) -> tuple[TreeJoint,
 
 
 def _is_finger(joint: TreeJoint) -> bool:
+    if HAND.search(joint.parent) and HAND.search(joint.child):
+        return True
     return bool(FINGER.search(f"{joint.name} {joint.child}") or GRIPPER.search(joint.name))
 
 
@@ -128,6 +142,10 @@ def _count(arm: tuple[TreeJoint, ...]) -> int:
 
 def _length(arm: tuple[TreeJoint, ...]) -> float:
     return sum(float(np.linalg.norm(joint.T_parent_joint[:3, 3])) for joint in arm)
+
+
+def _is_as_long(one: tuple[TreeJoint, ...], other: tuple[TreeJoint, ...]) -> bool:
+    return _count(one) == _count(other) and abs(_length(one) - _length(other)) <= EQUAL_LENGTH * _length(other)
 
 
 def _below(tree: Tree, joint: TreeJoint) -> list[TreeJoint]:
@@ -168,6 +186,19 @@ def carrier_frames(tree: Tree, arm: Chain) -> dict[str, tuple[int, NDArray[np.fl
                 frames[joint.child] = carrier, T_carrier_link @ joint.at(tree.rest(joint, margin))
             pending.append(joint.child)
     return frames
+
+
+def held_links(tree: Tree, arm: Chain) -> set[str]:
+    """Return the links that an arm moves or stands on: no joint outside it that can move is between them."""
+    in_arm = {joint.name for joint in arm.joints}
+    passed = [joint for joint in tree.joints if joint.name in in_arm or not joint.is_loose]
+    held, pending = {arm.base}, [arm.base]
+    while pending:
+        link = pending.pop()
+        beside = {joint.child if joint.parent == link else joint.parent for joint in passed if joint.touches(link)}
+        pending += beside - held
+        held |= beside
+    return held
 
 
 def _root_of(tree: Tree, link: str) -> tuple[str, NDArray[np.float64]]:

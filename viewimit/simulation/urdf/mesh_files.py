@@ -1,8 +1,9 @@
 """Find, read, simplify and shade the mesh files of a URDF.
 
 Relative paths start at the URDF's folder. `package://name/…` and `model://name/…` are looked for in the folders above
-it, in those of that name, and along ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Files elsewhere and addresses on a network
-are refused. trimesh reads triangles only: no materials, no pictures, and no other file that a mesh names.
+it, in those of that name, and along ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. What is not there is looked for in a
+further folder, if the user names one (--meshes). Files elsewhere and addresses on a network are refused. trimesh reads
+triangles only: no materials, no pictures, and no other file that a mesh names.
 """
 
 import contextlib
@@ -35,36 +36,40 @@ Floats = NDArray[np.float64]
 
 
 class NotFound(Exception):
-    """A mesh is missing or not read. The message tells why."""
+    """A mesh, by the name that the URDF or its file has, is missing or not read."""
+
+    def __init__(self, name: str, why: str):
+        super().__init__(f"{name} {why}")
+        self.name, self.why = name, why
 
 
 def load_mesh(path: Path) -> trimesh.Trimesh:
     """Read a mesh [m]. Raises NotFound if it cannot be read."""
     kind = path.suffix.lower().lstrip(".")
     if kind not in FORMATS:
-        raise NotFound(f"{path.name} is not read: convert it to one of {', '.join(FORMATS)}")
+        raise NotFound(path.name, f"is not read: convert it to one of {', '.join(FORMATS)}")
     try:
         content = read_bytes(path, MAX_BYTES)
     except (OSError, ValueError) as error:
-        raise NotFound(f"{error}: simplify it, or leave it out") from None
+        raise NotFound(path.name, f"is not read: {error}: simplify it, or leave it out") from None
     if kind == "dae" and (b"<!DOCTYPE" in content or b"<!ENTITY" in content):
-        raise NotFound(f"{path.name} defines entities, and is not read: take them out")
+        raise NotFound(path.name, "defines entities, and is not read: take them out")
     if kind == "stl":
         content = _whole_stl(path, content)
     if kind == "dae" and content.startswith(b"PK"):
-        raise NotFound(f"{path.name} is an archive, and is not read: unpack it")
+        raise NotFound(path.name, "is an archive, and is not read: unpack it")
     try:
         with _quiet():  # of materials, which are not read
             loaded = trimesh.load(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
         mesh = loaded.to_mesh() if isinstance(loaded, trimesh.Scene) else loaded
     except Exception as error:  # readers of broken files raise anything
-        raise NotFound(f"{path.name} does not load: {error or type(error).__name__}".splitlines()[0]) from None
+        raise NotFound(path.name, f"does not load: {error or type(error).__name__}".splitlines()[0]) from None
     if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
-        raise NotFound(f"{path.name} has no triangles")
+        raise NotFound(path.name, "has no triangles")
     if np.abs(mesh.vertices).max() > MAX_LENGTH:
-        raise NotFound(f"{path.name} has vertices beyond {MAX_LENGTH:g}")
+        raise NotFound(path.name, f"has vertices beyond {MAX_LENGTH:g}")
     if not mesh.area > 0:  # invisible, and without room for body points
-        raise NotFound(f"{path.name} has triangles without an area alone")
+        raise NotFound(path.name, "has triangles without an area alone")
     return trimesh.Trimesh(mesh.vertices * _unit_m(content, kind), mesh.faces, process=False)
 
 
@@ -76,7 +81,7 @@ def _whole_stl(path: Path, content: bytes) -> bytes:
     end = STL_HEAD + STL_TRIANGLE * count
     if end > len(content):
         there = (len(content) - STL_HEAD) // STL_TRIANGLE
-        raise NotFound(f"{path.name} is cut off: it has {there} of {count} triangles")
+        raise NotFound(path.name, f"is cut off: it has {there} of {count} triangles")
     return content[:end]
 
 
@@ -102,24 +107,47 @@ def _unit_m(content: bytes, kind: str) -> float:
     return unit if np.isfinite(unit) and unit > 0 else 1.0
 
 
-def mesh_path(urdf: Path, name: str) -> Path:
-    """Return the file of a mesh as the URDF names it. Raises NotFound."""
+def mesh_path(urdf: Path, name: str, folder: Path | None = None) -> Path:
+    """Return the file of a mesh as the URDF names it, in its usual place or in a further folder. Raises NotFound."""
     if not name:
-        raise NotFound("a mesh without a filename")
+        raise NotFound("a mesh", "has no filename")
+    try:
+        return _usual_path(urdf, name)
+    except NotFound as error:
+        if folder is None:
+            raise NotFound(error.name, f"{error.why}: name the folder where it is by --meshes DIR") from None
+        found = _in_folder(urdf, name, folder.resolve())
+        if found is None:
+            raise NotFound(error.name, f"{error.why}, nor is it in {folder}") from None
+        return found
+
+
+def _in_folder(urdf: Path, name: str, folder: Path) -> Path | None:
+    """The file as the URDF names it, if it is inside a folder, or the one there whose path ends like that."""
+    parts = [part for part in unquote(name).replace("\\", "/").split("/") if part not in ("", ".", "..")]
+    tails = [folder.joinpath(*parts[k:]) for k in range(len(parts))]
+    for path in (urdf.parent / unquote(name.replace("\\", "/")), *tails):
+        found = path.resolve()
+        if found.is_relative_to(folder) and found.is_file():
+            return found
+    return None
+
+
+def _usual_path(urdf: Path, name: str) -> Path:
     scheme, _, rest = name.partition("://") if "://" in name else ("", "", name)
     if name.startswith("file:"):  # file:/a, file:///a, file://localhost/a
         scheme, rest = "file", re.sub(r"^file:(//(localhost)?(?=/)|//)?", "", name)
     if scheme in ("package", "model"):
         return _in_package(urdf, *unquote(rest).partition("/")[::2])
     if scheme not in ("", "file"):
-        raise NotFound(f"{name} is not fetched: put the file beside the URDF")
+        raise NotFound(name, "is not fetched: put the file beside the URDF")
     path = Path(unquote(rest) if scheme else rest.replace("\\", "/"))
     found = (urdf.parent / path).resolve()
     if not found.is_file() and "%" in rest:
         found = (urdf.parent / unquote(rest)).resolve()
     allowed = [package_root(urdf), *_ros_folders()]
     if not any(found.is_relative_to(folder) for folder in allowed):
-        raise NotFound(f"{name} lies outside {allowed[0]} and is not read: move it there")
+        raise NotFound(name, f"lies outside {allowed[0]} and is not read")
     return _require_file(found, name)
 
 
@@ -133,17 +161,18 @@ def package_root(urdf: Path) -> Path:
 
 
 def _in_package(urdf: Path, package: str, rest: str) -> Path:
+    name, folders = f"package://{package}/{rest}", _package_folders(urdf, package)
     if not re.fullmatch(r"[\w.+-]+", package) or package in (".", ".."):
-        raise NotFound(f"package://{package}/{rest} names no package")
-    folders = _package_folders(urdf, package)
+        raise NotFound(name, "names no package")
     for folder in folders:
         path = (folder / rest).resolve()
         if not path.is_relative_to(folder.resolve()):
-            raise NotFound(f"package://{package}/{rest} leads out of {folder} and is not read")
+            raise NotFound(name, f"leads out of {folder} and is not read")
         if path.is_file():
             return path
     if not folders:
-        raise NotFound(f"no folder {package} above {urdf.parent or '.'} nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH")
+        where = f"above {urdf.parent or '.'} nor in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
+        raise NotFound(name, f"has no folder {package} {where}")
     return _require_file(folders[0] / rest, str(folders[0] / rest))
 
 
@@ -162,7 +191,7 @@ def _ros_folders() -> list[Path]:
 
 def _require_file(path: Path, name: str) -> Path:
     if not path.is_file():
-        raise NotFound(f"{name} is not there")
+        raise NotFound(name, "is not there")
     return path
 
 

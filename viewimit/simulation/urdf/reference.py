@@ -1,7 +1,8 @@
 """Name a robot by its URDF, by a robot of the package `robot_descriptions`, and refuse other formats.
 
-A reference is the path of a URDF, `arm.urdf`, or names the chain that is the arm too,
-`arm.urdf#base=torso&tip=left_hand`. Characters of a link's name that would end it are quoted as in a URL: %26 for &.
+A reference is the path of a URDF, `arm.urdf`, or names the chain that is the arm too, and a further folder of meshes:
+`arm.urdf#base=torso&tip=left_hand&meshes=../parts`. Characters of a name that would end it are quoted as in a URL: %26
+for &.
 """
 
 import importlib.util
@@ -18,7 +19,7 @@ from urllib.parse import unquote
 
 from ...sensing.files import MEGABYTE, require_file
 
-PARTS = ("base", "tip")
+PARTS = ("base", "tip", "meshes")
 ENDING = r"\.urdf(?:#(.*))?$"  # of a path, which may contain #
 QUOTED = str.maketrans({letter: f"%{ord(letter):02X}" for letter in "%&#"})
 PACKAGE = "robot_descriptions"
@@ -39,15 +40,16 @@ XACRO = "xacro}"  # end of the namespace of xacro's elements
 
 @dataclass(frozen=True)
 class Reference:
-    """A URDF, and the links between which the arm is; `find_arm` chooses links that are None."""
+    """A URDF, the links between which the arm is, or None to let `find_arm` choose, and a further folder of meshes."""
 
     path: Path
     base: str | None = None
     tip: str | None = None
+    meshes: Path | None = None
 
     def __str__(self) -> str:
-        links = {"base": self.base, "tip": self.tip}
-        named = [f"{part}={link.translate(QUOTED)}" for part, link in links.items() if link is not None]
+        parts = {part: getattr(self, part) for part in PARTS}
+        named = [f"{part}={str(name).translate(QUOTED)}" for part, name in parts.items() if name is not None]
         return f"{self.path}#{'&'.join(named)}" if named else str(self.path)
 
 
@@ -57,14 +59,17 @@ def is_reference(name: object) -> bool:
 
 
 def parse_reference(name: str | Path) -> Reference:
-    """Parse a reference. Raises ValueError if another word than base or tip follows #."""
+    """Parse a reference. Raises ValueError if another word than base, tip or meshes follows #."""
     found = re.search(ENDING, str(name), re.IGNORECASE)
     fragment = found[1] if found and found[1] else ""
     path = str(name).removesuffix(f"#{fragment}")
     parts = {part.partition("=")[0]: unquote(part.partition("=")[2]) for part in fragment.split("&") if part}
     if wrong := [part for part, link in parts.items() if part not in PARTS or not link]:
-        raise ValueError(f"{path}: #{wrong[0]} is not read: say {path}#base=LINK&tip=LINK, or one of the two")
-    return Reference(Path(path), parts.get("base"), parts.get("tip"))
+        raise ValueError(
+            f"{path}: #{wrong[0]} is not read: say {path}#base=LINK&tip=LINK&meshes=FOLDER, or some of them"
+        )
+    meshes = Path(parts["meshes"]) if "meshes" in parts else None
+    return Reference(Path(path), parts.get("base"), parts.get("tip"), meshes)
 
 
 class _NotCloned(Exception):

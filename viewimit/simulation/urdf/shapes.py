@@ -10,7 +10,7 @@ import hashlib
 import importlib.metadata
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 
 from ...sensing.files import MEGABYTE, read_bytes, read_npz
 from ..meshes import Mesh
-from .chain import Chain, carrier_frames, find_arm
+from .chain import Chain, carrier_frames, find_arm, held_links
 from .mesh_files import MAX_BYTES, MAX_LINK_FACES, NotFound, creased, load_mesh, mesh_path, simplified
 from .reference import Reference
 from .tree import Shape, Tree, read_tree
 
 CYLINDER_SIDES = 24
 MAX_SIZE_RATIO = 50  # of meshes and of the distances between joints; those in mm are a thousand times as large
-MAX_LISTED_FAULTS = 3
+MAX_LISTED = 3  # names of what is not drawn for one reason
 ROD_RADIUS = 0.035  # of the arm's length, as the next two
 MIN_ROD = 0.05  # nearer joints have no rod between them
 STUB = 0.12  # length of a rod that leads nowhere
@@ -40,6 +40,7 @@ READERS = ("numpy", "trimesh", "pycollada")  # packages whose version is part of
 
 Floats = NDArray[np.float64]
 Meshes = dict[int, Mesh]  # by link number
+Made = tuple[Meshes, dict[int, int], list[str]]  # as of `Shapes`
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,18 @@ class Shapes:
     """The meshes of an arm."""
 
     meshes: Meshes  # 0 = base, each in its link's frame [m]
+    n_held: Mapping[int, int]  # first faces of each mesh that the arm holds: the others move by themselves
     faults: tuple[str, ...]  # messages about what is not drawn, not understood, or looks wrong
+
+    @property
+    def held(self) -> Meshes:
+        """What the arm holds of each mesh."""
+        return {k: Mesh(mesh.vertices, mesh.faces[: self.n_held[k]]) for k, mesh in self.meshes.items()}
+
+    @property
+    def loose(self) -> Meshes:
+        """What moves by itself of each mesh."""
+        return {k: Mesh(mesh.vertices, mesh.faces[self.n_held[k] :]) for k, mesh in self.meshes.items()}
 
 
 def shapes_of(reference: Reference) -> Shapes:
@@ -62,19 +74,15 @@ def shapes_of(reference: Reference) -> Shapes:
 def load_shapes(tree: Tree, reference: Reference) -> Shapes:
     """Return the meshes of an arm in a URDF that has been read, from the cache if they are there."""
     files = dict.fromkeys(shape.file for shapes in tree.shapes.values() for shape in shapes if shape.kind == "mesh")
-    key = _cache_key(tree.path, tree.digest, str(reference), files) if files else None  # other shapes take no time
+    key = _cache_key(tree.digest, reference, files) if files else None  # other shapes take no time
     found = _load_cached(key) if key else None
     if found is None:
         found = _make_meshes(tree, reference)
         if key:
             _store_cached(key, *found)
-    meshes, missing = found
-    implausible = _implausible_size(tree, reference, meshes)
-    more = len(missing) - MAX_LISTED_FAULTS
-    lines = [f"{tree.path}: not drawn: {fault}" for fault in missing[:MAX_LISTED_FAULTS]]
-    return Shapes(
-        meshes, (*tree.faults, *lines, *([f"{tree.path}: and {more} more"] if more > 0 else []), *implausible)
-    )
+    meshes, n_held, missing = found
+    lines = [f"{tree.path}: not drawn: {fault}" for fault in missing]
+    return Shapes(meshes, n_held, (*tree.faults, *lines, *_implausible_size(tree, reference, meshes)))
 
 
 def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[str]:
@@ -92,47 +100,65 @@ def _implausible_size(tree: Tree, reference: Reference, meshes: Meshes) -> list[
     ]
 
 
-def _make_meshes(tree: Tree, reference: Reference) -> tuple[Meshes, list[str]]:
-    """Meshes by link number, and messages about shapes that cannot be read, each once."""
+def _make_meshes(tree: Tree, reference: Reference) -> Made:
+    """Meshes by link number, how many of their faces the arm holds, and a message for each reason to draw no more."""
     arm = find_arm(tree, reference.base, reference.tip)
     frames = carrier_frames(tree, arm)
-    parts: dict[int, list[trimesh.Trimesh]] = {}
-    missing: dict[str, None] = {}
+    held = held_links(tree, arm)
+    parts: dict[tuple[int, bool], list[trimesh.Trimesh]] = {}  # by carrier, and whether they move by themselves
+    missing: dict[str, dict[str, None]] = {}  # names by the reason
     bare: set[int] = set()  # links with a shape that is not drawn
     files: dict[str, trimesh.Trimesh] = {}
     for link, shapes in tree.shapes.items():
         if link not in frames:
             if shapes:
-                missing[f"link {link!r} hangs on nothing that the arm hangs on: add a joint, or take it out"] = None
+                why = "hangs on nothing that the arm hangs on: add a joint, or take it out"
+                missing.setdefault(why, {})[f"link {link!r}"] = None
             continue
         carrier, T_carrier_link = frames[link]
         for shape in shapes:
             try:
-                mesh = _shape_mesh(tree, shape, files)
+                mesh = _shape_mesh(tree, shape, files, reference.meshes)
             except NotFound as error:
-                missing[str(error)] = None
+                missing.setdefault(error.why, {})[error.name] = None
                 bare.add(carrier)
                 continue
             if mesh is not None:
                 mesh.apply_transform(T_carrier_link @ shape.T_link_shape)
-                parts.setdefault(carrier, []).append(mesh)
-    undrawn = not any(parts)  # no moving link has a shape; the base is 0
+                parts.setdefault((carrier, link not in held), []).append(mesh)
+    drawn = {carrier for carrier, loose in parts if not loose}
+    undrawn = not any(drawn)  # no moving link has a shape; the base is 0
     for number, mesh in _rods(arm, frames):
-        if number not in parts and (number in bare or number == 0 or undrawn):
-            parts[number] = [mesh]
-    whole = {
-        number: creased(simplified(cast(trimesh.Trimesh, trimesh.util.concatenate(each)), MAX_LINK_FACES))
-        for number, each in sorted(parts.items())
-    }
-    meshes = {number: Mesh(np.array(mesh.vertices, float), np.array(mesh.faces)) for number, mesh in whole.items()}
-    return meshes, list(missing)
+        if number not in drawn and (number in bare or undrawn or (number == 0 and (0, True) not in parts)):
+            parts[number, False] = [mesh]
+    meshes, n_held = {}, {}
+    for number in sorted({carrier for carrier, _ in parts}):
+        each = [_joined(parts[number, loose]) for loose in (False, True) if (number, loose) in parts]
+        whole = cast(trimesh.Trimesh, trimesh.util.concatenate(each))
+        meshes[number] = Mesh(np.array(whole.vertices, float), np.array(whole.faces))
+        n_held[number] = len(each[0].faces) if (number, False) in parts else 0
+    return meshes, n_held, [_listed(names, why) for why, names in missing.items()]
 
 
-def _shape_mesh(tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh]) -> trimesh.Trimesh | None:
+def _joined(parts: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    return creased(simplified(cast(trimesh.Trimesh, trimesh.util.concatenate(parts)), MAX_LINK_FACES))
+
+
+def _listed(names: Iterable[str], why: str) -> str:
+    """What is not drawn for one reason, in a line."""
+    first, more = list(names)[:MAX_LISTED], len(list(names)) - MAX_LISTED
+    if len(first) == 1:
+        return f"{first[0]} {why}"
+    return f"{', '.join(first)}{f' and {more} more' if more > 0 else ''}: each {why}"
+
+
+def _shape_mesh(
+    tree: Tree, shape: Shape, files: dict[str, trimesh.Trimesh], folder: Path | None
+) -> trimesh.Trimesh | None:
     """Mesh in the shape's frame; None if it has no extent. files: simplified meshes that have been read."""
     if shape.kind == "mesh":
         if shape.file not in files:
-            files[shape.file] = simplified(load_mesh(mesh_path(tree.path, shape.file)))
+            files[shape.file] = simplified(load_mesh(mesh_path(tree.path, shape.file, folder)))
         mesh = files[shape.file].copy()
         mesh.apply_scale(shape.size)
         return mesh
@@ -203,23 +229,23 @@ def foot(top: Floats, length: float) -> trimesh.Trimesh:
     return mesh
 
 
-def _cache_key(urdf: Path, content: str, chain: str, files: Iterable[str]) -> str:
+def _cache_key(content: str, reference: Reference, files: Iterable[str]) -> str:
     """Digest of everything that the meshes depend on.
 
-    content: digest of the URDF; chain: reference to the arm; files: meshes, as the URDF names them.
+    content: digest of the URDF; files: meshes, as the URDF names them.
     """
-    key = hashlib.sha256(f"{_versions()}\0{urdf}\0{content}\0{chain}".encode())
+    key = hashlib.sha256(f"{_versions()}\0{content}\0{reference}".encode())
     for name in files:
         try:
-            found = hashlib.sha256(read_bytes(mesh_path(urdf, name), MAX_BYTES)).hexdigest()
+            found = hashlib.sha256(read_bytes(mesh_path(reference.path, name, reference.meshes), MAX_BYTES)).hexdigest()
         except (NotFound, OSError, ValueError) as error:
             found = str(error)
         key.update(f"\0{name}\0{found}".encode())
     return key.hexdigest()
 
 
-def _load_cached(key: str) -> tuple[Meshes, list[str]] | None:
-    """Meshes and messages about missing ones; None if they are not cached."""
+def _load_cached(key: str) -> Made | None:
+    """As `_make_meshes`; None if they are not cached."""
     folder = _cache_folder()
     path = None if folder is None else folder / f"{key}.npz"
     if path is None or not path.is_file():
@@ -227,19 +253,21 @@ def _load_cached(key: str) -> tuple[Meshes, list[str]] | None:
     try:
         arrays = read_npz(path)
         meshes = {int(link): _checked_mesh(arrays[f"v{link}"], arrays[f"f{link}"]) for link in arrays["links"]}
+        n_held = dict(zip(meshes, arrays["held"].tolist(), strict=True))
         missing = [str(line) for line in arrays["unread"]]
     except (OSError, ValueError, KeyError, TypeError):
         return None
     with contextlib.suppress(OSError):
         os.utime(path)  # the least recently used are removed first
-    return meshes, missing
+    return meshes, n_held, missing
 
 
-def _store_cached(key: str, meshes: Meshes, missing: list[str]) -> None:
+def _store_cached(key: str, meshes: Meshes, n_held: dict[int, int], missing: list[str]) -> None:
     folder = _cache_folder()
     if folder is None:
         return
     arrays = {"links": np.array(list(meshes), np.int32), "unread": np.array(missing, str)}
+    arrays["held"] = np.array([n_held[link] for link in meshes], np.int32)
     for link, mesh in meshes.items():
         arrays |= {f"v{link}": mesh.vertices, f"f{link}": mesh.faces.astype(np.int32)}
     with contextlib.suppress(OSError):

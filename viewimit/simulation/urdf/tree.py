@@ -80,6 +80,17 @@ class TreeJoint:
         """Whether it can move, and follows no other joint."""
         return self.kind in TURNING + SLIDING and self.mimic is None and self.lower < self.upper
 
+    @property
+    def is_loose(self) -> bool:
+        """Whether what hangs on it moves where nothing holds it: all but fixed joints, and those without a range."""
+        return self.kind != "fixed" and not (
+            self.kind in TURNING + SLIDING and self.limited and self.lower == self.upper
+        )
+
+    def touches(self, link: str) -> bool:
+        """Whether this link is its parent or its child."""
+        return link in (self.parent, self.child)
+
     def at(self, value: float) -> NDArray[np.float64]:
         """Return T_parent_child, (4, 4), for a value [rad or m]."""
         if self.turns:

@@ -1,8 +1,6 @@
 """Facts and records of the lessons against other ways to compute them."""
 
 import dataclasses
-import json
-import time
 
 import numpy as np
 import oracles
@@ -19,7 +17,6 @@ from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
-MAX_CPU_S = 25.0  # for the data of all lessons
 SIGMAS = 4.0  # of a sample's scatter
 
 
@@ -258,21 +255,6 @@ def test_the_learner_s_certificate_bets_better_than_half_always():
 def test_facts_are_the_measures_of_the_library_and_have_their_units():
     measures = parse_toml(HERE.joinpath("measures.toml").read_bytes())["library"]
     assert {name: fact.unit for name, fact in facts.FACTS.items()} == measures
-
-
-def test_all_data_of_the_lessons_are_computed_within_the_budget(monkeypatch):
-    monkeypatch.setenv(step_data.CACHE_FOLDER, "")
-    for made in (records.run, records.landscape, records.minima, records.clouds, records.costs, records.signposts):
-        made.cache_clear()
-    follow_circle.cache_clear()
-    sign.runs_record.cache_clear()
-    began, sizes = time.process_time(), {}
-    for name, lesson in shipped().items():
-        sizes[name] = sum(len(json.dumps(step_data.step_data(lesson, step)[1])) for step in lesson.step)
-    took = time.process_time() - began
-    print(f"data of all lessons: {took:.1f} s of CPU; kB: { {name: size // 1000 for name, size in sizes.items()} }")
-    assert took < MAX_CPU_S
-    assert max(sizes.values()) < 200_000  # bytes, before they are packed
 
 
 def test_dealing_ends_where_hardly_any_start_is_far_above_the_goal():

@@ -67,14 +67,6 @@ found.alike = apart.moment.theta.map((v, k) => (v - apart.moment.thetaDemo[k]) /
 apart.slide("demo 2", -90);
 found.demo = apart.moment.thetaDemo[1] / DEGREE;
 
-const select = of("select");
-select.answer = {selected: [0, -1]};
-found.select = [isAnswered(select)];
-select.answer = {selected: [0, 1]};
-found.select.push(isAnswered(select));
-select.answer = {selected: [0, 1], reason: 1};
-found.select.push(isAnswered(select), said(select).reply);
-
 const bet = of("bet");
 found.bets = [80, 20, 55].map(value => (bet.answer = {bet: value}, {...said(bet), penalty: measure(bet, "penalty").text}));
 found.runs = bet.runs;

@@ -121,9 +121,7 @@ def test_eyes_move_with_their_sliders(data):
 def test_dealt_poses_are_off_the_centre_and_apart(data):
     """The regions in which the goal can be reached and the map has one minimum."""
     regions = [((10, 25), (-160, -120)), ((65, 80), (-160, -110)), ((65, 80), (-70, -60))]
-    sampled = [
-        (step, sample) for _, step in steps_of(data) for sample in step.get("samples", []) if not step["randomised"]
-    ]
+    sampled = [(step, sample) for _, step in steps_of(data) for sample in step.get("samples", [])]
     assert len(sampled) >= 4 * step_data.SAMPLES
     for step, sample in sampled:
         shoulder, elbow = np.degrees(sample["state"]["demonstrator"])
@@ -161,10 +159,6 @@ def test_a_step_links_to_the_lab_and_to_viewimit_only_where_they_have_its_scene(
     assert {links[step] for step in links if "panda-toed" in scene_of(found, step)} == {("toed", True)}
     assert {links[step] for step in links if "panda-forearm" in scene_of(found, step)} == {(None, True)}
     assert links["limits/minimum"] == (None, False)
-    sampled = [
-        one for one in found if one["step"].startswith("design/") and one["scene"] != scene_of(found, "tour/servo")
-    ]
-    assert sampled and all((one["preset"], one["viewimit"]) == (None, False) for one in sampled)  # their heads
 
 
 def scene_of(found: list[dict], step: str) -> str:

@@ -105,10 +105,6 @@ def test_sliders_bring_the_arms_alike_and_turn_the_demonstrator(found):
     assert found["demo"] == pytest.approx(-90)
 
 
-def test_a_selection_is_answered_once_all_fields_and_the_reason_are(found):
-    assert found["select"] == [False, False, True, "So it is."]
-
-
 def test_bets_cost_the_square_of_their_error(found):
     assert [(one["right"], one["penalty"]) for one in found["bets"]] == [
         (True, "0.04"),

@@ -8,7 +8,7 @@ from waiting import wait_until
 pytestmark = pytest.mark.browser
 
 SCREENS = (1280, 720), (820, 1180), (1440, 900), (1920, 1080), (2560, 1440), (390, 844)
-STEPS = "choice", "place", "number", "servo", "bowl", "pose", "knobs", "select", "bet"
+STEPS = "choice", "place", "number", "servo", "bowl", "pose", "knobs", "bet"
 STATE = "() => lesson.state()"
 COVERED = """() => [...document.querySelectorAll('#foot button')].filter(button => {
     const {left, top, width, height} = button.getBoundingClientRect();

@@ -14,7 +14,7 @@ HANDS = {"keys": DESK, "mouse": DESK, "finger": PHONE}
 STEP = """() => {
     const stage = lesson.stage(), state = lesson.state();
     return stage && {id: stage.step.id, kind: stage.step.ask.kind, run: state.run, revealed: state.revealed,
-        fields: (stage.step.ask.fields ?? []).map(field => field.values.length), figure: stage.step.ask.figure};
+        figure: stage.step.ask.figure};
 }"""
 COVERED = """() => [...document.querySelectorAll('#foot button')].filter(button => {
     const {left, top, width, height} = button.getBoundingClientRect();
@@ -120,12 +120,6 @@ def answer(hands, step):
         hands.mark()
     elif kind in ("number", "bet", "pose"):
         hands.slide(0)
-    elif kind == "select":
-        first = 0
-        for count in step["fields"]:
-            hands.choose(first)
-            first += count
-        hands.choose(first)
     elif kind == "predict":
         hands.slide(0)
         hands.mark()

@@ -14,9 +14,6 @@ export function isAnswered({step: {ask}, answer, rounds, mark}) {
   if (ask.kind === "place") return Boolean(mark);
   if (ask.kind === "pose") return Boolean(answer.pose);
   if (ask.kind === "number") return answer.number !== undefined;
-  if (ask.kind === "select") return answer.selected?.length === ask.fields?.length
-    && Math.min(...answer.selected ?? []) >= 0
-    && (!ask.reasons?.length || answer.reason !== undefined);
   if (ask.kind === "bet") return answer.bet !== undefined;
   if (ask.kind === "predict") return rounds.length > 0;
   return Boolean(answer.done);
@@ -89,5 +86,5 @@ export function reply(stage) {
     const truth = Number(judged(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
     return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
   }
-  return ask.kind === "select" ? ask.reasons?.[answer.reason ?? -1]?.because ?? "" : "";
+  return "";
 }

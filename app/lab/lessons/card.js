@@ -51,7 +51,7 @@ export class Card {
     const {stage} = this, {step, answer} = stage, isShown = stage.isRevealed;
     this.#write(this.words, isShown ? "" : inline(fill(step.text, stage), this.glossary));
     this.ask.update();
-    this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind)
+    this.ask.element.hidden = isShown && !["choice", "predict"].includes(step.ask.kind)
       || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
     this.#write(this.headline, isShown ? this.#headline() : "");
     const said = isShown ? answer.shown ? STUCK : reply(stage) : "";

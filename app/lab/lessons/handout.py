@@ -20,7 +20,6 @@ from .format import (
     Place,
     Pose,
     Predict,
-    Select,
     Step,
     measures_of,
 )
@@ -200,8 +199,6 @@ class _StepOnPaper:
             if not self._solutions:
                 column.text("because")
                 column.blank_lines(1)
-        elif isinstance(ask, Select):
-            self._select(column, ask)
         elif isinstance(ask, Number) and not self._solutions:
             column.scale(ask.low, ask.high, ask.unit, ask.logarithmic)
         elif isinstance(ask, Pose) and not self._solutions:
@@ -217,14 +214,6 @@ class _StepOnPaper:
             column.table(
                 ["run", *map(str, range(1, ask.times + 1))], ["bet %", *[""] * ask.times], ["true?", *[""] * ask.times]
             )
-
-    def _select(self, column: "_Column", ask: Select) -> None:
-        for field in ask.fields:
-            column.text(field.label)
-            column.boxes([f"{value.text}. {value.says}".strip() for value in field.values], None)
-        if ask.reason:
-            column.text(ask.reason)
-            column.boxes([reason.text for reason in ask.reasons], None)
 
     def _right(self, ask: Choice) -> int | None:
         """The index of the right answer; None if only a browser computes it."""
@@ -257,8 +246,6 @@ class _StepOnPaper:
                     if right is None or k != right
                     else f"**{'abcd'[k]}, right.**  {_bare(answer)}"
                 )
-        elif isinstance(ask, Select):
-            yield from (f"**{reason.text}:** {reason.because}" for reason in ask.reasons)
         elif isinstance(ask, Number):
             known = (
                 f"The answer is **{{{ask.truth}}}**."

@@ -26,13 +26,14 @@ from viewimit.simulation.scene import Scene
 from ..page import with_few_points
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
+from .samples import sample_postures
 from .situation import Situation
 
 CACHE_FOLDER = "VIEWIMIT_LESSON_CACHE"
 EYE_SLIDERS = ("distance", "camera distance", "baseline")
 LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
 SAMPLE_SEED = 44
-SAMPLES, SCENE_SAMPLES = 12, 3  # states that are sampled of a step; those with a scene of their own take long
+SAMPLES = 12  # states that are sampled of a step
 Scenes = dict[str, dict[str, Any]]
 
 
@@ -43,9 +44,8 @@ def situation_of(lesson: Lesson, step: Step) -> Situation:
     goal = ask.below if isinstance(ask, Do) and ask.measure == "E" else None
     settings = settings_of(lesson, step, **{**origin.settings, **step.settings})
     chosen = origin.chosen if step.chosen is None else step.chosen
-    choices = {field.name: [str(one.value) for one in field.values] for field in getattr(step.ask, "fields", ())}
     scene = {**origin.scene, **step.scene}
-    return Situation(settings, scene, chosen, step.race, goal, randomised=origin.randomised, choices=choices)
+    return Situation(settings, scene, chosen, step.race, goal)
 
 
 def _origin(lesson: Lesson, step: Step) -> Step:
@@ -72,7 +72,7 @@ def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
         msgspec.to_builtins(
             (situation_of(lesson, step).settings, step.scene, origin.scene, step.chosen, origin.chosen)
         ),
-        msgspec.to_builtins((step.race, origin.randomise, origin.randomised, origin.ask, step.sliders, origin.id)),
+        msgspec.to_builtins((step.race, origin.randomise, origin.ask, step.sliders, origin.id)),
         sorted(measures_of(step)),
         [figure.figure for figure in figures_of(step)],
     ]
@@ -112,8 +112,7 @@ def sampled_situations(lesson: Lesson, step: Step) -> list[Situation]:
     origin = _origin(lesson, step)
     if not origin.randomise:
         return []
-    count = SCENE_SAMPLES if origin.randomised else SAMPLES
-    return facts.sample_states(situation_of(lesson, step), count, SAMPLE_SEED)
+    return sample_postures(situation_of(lesson, step), SAMPLES, SAMPLE_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 /**
- * Layers of the four images for the first lessons: pencils of lines by hand, a point that can be dragged, the ghost
+ * Layers of the four images for the first lessons: pencils of lines by hand, the ghost
  * with its lines and the way to it, and goals of single points.
  *
  * @typedef {import("../stage.js").Stage} Stage
@@ -14,7 +14,7 @@ import {arrow, diamond, disc} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
 const LITTLE = 3; // drawing units of an arrow that is not drawn
-const HANDLE = 13, NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
+const NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
 
 /** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
 const learnerIn = (frame, {world}, theta) => {
@@ -171,12 +171,7 @@ export const TOUR_LAYERS_ABOVE = {
     const [x, y] = frame.of(images, chosen);
     const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>`
       : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
-    return frame.layers.has("draggable") ? mark : mark + rings([[x, y]], 11, "vi-ring");
-  },
-  "draggable": (frame, stage) => {
-    if (!frame.isDemo) return "";
-    const at = stage.pointed().subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
-    return `<g class="draw-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
+    return mark + rings([[x, y]], 11, "vi-ring");
   },
   "crossing": (frame, stage) => {
     const {chosen, moment, mark} = stage, found = stage.recovered();

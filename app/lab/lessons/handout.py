@@ -39,7 +39,7 @@ from .sheet import (
     write,
 )
 from .situation import Situation
-from .step_data import cached, sampled_situations, situation_of
+from .step_data import sampled_situations, situation_of
 
 BLANK = "_____"
 FIRST_START = "This is start 1. On the screen, it is the one with &seed=1 at the end of the address."
@@ -357,11 +357,6 @@ def situation_on_paper(lesson: Lesson, step: Step) -> Situation:
 def _texts_of_measures(situation: Situation, step: Step) -> dict[str, str]:
     """Measures of a step that the library computes, as they stand in a sentence."""
     names = sorted(measures_of(step))
-    inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.sliders)]
-    return cached("handout", [*inputs, repr(situation.race)], lambda: _compute_facts(situation, names))
-
-
-def _compute_facts(situation: Situation, names: Iterable[str]) -> dict[str, str]:
     found = {name: fact["text"] for name, fact in facts.compute(situation, names)[0].items()}
     for name in names:
         if name in PAPER_MEASURES and name not in found:

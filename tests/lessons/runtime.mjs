@@ -40,7 +40,7 @@ found.sampled = {index: servo.step.samples.findIndex(({state}) => state.start ==
 servo.slide("own 1", 33);
 found.slid = servo.moment.theta[0] / DEGREE;
 servo.move([40 * DEGREE, -100 * DEGREE]);
-servo.move([50 * DEGREE, -110 * DEGREE]);
+servo.move(servo.state.demonstrator);
 found.motions = servo.motions.map(({theta, E: energy}) => [...theta.map(v => v / DEGREE), energy]);
 const solved = of("servo", {seed: 4}), before = [...solved.moment.theta], solving = solution(solved);
 found.left = before.every((v, k) => Math.abs(v - solved.moment.theta[k]) < 1e-9);

@@ -136,7 +136,7 @@ function task(stage, host) {
       make("span", {class: "goal"}, ` goal: ${isBelow ? "below" : "above"} ${text(goal)}`)),
       make("div", {class: "meter", "aria-hidden": true}, filled), make("p", {class: "steps-made"}, count, again)),
     update() {
-      const {value, text: words} = measure(stage, ask.measure ?? ""), steps = stage.motions.length - 1;
+      const {value, text: words} = measure(stage, ask.measure ?? ""), {steps} = stage;
       const share = isBelow ? Math.log(start / Math.max(value, 1e-9)) / Math.log(start / goal) : value / goal;
       now.textContent = words;
       now.classList.toggle("there", isReached(stage));

@@ -68,7 +68,6 @@ function longestShare(stage) {
 /** @type {Record<string, Measure>} */
 export const TOUR_MEASURES = {
   "recovered in L": stage => placed(inL(stage.recovered(), stage.chosen)),
-  "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
   "crossing to own point": stage =>
     measured(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
@@ -86,7 +85,8 @@ export const TOUR_MEASURES = {
     return measured(Math.max(...E) / Math.min(...E), "", 1);
   },
   "times by shape": stage => measured(stage.moment.E / stage.ghost().E, "", 0),
-  "where the arm stands": ({moment, scene}) => {
+  "your end": ({moment, scene, steps, isShown}) => {
+    if (!steps || isShown) return measured(NaN);
     const degrees = moment.theta.map(v => v / DEGREE), names = scene.names.map(name => name.split(" ")[0].toLowerCase());
     return {value: degrees, unit: "°", text: degrees.map((v, k) => `${names[k]} ${fixed(v, 0)}°`).join(" and ")};
   },

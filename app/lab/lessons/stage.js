@@ -119,7 +119,7 @@
  * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
  *   to: of the
  *   ringed point; measure: of the ask, after the turn
- * @typedef {{theta: number[], E: number, probe: boolean}} Motion
+ * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by hand
  * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
  *
  * @typedef {Object} Figure a drawing in its box
@@ -208,14 +208,11 @@ export class Stage {
       noisePx, missing, seed: noise ?? 7});
     /** @type {Moment} the current images */
     this.moment = this.session.now;
-    /** @type {Motion[]} made by hand, the start first */
-    this.motions = previous && previous.motions.length > 1 ? previous.motions
-      : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
-    if (previous && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
-    else if (previous?.step.ask.kind === "do" && previous.goal !== null) { // it was not done: where a servo brings it
-      const race = previous.race("broyden");
-      if (race) this.observe(race.postures[race.postures.length - 1]);
-    }
+    /** @type {Motion[]} made by hand, the start first, and perhaps one that was shown */
+    this.motions = [{theta: this.moment.theta, E: this.moment.E, probe: false}];
+    /** The earlier step's motions, with which this one goes on. */
+    this.carried = previous?.motions;
+    if (previous) this.#goOn(previous);
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name]
@@ -254,6 +251,33 @@ export class Stage {
   observe(theta) {
     const {lower, upper} = this.scene;
     this.moment = this.session.observe(theta.map((v, k) => clamp(v, lower[k], upper[k])));
+  }
+
+  /** Go on where the earlier step has ended, or where a servo brings the arm if its goal was not reached. @param {Stage} previous */
+  #goOn(previous) {
+    const {motions, goal, step: {ask}} = previous, last = motions[motions.length - 1];
+    if (motions.length > 1) {
+      this.motions = motions;
+      this.observe(last.theta);
+    }
+    const race = ask.kind === "do" && ask.measure === "E" && goal !== null && last.E >= goal ? previous.race("broyden") : null;
+    if (race) this.showAt(race.postures[race.postures.length - 1]);
+  }
+
+  /** How many motions were made by hand. */
+  get steps() {
+    return this.motions.filter(({shown}) => !shown).length - 1;
+  }
+
+  /** Whether the arm has come here without a hand. */
+  get isShown() {
+    return Boolean(this.motions[this.motions.length - 1].shown);
+  }
+
+  /** Show the arm in a posture as the end of its way, which does not count. @param {number[]} theta */
+  showAt(theta) {
+    this.observe(theta);
+    this.motions = [...this.motions, {theta: this.moment.theta, E: this.moment.E, probe: false, shown: true}];
   }
 
   /** A motion by hand, which counts. @param {number[]} theta */

@@ -52,7 +52,7 @@ export class StepScreen {
     const {step} = stage;
     this.stage = stage;
     this.course = course;
-    this.isAsked = false;
+    this.isAsked = this.isSolving = false;
     /** @type {(() => void) | null} stops the animation */
     this.stop = null;
     stage.changed = course.redraw;
@@ -217,8 +217,6 @@ export class StepScreen {
       this.course.announce(touched(FIRST));
       return;
     }
-    stage.answer = {...stage.answer, shown: true};
-    if (ask.kind === "do") return this.#solve();
     this.reveal(true);
   }
 
@@ -226,6 +224,13 @@ export class StepScreen {
   reveal(isUnanswered) {
     const {stage} = this, {step} = stage;
     if (stage.isRevealed) return;
+    if (isUnanswered && step.ask.kind === "do") return this.#solve();
+    this.#reveal(isUnanswered);
+  }
+
+  /** @param {boolean} isUnanswered */
+  #reveal(isUnanswered) {
+    const {stage} = this, {step} = stage;
     if (isUnanswered) stage.answer = {...stage.answer, shown: true};
     if (step.ask.kind === "bet") stage.bets = Object.assign([...stage.bets], {[stage.run]: stage.answer.bet ?? null});
     this.course.note("");
@@ -259,6 +264,8 @@ export class StepScreen {
 
   /** The sliders go to a solution. */
   #solve() {
+    if (this.isSolving) return;
+    this.isSolving = true;
     const {stage} = this, found = solution(stage), from = new Map(stage.sliders);
     this.#play(SOLVE_MS, share => {
       const eased = smoothstep(share);
@@ -266,7 +273,11 @@ export class StepScreen {
         const start = from.get(name) ?? to;
         stage.slide(name, start + eased * (to - start));
       }
-    }, () => this.reveal(true));
+    }, () => {
+      this.isSolving = false;
+      if (stage.step.ask.measure === "E" && !stage.isShown) stage.showAt(stage.moment.theta);
+      this.#reveal(true);
+    });
   }
 
   /** The arm goes to a posture. @param {number[]} theta @param {() => void} arrived */

@@ -99,16 +99,16 @@ export const progress = {
     return {
       resize: () => chart.resize(),
       draw: stage => {
-        const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1;
+        const {motions, goal, steps, isShown} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E));
         const now = stage.moment.E;
-        const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
+        const change = steps && !isShown ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
         const share = `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))}`;
         const html = `<p class="draw-big draw-name-E">E ${escaped(energyText(now))}<small> px²</small></p>
-<p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : "&nbsp;"}</p>
+<p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : isShown ? "shown, not reached by you" : "&nbsp;"}</p>
 <p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
         if (html !== last) words.innerHTML = last = html;
         const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0);
-        const end = Math.max(MIN_STEPS, steps);
+        const end = Math.max(MIN_STEPS, E.length - 1);
         chart.draw({
           x: [0, end], y: [least / 1.6, most * 1.6], log: true, xTicks: stepTicks(end), xName: "steps",
           levels: goal === null ? [] : [[goal, `goal ${goal} px²`, "goal"]],
@@ -143,15 +143,15 @@ function raceRow(stage, race) {
 
 /** Who came how far from the same start, the visitor first. */
 export const standings = written(stage => {
-  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
+  const {goal, motions, steps} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
   const rows = (stage.step.race ?? []).flatMap(servo => {
     const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
     return race ? [[role, title, ...raceRow(stage, race)]] : [];
   });
-  if (motions.length > 1) {
-    const {E} = motions[motions.length - 1], isThere = goal !== null && E < goal;
-    const off = measure(stage, "your error").text;
-    rows.unshift(["you", "you", isThere ? String(motions.length - 1) : "never", energyText(E), off, ""]);
+  if (steps) {
+    const {E, theta} = motions[steps], isThere = goal !== null && E < goal;
+    const off = Math.max(...theta.map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+    rows.unshift(["you", "you", isThere ? String(steps) : "never", energyText(E), `${fixed(off)}°`, ""]);
   }
   const sample = (/** @type {string} */ role) =>
     `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/>` +

@@ -40,8 +40,9 @@ function choice(stage, host) {
     host.answered();
   };
   const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
-      make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}),
+    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
+      make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
+      make("i", {class: "bar", "aria-hidden": true}),
       make("small", {class: "count"})));
   return {
     element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
@@ -56,7 +57,7 @@ function choice(stage, host) {
         option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
           : "");
         const verdict = !stage.isRevealed ? "" : k === right ? " (right)" : isChosen ? " (your answer, not right)" : "";
-        option.setAttribute("aria-label", `${k + 1}: ${plain(fill(answers[k].text, stage))}${verdict}`);
+        option.querySelector(".unseen")?.replaceChildren(verdict);
         option.style.setProperty("--share", bar ? String(bar.share) : "0");
         option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });

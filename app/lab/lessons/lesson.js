@@ -234,6 +234,7 @@ function begin(data) {
     $("body").scrollTop = $("figures").scrollTop = 0;
     $("figures").replaceChildren();
     stage = place.kind === "step" ? stageOf(place.id) : null;
+    $("figures").tabIndex = place.kind === "end" ? 0 : -1;
     document.body.dataset.screen = place.kind;
     document.body.dataset.ask = stage?.step.ask.kind ?? "";
     if (stage) {
@@ -262,6 +263,7 @@ function begin(data) {
         show();
       }, catalogue: (data.catalogue ?? []).filter(({here}) => !here), beside,
     });
+    $("heading").textContent = lesson.title;
     document.title = `${stage ? stage.step.title : lesson.title} · ${lesson.short}`;
     draw();
     const heading = /** @type {HTMLElement | null} */ ($("body").querySelector("h2"));

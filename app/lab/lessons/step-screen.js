@@ -93,12 +93,15 @@ export class StepScreen {
       this.released(slider, value));
     this.sizes = new ResizeObserver(() => {
       for (const {figure} of this.mounted) figure.resize?.();
+      this.reached = null;
       course.redraw();
     });
     this.mounted.forEach(({box}) => this.sizes.observe(box));
     this.body = body;
     this.figures = figures;
     this.said = "";
+    /** @type {boolean | null} whether it was revealed when what scrolls was looked for */
+    this.reached = null;
   }
 
   /** Whether answers are taken. */
@@ -117,6 +120,10 @@ export class StepScreen {
     this.card.update();
     this.sliders.update(this.course.isLocked());
     this.figures.classList.toggle("is-asking", this.isOpen);
+    if (this.reached !== stage.isRevealed) {
+      this.reached = stage.isRevealed;
+      for (const box of [this.body, ...this.figures.querySelectorAll(".pictures, .drawing")]) reachable(box);
+    }
     this.#drawLegend(drawn);
     this.#drawAgain();
     const said = this.card.spoken();
@@ -378,6 +385,13 @@ export class StepScreen {
     }
     this.legend.hidden = !html;
   }
+}
+
+/** What scrolls can be reached by keys. @param {Element} box */
+function reachable(box) {
+  if (box.scrollHeight > box.clientHeight + 1 && getComputedStyle(box).overflowY !== "hidden") {
+    if (!box.hasAttribute("tabindex")) box.setAttribute("tabindex", "0");
+  } else if (!box.matches(".asked *")) box.removeAttribute("tabindex");
 }
 
 /** What a figure shows now. @param {FigureUse} use @param {Stage} stage */

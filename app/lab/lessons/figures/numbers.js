@@ -12,6 +12,7 @@ import {escaped} from "./drawing.js";
 
 const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
+const FILLED = .85; // of the width, by squares: the rest is for numbers that are wider than theirs
 const FEW = 30; // steps, of which test moves are hollow
 const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
   "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
@@ -73,8 +74,8 @@ export const formula = written(stage => {
     `<div class="draw-squares"><b class="vi-name">${name}</b>
 <div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
-    const kind = isLongest && stage.isRevealed ? "longest" : "", name = share > 4 ? i : "";
-    return `<span style="width:${fixed(share, 2)}%" class="${kind}"><i></i><small>${name}</small></span>`;
+    const kind = isLongest && stage.isRevealed ? "longest" : "";
+    return `<span class="${kind}"><i style="width:${fixed(FILLED * share, 2)}cqw"></i><small>${i + 1}</small></span>`;
   }).join("")}</div><p>together <b>${escaped(energyText(sum))} px²</b></p></div>`;
   const E = (sums[0] + sums[1]) / (2 * count);
   const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
@@ -158,7 +159,7 @@ export const standings = written(stage => {
       `</svg>`;
   const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${escaped(title)}</th>`
     + `${cells.map(cell => `<td>${escaped(cell)}</td>`).join("")}</tr>`).join("");
-  const head = heads.map(words => `<th scope="col">${escaped(words)}</th>`).join("");
+  const head = heads.map(words => words ? `<th scope="col">${escaped(words)}</th>` : "<td></td>").join("");
   return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
     `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
 }, "draw-standings", {aspect: 2.2});

@@ -505,6 +505,15 @@ def test_what_is_typed_into_a_field_is_the_field_s_own(opened, answers):
     assert at(page) == before and page.evaluate("document.documentElement.dataset.scheme") == "light"
 
 
+def test_show_me_shows_the_step_on_display(opened):
+    """After a step was skipped, whose buttons were the same."""
+    page = opened("choice")
+    click(page, "text=Skip step")
+    for _ in range(2):
+        click(page, ".primary")
+    assert at(page)["step"] == "place" and at(page)["revealed"]
+
+
 def test_the_browser_s_back_leads_one_step_back(opened):
     page = opened()
     click(page, "text=Without the questions before it")

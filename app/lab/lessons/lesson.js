@@ -377,7 +377,7 @@ function begin(data) {
   }
 
   function drawFoot() {
-    const {words, key, filled, disabled, act} = screen?.primary() ?? {words: "", act: () => {}}, skip = screen?.skip()
+    const {words, key, filled, disabled} = screen?.primary() ?? {words: ""}, skip = screen?.skip()
       ?? null, isHome = place.kind === "home";
     const now = JSON.stringify([words, key, filled, disabled, skip?.words, skip?.disabled, isHome, isLocked()]);
     if ($("foot").dataset.key === now && $("foot").childElementCount) return;
@@ -387,9 +387,9 @@ function begin(data) {
     const back = make("button", {type: "button", class: "plain back", disabled: isLocked(), "aria-label": "Back",
       onclick: () => go(-1)}, make("kbd", {}, "←"), make("span", {}, "Back"));
     const primary = make("button", {type: "button", class: `primary ${filled ? "filled" : "plain"}`, disabled,
-      onclick: () => { act(); drawFoot(); }}, words, key ? make("kbd", {}, key) : null);
+      onclick: () => { screen?.primary().act(); drawFoot(); }}, words, key ? make("kbd", {}, key) : null);
     $("foot").replaceChildren(...isHome ? [] : [back], ...skip
-      ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: skip.act}, skip.words)]
+      ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: () => screen?.skip()?.act()}, skip.words)]
       : [], ...isHome ? [] : [primary]);
     if (hadFocus) primary.focus({preventScroll: true});
   }

@@ -46,7 +46,7 @@ def ask(text: str) -> str:
 
 FAULTS = {  # a file, the line, the field, a part of what is said
     "no figure": (LESSON.replace('"L", show', '"M", show'), 12, "step[0].main[0].figure", "there are 1, 2, l, r, L"),
-    "no layer": (LESSON.replace('["arrows"]', '["arows"]'), 12, "step[0].main[0].reveal", "there are own points, rec"),
+    "no layer": (LESSON.replace('["arrows"]', '["arows"]'), 12, "step[0].main[0].reveal", "there are own points"),
     "nothing to look at": (LESSON.replace("main = [", "side = ["), 6, "step[0].main", "needs a figure"),
     "no measure": (LESSON.replace("{E}", "{F}"), 10, "step[0].say", "no measure 'F'; there are "),
     "no partner": (LESSON.replace("{E}", "{E"), 10, "step[0].say", "brace without its partner"),

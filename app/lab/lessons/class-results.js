@@ -38,7 +38,7 @@ export function resultsOf(results, about) {
   else if (ask.kind === "place") said.append(make("p", {class: "hint"}, "Each cross in the picture is one answer."));
   else if (ask.kind === "predict") drawn.append(histogram(now.values.map(one => one.length), {unit: " rounds", truth: null}));
   else if (ask.kind === "bet" && now.values.some(one => one.length > 1)) drawn.append(bets(now.values));
-  else drawn.append(histogram(now.values.map(one => one[0]), {unit: ask.kind === "do" ? " motions" : ask.unit ?? (ask.kind === "bet" ? " %" : ""),
+  else drawn.append(histogram(now.values.map(one => one[0]), {unit: ask.kind === "do" ? " steps" : ask.unit ?? (ask.kind === "bet" ? " %" : ""),
     truth: asked.revealed && ask.kind === "number" ? Number(measure(about.stage, ask.truth).value) : null}));
   return make("div", {class: "class-results"}, drawn.childElementCount ? drawn : null, said);
 }

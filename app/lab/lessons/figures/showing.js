@@ -105,7 +105,7 @@ class Gains {
 /** @type {FigureKind} */
 export const turnedPicture = {
   layers: ["start", "goal", "camera", "old Jacobian", "not turned", "Broyden"],
-  title: "**L** own left eye, turned and enlarged",
+  title: "**L** left eye, turned and enlarged",
   aspect: 1,
   create: (box, stage) => new Turned(box, stage),
 };

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from ..lab.lessons.format import Lesson
-from ..lab.lessons.page import HERE, in_another_process, lesson_page
+from ..lab.lessons.page import HERE, lesson_page
 from ..lab.lessons.source import find, shipped
 from ..lab.page import lab_page
 from .server import Page
@@ -13,7 +13,7 @@ ENTRY = "lessons/class.js"
 
 
 def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
-    """Return what makes each page, by path. Another process computes it: up to a minute, if nothing is cached.
+    """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callabl
         For a file that cannot be read.
     """
     lessons = dict(map(find, given)) if given else shipped()
-    make = lambda page: Page(in_another_process(page), embed)
+    make = lambda page: Page(page(), embed)
     return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab_page)}
 
 

@@ -37,13 +37,6 @@ FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
 OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}  # its policy is in the page
-LAB_WITHIN = 3.0  # s until a page that is still computed is promised; websockets ends handshakes after 10
-LAB_SOON = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>viewimit</title>
-<meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">
-<link rel="icon" href="data:,">
-<style>body{font:1.1rem/1.5 system-ui,sans-serif;max-width:34em;margin:20vh auto;padding:0 1em}</style></head><body>
-<p role="status">This lesson is computed for the first time, which takes up to a minute. It opens by itself.</p>
-<script>setTimeout(()=>location.reload(),2000)</script></body></html>"""
 log = logging.getLogger(__name__)
 
 MAKE_ROOM = "This page tries again every few seconds; close a tab elsewhere to make room."
@@ -69,7 +62,7 @@ class AccessControl:
         listening: socket.socket | None = None,
         lab: Callable[[str], str | None] = lambda lesson: None,
     ):
-        self._lab, self._computing = lab, dict[str, asyncio.Future[str | None]]()
+        self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._all_seats, self._own, self._listening = seats, seats.rows[process], listening
         self._server: ViserServer | None = None
@@ -174,14 +167,8 @@ class AccessControl:
         return answer
 
     async def _answer_lab(self, name: str) -> Response:
-        """Return the page of the lab or a lesson; while it is computed, one that asks again by itself."""
-        if name not in self._computing:
-            self._computing[name] = asyncio.ensure_future(asyncio.to_thread(self._lab, name))
-        computing = self._computing[name]
-        if not (await asyncio.wait([computing], timeout=LAB_WITHIN))[0]:
-            return plain_response(http.HTTPStatus.ACCEPTED, LAB_SOON, "text/html", **LAB_HEADERS)
-        self._computing.pop(name, None)  # LabPages caches the result; a failure is tried again
-        page = computing.result()
+        """Return the page of the lab or a lesson."""
+        page = await asyncio.to_thread(self._lab, name)
         if page is None:
             return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
         return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)

@@ -14,7 +14,7 @@ from pathlib import Path
 from waiting import wait_until
 from websockets.sync.client import connect
 
-CODE = "the code of a test"
+CODE = "abcdefghjkmnpqrstuvwxyz23456789"  # all signs of a code
 STARTS_WITHIN_S = 90
 
 

@@ -67,12 +67,20 @@ class Tab:
 
 
 def logged_in(browser, server, **how):
-    tab = Tab(browser, server, viewport=LECTURER, **how)
+    tab = Tab(browser, server, **{"viewport": LECTURER, **how})
     tab.page.click(".class-chip")
-    tab.page.fill(".class-login input", CODE)
-    tab.page.click(".class-login button")
+    tab.page.focus(".class-login input")
+    tab.page.keyboard.type(CODE)  # no key of the page acts meanwhile
+    tab.page.keyboard.press("Enter")
     tab.page.wait_for_selector(f"{BAR}:not([hidden])")
     return tab
+
+
+@pytest.mark.parametrize("step", ("home", "before-1", "eyes"))
+def test_the_code_is_typed_on_any_screen(browser, server, step):
+    tab = logged_in(browser, server, step=step)
+    assert tab.page.evaluate("lesson.state().step") == step and not tab.problems
+    tab.close()
 
 
 @pytest.fixture

@@ -379,6 +379,21 @@ def test_what_differs_from_the_experiment_is_said_and_a_run_that_cannot_go_on_st
 
 
 @pytest.mark.browser
+@pytest.mark.parametrize("field", ('<input type="password">', "<input>", '<div contenteditable>x</div>'))
+def test_what_is_typed_into_a_field_is_the_field_s_own(opened, field):
+    page = opened()
+    before = page.evaluate("[location.hash, document.documentElement.dataset.scheme]")
+    page.evaluate("html => document.body.insertAdjacentHTML('afterbegin', html)", field)
+    typed = page.locator("body > :first-child")
+    typed.focus()
+    page.keyboard.press("End")
+    page.keyboard.type("abcdefghjkmnpqrstuvwxyz23456789 ")
+    assert typed.evaluate("one => one.value ?? one.textContent.slice(1)").strip() == "abcdefghjkmnpqrstuvwxyz23456789"
+    assert page.evaluate("[location.hash, document.documentElement.dataset.scheme]") == before
+    assert page.evaluate("lab.session().now.motion") == 0
+
+
+@pytest.mark.browser
 def test_arrow_keys_step_after_a_pointer_and_stay_with_a_widget_reached_by_keys(opened):
     page = opened(width=1440, height=900)
     middle = lambda name: (lambda b: (b["x"] + b["width"] / 2, b["y"] + 0.7 * b["height"]))(

@@ -1,4 +1,4 @@
-"""What the browser computes for lessons, computed by the library: the statements of the lessons are tested with it."""
+"""What the browser computes for lessons, computed by the library: tests compare answers and measures with it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from viewimit.app.lab.lessons.situation import Situation
 
-from viewimit import fit_affine_fundamental
 from viewimit.analysis.construction import CROSSING
 from viewimit.analysis.landscape import Landscape, conflict_of_images, grid_axes
 from viewimit.estimation.transfers import epipolar
@@ -22,7 +21,6 @@ from viewimit.simulation.world import World
 
 Array = NDArray[np.float64]
 MAP_STEP_DEG = 3.0
-PLACES = ((0, 0.5), (0, 1), (0.5, 0), (0.5, 0.5), (0.5, 1), (1, 0), (1, 0.5), (1, 1), (2, 0))  # m back, sideways
 NEARER = (-0.3, 0)  # m back, sideways
 DEPTH_STEP_M = 1e-4  # of first derivatives of a projection
 FEWEST = 4  # points: these fit any images
@@ -125,22 +123,6 @@ def pressed(world: World, theta: Array, share: float = PLANE_SHARE) -> BodyPoint
     return BodyPoints(world.body.link, local)
 
 
-def left_out_px(situation: Situation, theta: Array) -> Array:
-    """Fit the lines of [l] in [L] to all points but one, for each: px from that point to its line, (N,).
-
-    theta: (m,) rad, the learner's posture.
-    """
-    views = situation.world.look(situation.start.theta_demo, theta)
-    found = []
-    for k in range(len(views.demo)):
-        rest = np.delete(np.arange(len(views.demo)), k)
-        u = np.concatenate([views.demo_left, views.own_left], 1)
-        mean = u[rest].mean(0)
-        f = np.linalg.svd(u[rest] - mean)[2][-1]
-        found.append(abs((u[k] - mean) @ f) / np.hypot(f[2], f[3]))
-    return np.array(found)
-
-
 # Two cameras at one arm, and their lines
 
 
@@ -200,32 +182,6 @@ def lines_in_L(situation: Situation, point: int) -> Array:
     return found / np.hypot(found[:, 0], found[:, 1])[:, None]
 
 
-def cross(lines: Array) -> Array:
-    """(2,) px where two lines cross."""
-    x, y, w = np.cross(*lines)
-    return np.array([x, y]) / w
-
-
-def crossing_angle(situation: Situation, point: int) -> float:
-    """Degrees between the lines of a point in L."""
-    (a, b), (c, d) = lines_in_L(situation, point)[:, :2]
-    return float(np.degrees(np.arcsin(min(abs(a * d - b * c), 1.0))))
-
-
-def crossing_moves(situation: Situation, point: int) -> Array:
-    """(2,) px that the crossing moves if the line from [r] moves by 1 px."""
-    lines = lines_in_L(situation, point)
-    return cross(lines + np.array([[0, 0, 0], [0, 0, 1.0]])) - cross(lines)
-
-
-def least_misfit_px(situation: Situation) -> float:
-    """px, root mean square in L: what five matches of [l] and [L] leave of the best affine geometry."""
-    views = situation.start.views
-    f, f33 = fit_affine_fundamental(views.demo_left, views.own_left)
-    off = np.concatenate([views.demo_left, views.own_left], 1) @ f + f33
-    return float(np.sqrt(np.mean((off / np.hypot(f[2], f[3])) ** 2)))
-
-
 # Arrows and ways
 
 
@@ -240,28 +196,10 @@ def ways(situation: Situation) -> Array:
     return (goal - situation.start.views.own).reshape(-1, 2, 2)
 
 
-def to_ghost(situation: Situation) -> Array:
-    """(N, 2) px from diamonds to the ghost's dots, in L and R."""
-    return np.linalg.norm(ways(situation) + arrows(situation), axis=-1)
-
-
 def cosine(situation: Situation, points: Array | slice = slice(None)) -> float:
     """Of some points' arrows, followed from dot to diamond, with the way to the ghost."""
     back, way = -arrows(situation)[points], ways(situation)[points]
     return float((back * way).sum() / np.sqrt((back**2).sum() * (way**2).sum()))
-
-
-def between(situation: Situation, share: float) -> Situation:
-    """The same step with the learner so far from the demonstrator's posture (0) to its own (1)."""
-    demo, own = np.degrees(situation.start.theta_demo), np.degrees(situation.start.theta)
-    return situation.with_settings(start_deg=tuple((demo + share * (own - demo)).tolist()))
-
-
-def E_of_images(situation: Situation, demo: Array) -> float:
-    """E at the start with other images of the demonstrator, (N, 4) px."""
-    views = situation.start.views
-    changed = FourViews(demo, views.own, views.visible)
-    return float(situation.start.fit(changed).conflict(changed))
 
 
 # The demonstrator carried across the room

@@ -40,7 +40,7 @@ found.sampled = {index: servo.step.samples.findIndex(({state}) => state.start ==
 servo.slide("own 1", 33);
 found.slid = servo.moment.theta[0] / DEGREE;
 servo.move([40 * DEGREE, -100 * DEGREE]);
-servo.move([50 * DEGREE, -110 * DEGREE]);
+servo.move(servo.state.demonstrator);
 found.motions = servo.motions.map(({theta, E: energy}) => [...theta.map(v => v / DEGREE), energy]);
 const solved = of("servo", {seed: 4}), before = [...solved.moment.theta], solving = solution(solved);
 found.left = before.every((v, k) => Math.abs(v - solved.moment.theta[k]) < 1e-9);
@@ -66,14 +66,6 @@ apart.slide("pose apart", 0);
 found.alike = apart.moment.theta.map((v, k) => (v - apart.moment.thetaDemo[k]) / DEGREE);
 apart.slide("demo 2", -90);
 found.demo = apart.moment.thetaDemo[1] / DEGREE;
-
-const select = of("select");
-select.answer = {selected: [0, -1]};
-found.select = [isAnswered(select)];
-select.answer = {selected: [0, 1]};
-found.select.push(isAnswered(select));
-select.answer = {selected: [0, 1], reason: 1};
-found.select.push(isAnswered(select), said(select).reply);
 
 const bet = of("bet");
 found.bets = [80, 20, 55].map(value => (bet.answer = {bet: value}, {...said(bet), penalty: measure(bet, "penalty").text}));

@@ -96,29 +96,6 @@ def _middle(page, selector):
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def _line(page):
-    return page.locator(".figure-L .vi-line:not(.vi-from-right)").first.get_attribute("d")
-
-
-@pytest.mark.browser
-def test_a_point_of_l_is_dragged_after_the_answer_and_its_line_goes_along(opened):
-    page = opened("ray", "two")
-    assert page.locator(".draw-handle").count() == 0  # the line from r is hidden yet
-    page.evaluate("lesson.reveal()")  # the handles come with the answer
-    page.wait_for_selector(".figure-l .draw-handle")
-    before, (x, y) = _line(page), _middle(page, ".figure-l .draw-handle")
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + 10, y - 25, steps=4)
-    page.mouse.up()
-    wait_until(lambda: _line(page) != before)
-    dragged = _line(page)
-    page.locator(".figure-l .drawing").focus()
-    page.keyboard.press("ArrowDown")
-    wait_until(lambda: _line(page) not in (before, dragged))
-    assert not page.faults
-
-
 @pytest.mark.browser
 def test_pencils_follow_their_sliders_until_every_point_is_on_its_line(opened):
     page = opened("ray", "pencil")

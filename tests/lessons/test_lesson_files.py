@@ -46,7 +46,7 @@ def ask(text: str) -> str:
 
 FAULTS = {  # a file, the line, the field, a part of what is said
     "no figure": (LESSON.replace('"L", show', '"M", show'), 12, "step[0].main[0].figure", "there are 1, 2, l, r, L"),
-    "no layer": (LESSON.replace('["arrows"]', '["arows"]'), 12, "step[0].main[0].reveal", "there are own points, rec"),
+    "no layer": (LESSON.replace('["arrows"]', '["arows"]'), 12, "step[0].main[0].reveal", "there are own points"),
     "nothing to look at": (LESSON.replace("main = [", "side = ["), 6, "step[0].main", "needs a figure"),
     "no measure": (LESSON.replace("{E}", "{F}"), 10, "step[0].say", "no measure 'F'; there are "),
     "no partner": (LESSON.replace("{E}", "{E"), 10, "step[0].say", "brace without its partner"),
@@ -61,7 +61,6 @@ FAULTS = {  # a file, the line, the field, a part of what is said
     "carry": (LESSON.replace("chosen = 2", 'carry = "none"'), 11, "step[0].carry", "no step 'none' before this one"),
     "race": (LESSON.replace("chosen = 2", 'race = ["fast"]'), 11, "step[0].race", "no servo 'fast'; there are "),
     "scene": (LESSON.replace("chosen = 2", "scene = { title = 'x' }"), 11, "step[0].scene", "there are head, demo"),
-    "randomised": (LESSON.replace("chosen = 2", "randomised = []\nrandomise = false"), 0, "", ""),
     "two right": (LESSON.replace('not that one."', 'not that one."\nright = true'), 16, "step[0].ask.answers", "not 2"),
     "no kind": (LESSON.replace('"choice"', '"chose"'), 14, "step[0].ask.kind", "there are choice, place, number"),
     "not in a main figure": (
@@ -159,7 +158,7 @@ def test_a_file_that_is_no_lesson_is_refused(data, said, tmp_path):
 
 def test_an_unknown_lesson_is_answered_with_the_names_that_exist(capsys, tmp_path):
     assert main(["lab", "--lesson", "tuor", "--out", str(tmp_path / "a.html")]) == 2
-    assert "no lesson 'tuor'; there are ray, tour, limits, jacobian, motion, design, sign" in capsys.readouterr().err
+    assert "no lesson 'tuor'; there are ray, tour, limits, jacobian, motion, sign" in capsys.readouterr().err
 
 
 def test_a_lesson_brings_its_own_scene(capsys, tmp_path):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 from viewimit.app.lab.lessons import checks, source
-from viewimit.app.lab.lessons.format import Choice, Do, Place, Select, texts_with_measures
+from viewimit.app.lab.lessons.format import Choice, Do, Place, texts_with_measures
 from viewimit.app.lab.lessons.page import terms
 
 LESSONS = source.shipped()
@@ -24,7 +24,7 @@ THOUGHT_OF = {  # numbers that a step supposes, and no picture shows
 
 
 def test_lessons_go_from_the_ray_to_the_claim():
-    assert list(LESSONS) == ["ray", "tour", "limits", "jacobian", "motion", "design", "sign"]
+    assert list(LESSONS) == ["ray", "tour", "limits", "jacobian", "motion", "sign"]
     assert [lesson.questions for lesson in LESSONS.values()] == [name == "tour" for name in LESSONS]
 
 
@@ -49,7 +49,7 @@ def test_a_step_says_no_number_that_could_be_computed(name, step):
 @pytest.mark.parametrize(("name", "step"), STEPS, ids=NAMES)
 def test_each_wrong_answer_gets_its_own_reply(name, step):
     ask = step.ask
-    answers = ask.answers if isinstance(ask, Choice) else ask.reasons if isinstance(ask, Select) else ()
+    answers = ask.answers if isinstance(ask, Choice) else ()
     replies = [answer.because for answer in answers]
     if isinstance(ask, Place):
         replies = [ask.close, ask.far, *(other.because for other in ask.elsewhere)]
@@ -69,7 +69,7 @@ def test_the_fields_terms_are_named_in_bold_and_explained():
 
 def test_all_kinds_of_questions_are_asked():
     kinds = {type(step.ask).__name__ for _, step in STEPS}
-    assert kinds == {"Choice", "Place", "Number", "Do", "Pose", "Select", "Predict", "Bet"}
+    assert kinds == {"Choice", "Place", "Number", "Do", "Pose", "Predict", "Bet"}
 
 
 def test_no_question_in_a_lesson_is_answered_by_the_longest_text_as_a_rule():

@@ -15,7 +15,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--lesson",
         metavar="NAME",
         default="tour",
-        help="a name (ray, tour, limits, jacobian, motion, design, sign) or the path of a .toml file (tour)",
+        help="a name (ray, tour, limits, jacobian, motion, sign) or the path of a .toml file (tour)",
     )
     parser.add_argument("--solutions", action="store_true", help="with answers and revealed pictures, for the lecturer")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it there, .html or .pdf (LESSON-handout.html)")

@@ -19,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         action="append",
         default=[],
-        help="a page of lessons instead: a name (ray, tour, limits, jacobian, motion, design, sign) or the path of a "
+        help="a page of lessons instead: a name (ray, tour, limits, jacobian, motion, sign) or the path of a "
         ".toml file; more than once for more",
     )
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")

@@ -14,9 +14,6 @@ export function isAnswered({step: {ask}, answer, rounds, mark}) {
   if (ask.kind === "place") return Boolean(mark);
   if (ask.kind === "pose") return Boolean(answer.pose);
   if (ask.kind === "number") return answer.number !== undefined;
-  if (ask.kind === "select") return answer.selected?.length === ask.fields?.length
-    && Math.min(...answer.selected ?? []) >= 0
-    && (!ask.reasons?.length || answer.reason !== undefined);
   if (ask.kind === "bet") return answer.bet !== undefined;
   if (ask.kind === "predict") return rounds.length > 0;
   return Boolean(answer.done);
@@ -50,6 +47,9 @@ export function isNear({factor, within}, number, truth) {
     : Math.abs(number - truth) <= (within ?? 0);
 }
 
+/** The other place that was marked, which has a reply of its own. @param {Stage} stage */
+const elsewhereOf = stage => stage.mark && stage.step.ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
+
 /**
  * Whether the answer is right, or near enough to be called so; null without one, or where there is no right one.
  * @param {Stage} stage
@@ -59,6 +59,7 @@ export function isRight(stage) {
   if (!isAnswered(stage) || answer.shown) return null;
   if (ask.kind === "choice") return answer.choice === rightChoice(stage);
   if (ask.kind === "place" || ask.kind === "pose") {
+    if (elsewhereOf(stage)) return false;
     const off = Number(judged(stage, "distance in px").value);
     return Number.isNaN(off) ? null : off <= (ask.near ?? 0);
   }
@@ -79,7 +80,7 @@ export function reply(stage) {
   if (!isAnswered(stage) || answer.shown) return "";
   if (ask.kind === "choice") return ask.answers?.[answer.choice ?? -1]?.because ?? "";
   if (ask.kind === "place" || ask.kind === "pose") {
-    const other = stage.mark && ask.elsewhere?.find(one => distanceOf(stage, one.truth) <= one.near);
+    const other = elsewhereOf(stage);
     if (other) return other.because;
     if (isRight(stage)) return ask.close ?? "";
     const isOnLine = ask.line && ask.on_line && Number(judged(stage, ask.line).value) < (ask.near ?? 0);
@@ -89,5 +90,5 @@ export function reply(stage) {
     const truth = Number(judged(stage, ask.truth ?? "").value), number = /** @type {number} */ (answer.number);
     return (isNear(ask, number, truth) ? ask.close : ask.less && number < truth ? ask.less : ask.far) ?? "";
   }
-  return ask.kind === "select" ? ask.reasons?.[answer.reason ?? -1]?.because ?? "" : "";
+  return "";
 }

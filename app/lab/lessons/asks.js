@@ -1,5 +1,5 @@
 /**
- * What a step asks for, as something to press: answers, a number, a goal, settings, predictions, a bet. A mark in a
+ * What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
  * figure is made in marks.js, sliders are made in sliders-row.js.
  *
  * @typedef {import("./stage.js").Stage} Stage
@@ -21,7 +21,7 @@ import {energy, short} from "./measured.js";
 const BET_STEP = 5, SCALE_STEPS = 200;
 
 /** @type {Record<string, (stage: Stage, host: Host) => Asked>} */
-const KINDS = {choice, place, pose, number, do: task, select, predict, bet};
+const KINDS = {choice, place, pose, number, do: task, predict, bet};
 
 /** @param {Stage} stage @param {Host} host */
 export function askOf(stage, host) {
@@ -40,8 +40,9 @@ function choice(stage, host) {
     host.answered();
   };
   const options = answers.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
-      make("i", {class: "verdict", "aria-hidden": true}), make("i", {class: "bar", "aria-hidden": true}),
+    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(fill(text, stage))}),
+      make("i", {class: "verdict", "aria-hidden": true}), make("span", {class: "unseen"}),
+      make("i", {class: "bar", "aria-hidden": true}),
       make("small", {class: "count"})));
   return {
     element: make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
@@ -56,7 +57,7 @@ function choice(stage, host) {
         option.querySelector(".verdict")?.replaceChildren(stage.isRevealed ? k === right ? "✓" : isChosen ? "✗" : ""
           : "");
         const verdict = !stage.isRevealed ? "" : k === right ? " (right)" : isChosen ? " (your answer, not right)" : "";
-        option.setAttribute("aria-label", `${k + 1}: ${plain(fill(answers[k].text, stage))}${verdict}`);
+        option.querySelector(".unseen")?.replaceChildren(verdict);
         option.style.setProperty("--share", bar ? String(bar.share) : "0");
         option.querySelector(".count")?.replaceChildren(bar ? `${bar.count} · ${Math.round(100 * bar.share)} %` : "");
       });
@@ -136,77 +137,13 @@ function task(stage, host) {
       make("span", {class: "goal"}, ` goal: ${isBelow ? "below" : "above"} ${text(goal)}`)),
       make("div", {class: "meter", "aria-hidden": true}, filled), make("p", {class: "steps-made"}, count, again)),
     update() {
-      const {value, text: words} = measure(stage, ask.measure ?? ""), steps = stage.motions.length - 1;
+      const {value, text: words} = measure(stage, ask.measure ?? ""), {steps} = stage;
       const share = isBelow ? Math.log(start / Math.max(value, 1e-9)) / Math.log(start / goal) : value / goal;
       now.textContent = words;
       now.classList.toggle("there", isReached(stage));
       filled.style.width = `${100 * Math.min(1, Math.max(0, share))}%`;
       count.textContent = ask.counted ? `${steps} ${steps === 1 ? "step" : "steps"}` : "";
       again.hidden = !ask.counted || steps === 0 || host.isLocked();
-    },
-  };
-}
-
-/** @param {Stage} stage @param {Host} host @returns {Asked} */
-function select(stage, host) {
-  const {fields = [], reason = "", reasons = []} = stage.step.ask;
-  /** @type {{button: HTMLButtonElement, field: number, value: number}[]} */
-  const buttons = [];
-  const take = (/** @type {number} */ field, /** @type {number} */ value) => {
-    if (stage.isRevealed || host.isLocked()) return;
-    const selected = [...stage.answer.selected ?? fields.map(() => -1)];
-    selected[field] = value;
-    stage.answer = {...stage.answer, selected};
-    host.answered();
-    requestAnimationFrame(() => {
-      const open = selected.indexOf(-1), next = open < 0 ? reasonsBox : sets[open];
-      if (!stage.isRevealed) next.scrollIntoView({block: "nearest"});
-    });
-  };
-  const sets = fields.map(({label, values}, field) => make("div", {role: "group", "aria-label": plain(label)},
-    make("p", {class: "label", html: inline(label)}),
-    ...values.map(({text, says}, value) => {
-      const button = make("button", {type: "button", class: "option", onclick: () => take(field, value)},
-        make("kbd", {}, String(buttons.length + 1)), make("span", {html: inline(text)}, says
-        ? make("small", {class: "says-how", html: inline(says)}) : null));
-      buttons.push({button, field, value});
-      return button;
-    })));
-  const why = (/** @type {number} */ k) => {
-    if (stage.isRevealed || host.isLocked()) return;
-    stage.answer = {...stage.answer, reason: k};
-    host.answered();
-  };
-  const whys = reasons.map(({text}, k) => make("button", {type: "button", class: "option", onclick: () => why(k)},
-    make("kbd", {}, String(buttons.length + k + 1)), make("span", {html: inline(text)})));
-  const reasonsBox = make("div", {role: "group", "aria-label": plain(reason)},
-    make("p", {class: "label question", html: inline(reason)}), ...whys);
-  return {
-    element: make("div", {class: "options fields"}, ...sets, reasonsBox),
-    update() {
-      const isWhole = stage.answer.selected?.length === fields.length && Math.min(...stage.answer.selected) >= 0;
-      reasonsBox.hidden = !whys.length || !isWhole || stage.isRevealed && stage.answer.reason === undefined;
-      whys.forEach((option, k) => {
-        const isChosen = stage.answer.reason === k;
-        option.setAttribute("aria-pressed", String(isChosen));
-        option.className = `option${isChosen ? " chosen" : ""}`;
-        option.hidden = stage.isRevealed && !isChosen;
-        option.disabled = host.isLocked();
-      });
-      for (const {button, field, value} of buttons) {
-        const isChosen = stage.answer.selected?.[field] === value;
-        button.setAttribute("aria-pressed", String(isChosen));
-        button.className = `option${isChosen ? " chosen" : ""}`;
-        button.hidden = stage.isRevealed && !isChosen;
-        button.disabled = host.isLocked();
-      }
-    },
-    key(key) {
-      const one = buttons[Number(key) - 1];
-      if (one) take(one.field, one.value);
-      else if (Number(key) - 1 - buttons.length in whys && !reasonsBox.hidden) why(Number(key) - 1 - buttons.length);
-      else return false;
-      return true;
     },
   };
 }

@@ -9,7 +9,10 @@ import {askOf} from "./asks.js";
 import {inline, make, plain} from "./dom.js";
 import {fill, judged, measure} from "./measures.js";
 
+/** What is said to who has pressed "Show me" instead of an answer. */
 const STUCK = "Here is how it is. Before the next step, commit to a guess: you will remember more.";
+const STUCK_AT = /** @type {Record<string, string>} */ ({do: "This is one way to reach the goal.",
+  predict: "There is nothing to compare without a turn. Begin again, and make some."});
 
 /**
  * Words without what they would say of an earlier step that was not played.
@@ -23,8 +26,8 @@ export function playedOnly(words, stage) {
   if (!isOpen(words)) return words;
   const left = words.split(/(?<=[.!?])\s+/).map(sentence => isOpen(sentence)
     ? sentence.replace(/you \{your [^}]*\}, /, "") : sentence).filter(sentence => !isOpen(sentence));
-  const played = stage.previous ? `“${stage.previous.step.title}”` : "it";
-  return [...left, `You have not played ${played}.`].join(" ");
+  const played = stage.previous ? `“${stage.previous.step.title}”` : "this step";
+  return [...left, stage.steps ? `You did not reach the goal of ${played}.` : `You have not played ${played}.`].join(" ");
 }
 
 export class Card {
@@ -49,12 +52,12 @@ export class Card {
 
   update() {
     const {stage} = this, {step, answer} = stage, isShown = stage.isRevealed;
-    this.#write(this.words, isShown ? "" : inline(fill(step.text, stage), this.glossary));
+    this.#write(this.words, isShown ? "" : inline(fill(playedOnly(step.text, stage), stage), this.glossary));
     this.ask.update();
-    this.ask.element.hidden = isShown && !["choice", "select", "predict"].includes(step.ask.kind)
+    this.ask.element.hidden = isShown && !["choice", "predict"].includes(step.ask.kind)
       || Boolean(isShown && step.ask.kind === "predict" && !stage.rounds.length);
     this.#write(this.headline, isShown ? this.#headline() : "");
-    const said = isShown ? answer.shown ? STUCK : reply(stage) : "";
+    const said = isShown ? answer.shown ? STUCK_AT[step.ask.kind] ?? STUCK : reply(stage) : "";
     this.#write(this.reply, inline(fill(said, stage), this.glossary));
     const isOwn = answer.shown && (step.ask.kind === "predict" || /\{your /.test(step.after ?? "")); // it would speak of an answer that was not given
     this.#write(this.after, isShown && step.after && !isOwn ? inline(fill(playedOnly(step.after, stage), stage),
@@ -64,10 +67,15 @@ export class Card {
     this.box.classList.toggle("revealed", isShown);
   }
 
+  /** Whether there is what its large number is about. */
+  get #isHeadlined() {
+    return isAnswered(this.stage) || !["place", "pose", "bet"].includes(this.stage.step.ask.kind);
+  }
+
   /** A number in large, where there is an answer that it is about. */
   #headline() {
-    const {step: {headline, ask}} = this.stage;
-    if (!headline || !isAnswered(this.stage) && ["place", "pose", "bet"].includes(ask.kind)) return "";
+    const {headline} = this.stage.step;
+    if (!headline || !this.#isHeadlined) return "";
     const {text} = judged(this.stage, headline.measure), [, number, unit] = text.match(/^([−\d.,]+)\s?(.*)$/)
       ?? ["", text, ""];
     const note = headline.note ? `<small>${inline(fill(headline.note, this.stage), this.glossary)}</small>` : "";
@@ -80,10 +88,10 @@ export class Card {
   spoken() {
     const {stage} = this, {step} = stage;
     if (!stage.isRevealed) return step.ask.kind === "do"
-      ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.motions.length - 1} steps` : "";
+      ? `${step.ask.measure} ${measure(stage, step.ask.measure ?? "").text}, ${stage.steps} steps` : "";
     const verdict = {true: "Right.", false: "Not quite.", null: ""}[String(isRight(stage))] ?? "";
     const label = plain(fill(step.headline?.label ?? "", stage)).replace(/:$/, "");
-    const number = step.headline ? `${label}: ${judged(stage, step.headline.measure).text}.` : "";
+    const number = step.headline && this.#isHeadlined ? `${label}: ${judged(stage, step.headline.measure).text}.` : "";
     const replied = plain(fill(reply(stage), stage));
     return [replied.startsWith("Right") ? "" : verdict, number, replied, "Now you can say:",
       plain(fill(step.say, stage))].filter(Boolean).join(" ");

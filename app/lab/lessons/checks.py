@@ -30,7 +30,6 @@ from .format import (
     Pose,
     Predict,
     Questions,
-    Select,
     Slider,
     Step,
     measures_in,
@@ -43,7 +42,6 @@ from .situation import Situation
 HERE = Path(__file__).parent
 GUESS_SLIDERS = ("guess 1", "guess 2")
 KNOB_SLIDERS = ("knob 1", "knob 2")
-HEAD_RANGES = ("head distance", "head baseline", "head toe-in")
 MAX_STEPS, MAX_SLIDERS, MAX_NUMBERS, MAX_TIMES = 60, 3, 40, 20
 WORDS_PER_MINUTE = 200
 SECONDS_TO_ACT = 20  # of each round of a step: to look, to think, to click
@@ -143,13 +141,6 @@ def _read(step: Step) -> Iterator[str]:
     if isinstance(ask, Choice):
         yield from (answer.text for answer in ask.answers)
         replies = [answer.because for answer in ask.answers]
-    elif isinstance(ask, Select):
-        yield ask.reason
-        for field in ask.fields:
-            yield field.label
-            yield from (f"{value.text} {value.says}" for value in field.values)
-        yield from (reason.text for reason in ask.reasons)
-        replies = [reason.because for reason in ask.reasons]
     elif isinstance(ask, Place | Number | Pose):
         replies = [ask.close, ask.far]
     yield max(replies, key=lambda text: len(text.split()), default="")
@@ -182,8 +173,7 @@ def _of_step(lesson: Lesson, step: Step, before: set[str]) -> Faults:
     if step.play is not None and step.play <= 0:
         yield ".play", "must be above 0 s"
     yield from _of_sliders(step.sliders)
-    yield from _of_randomised(lesson, step)
-    yield from _of_ask(lesson, step)
+    yield from _of_ask(step)
     for where, said in texts_with_measures(step):
         if re.search(r"[{}]", re.sub(r"\{[^{}]*\}", "", said)):
             yield where, "has a brace without its partner; a measure stands in braces"
@@ -218,19 +208,7 @@ def _of_sliders(sliders: tuple[Slider, ...]) -> Faults:
             yield f"{at}.name", f"another slider is called {slider.name!r}"
 
 
-def _of_randomised(lesson: Lesson, step: Step) -> Faults:
-    if step.randomised and not step.randomise:
-        yield ".randomised", "needs randomise = true"
-    for k, one in enumerate(step.randomised):
-        if not (one.low <= one.high and one.step > 0):
-            yield f".randomised[{k}].low", f"must be at most high, {one.high:g}, and step above 0"
-        elif one.name not in HEAD_RANGES:
-            why = _unsettled(lesson, step, one.name, one.low) or _unsettled(lesson, step, one.name, one.high)
-            if why:
-                yield f".randomised[{k}].name", f"{why}; of the head there are {', '.join(HEAD_RANGES)}"
-
-
-def _of_ask(lesson: Lesson, step: Step) -> Faults:
+def _of_ask(step: Step) -> Faults:
     ask = step.ask
     names = tuple(slider.name for slider in step.sliders)
     if isinstance(ask, Choice):
@@ -239,8 +217,6 @@ def _of_ask(lesson: Lesson, step: Step) -> Faults:
         yield from _of_place(step, ask)
     elif isinstance(ask, Number):
         yield from _of_number(ask)
-    elif isinstance(ask, Select):
-        yield from _of_select(lesson, step, ask)
     elif isinstance(ask, Do):
         if (ask.below is None) == (ask.above is None):
             yield ".ask", "needs below or above, one of them"
@@ -302,20 +278,6 @@ def _of_number(ask: Number) -> Faults:
         yield ".ask.factor", "must be above 1"
     elif ask.within is not None and ask.within <= 0:
         yield ".ask.within", "must be above 0"
-
-
-def _of_select(lesson: Lesson, step: Step, ask: Select) -> Faults:
-    if not ask.fields:
-        yield ".ask.fields", "needs a [[step.ask.fields]]"
-    for k, field in enumerate(ask.fields):
-        if len(field.values) < 2:
-            yield f".ask.fields[{k}].values", f"two or more are needed, not {len(field.values)}"
-        for value in field.values:
-            why = _unsettled(lesson, step, field.name, value.value)
-            if why:
-                yield f".ask.fields[{k}]", why
-    if bool(ask.reason) != bool(ask.reasons):
-        yield ".ask", "reason and reasons need each other"
 
 
 def _unsettled(lesson: Lesson, step: Step, name: str, value: Any) -> str:

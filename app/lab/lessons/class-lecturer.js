@@ -10,6 +10,7 @@
  */
 import {tab} from "./class-link.js";
 import {escaped, inline, make, plain} from "./dom.js";
+import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
 import {add, energyText} from "../view/svg.js";
 
@@ -168,11 +169,11 @@ export class Lecturer {
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const {target, key} = event;
-    if (!this.room.isLecturer || event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element) || target.matches("input, textarea, select")) return;
+    const {key} = event;
+    if (!this.room.isLecturer || !isForPage(event)) return;
     const acts = /** @type {Record<string, () => void>} */ ({t: () => this.#hide(), m: () => this.open(this.tab ? "" : "Students"), p: () => this.#present()});
     const act = key === "Escape" && this.tab ? () => this.open("") : acts[key.toLowerCase()];
-    if (!act || this.room.dialog.open) return;
+    if (!act) return;
     event.preventDefault();
     event.stopPropagation();
     act();

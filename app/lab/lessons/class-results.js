@@ -36,10 +36,9 @@ export function resultsOf(results, about) {
     if (about.question || rounds.length > 1 || !about.isNarrow) drawn.append(bars(rounds, about));
   } else if (ask.kind === "pose") drawn.append(cloud(now.values, about));
   else if (ask.kind === "place") said.append(make("p", {class: "hint"}, "Each cross in the picture is one answer."));
-  else if (ask.kind === "select") drawn.append(combinations(rounds, ask));
   else if (ask.kind === "predict") drawn.append(histogram(now.values.map(one => one.length), {unit: " rounds", truth: null}));
   else if (ask.kind === "bet" && now.values.some(one => one.length > 1)) drawn.append(bets(now.values));
-  else drawn.append(histogram(now.values.map(one => one[0]), {unit: ask.kind === "do" ? " motions" : ask.unit ?? (ask.kind === "bet" ? " %" : ""),
+  else drawn.append(histogram(now.values.map(one => one[0]), {unit: ask.kind === "do" ? " steps" : ask.unit ?? (ask.kind === "bet" ? " %" : ""),
     truth: asked.revealed && ask.kind === "number" ? Number(measure(about.stage, ask.truth).value) : null}));
   return make("div", {class: "class-results"}, drawn.childElementCount ? drawn : null, said);
 }
@@ -102,18 +101,6 @@ function cloud(values, {asked, stage}) {
 <rect class="frame" x="${left}" y="6" width="${width - left - 6}" height="${height - bottom - 6}"/>${crosses}${goal ? `<path class="truth" d="M${goal[0]} ${goal[1]}m-7 0h14m-7-7v14"/>` : ""}
 ${[0, 1].map(end => `<text x="${end ? width - 6 : left}" y="${height - 4}" text-anchor="${end ? "end" : "start"}">${number(degrees[end][1])}°</text><text x="${left - 4}" y="${end ? 16 : height - bottom}" text-anchor="end">${number(degrees[end][0])}°</text>`).join("")}
 <text x="${(left + width) / 2}" y="${height - 4}" text-anchor="middle">${escaped(names[1])}</text><text transform="translate(12 ${height / 2}) rotate(-90)" text-anchor="middle">${escaped(names[0])}</text></svg>`});
-}
-
-/** @param {Tally[]} rounds @param {any} ask */
-function combinations(rounds, ask) {
-  const fields = ask.fields ?? [], name = (/** @type {number[]} */ values) => fields.map((/** @type {any} */ field, /** @type {number} */ k) => field.values[values[k]]?.text ?? "?").join(" · ");
-  /** @type {Map<string, number>} */
-  const counts = new Map();
-  for (const values of rounds[0].values) counts.set(name(values), (counts.get(name(values)) ?? 0) + 1);
-  const {total} = rounds[0];
-  return make("ol", {class: "class-bars with-words"}, ...[...counts].sort((a, b) => b[1] - a[1]).map(([words, count]) =>
-    make("li", {}, make("span", {class: "words"}, words), make("span", {class: "pair"}, make("i", {class: "round-0", style: `--share:${count / total}`})),
-      make("span", {class: "of"}, `${count} of ${total}, ${share(count, total)}`))));
 }
 
 /** The mean bet on each run. @param {number[][]} values */

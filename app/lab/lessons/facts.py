@@ -1,6 +1,6 @@
 """Facts and records of a step: computed by the library when the page is written.
 
-    situation = Situation(settings, step.scene, step.chosen, step.race, goal, randomised=…, choices=…)
+    situation = Situation(settings, step.scene, step.chosen, step.race, goal)
     facts, records = compute(situation, measures, figures)
 
 A fact is a number of the step's fixed state, and its text. Records are runs, clouds and postures that figures draw.
@@ -19,7 +19,7 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
 
-from . import circle, design, records, sign
+from . import circle, records, samples, sign
 from .circle import Followed
 from .situation import Situation
 
@@ -76,25 +76,7 @@ def compute(
     names = {record for figure in figures for record in FIGURE_RECORDS.get(figure, ())}
     names |= {"races"} if situation.race else set()
     names |= {"swapped"} if situation.settings.swapped else set()
-    names -= {"rounds"} if situation.randomised else set()  # these are of each random scene
     return facts, {name: RECORDS[name](situation) for name in RECORDS if name in names}
-
-
-def sample_states(situation: Situation, count: int, seed: int) -> list[Situation]:
-    """Sample states of a step by a seed: postures of both arms, or scenes where the step randomises them.
-
-    Parameters
-    ----------
-    situation : Situation
-    count, seed : int
-
-    Returns
-    -------
-    list of Situation
-        Equal except for their random values.
-    """
-    sample = design.sample_scenes if situation.randomised else design.sample_postures
-    return sample(situation, count, seed)
 
 
 # Facts of one step each
@@ -209,8 +191,8 @@ def _followed(of: Callable[[Followed], float], which: str) -> Callable[[Situatio
 
 def _median_motions(servo: str) -> Callable[[Situation], float]:
     def fact(situation: Situation) -> float:
-        starts = design.race_starts(situation)
-        return float(np.median([records.motions_to(records.run(one, servo), design.RACE_GOAL) for one in starts]))
+        starts = samples.race_starts(situation)
+        return float(np.median([records.motions_to(records.run(one, servo), samples.RACE_GOAL) for one in starts]))
 
     return fact
 
@@ -245,10 +227,6 @@ def _cost(joint: int) -> Fact:
     return Fact(lambda situation: float(np.degrees(records.costs(situation)[joint])), "°", 1, "any angle")
 
 
-def _rounds(situation: Situation) -> float:
-    return float(design.shipped_rounds().get(situation.digest, {"starts": design.OWN_ROUNDS})["starts"])
-
-
 FACTS: Mapping[str, Fact] = {
     # tour
     "median cosine": Fact(lambda situation: float(np.median(records.signposts(situation))), "", 2),
@@ -277,7 +255,6 @@ FACTS: Mapping[str, Fact] = {
     "averaged scatter of the first joint": Fact(_scatter(records.FRAMES[1], 0), "°", 1),
     "times the cloud shrinks": Fact(_shrinks, "", 1),
     "runs": Fact(lambda situation: float(records.RUNS), "", 0),
-    "noise": Fact(lambda situation: situation.settings.noise_px, " px", write="{:g} px".format),
     "what puts it right": Fact(_rectifies),
     "off as seen": Fact(_off_case("as seen"), "°", 1),
     "off rectified": Fact(_off_case("rectified"), "°", 1),
@@ -303,15 +280,7 @@ FACTS: Mapping[str, Fact] = {
     # jacobian
     "median steps of the gradient law": Fact(_median_motions("gradient-retuned"), missing="never", write="{:g}".format),
     "median steps of Broyden": Fact(_median_motions("broyden"), missing="never", write="{:g}".format),
-    "starts of the race": Fact(lambda situation: float(design.RACE_STARTS), "", 0),
-    # design
-    "head distance": Fact(lambda situation: design.head_distance(situation.scene.head), " m", 1),
-    "head baseline": Fact(lambda situation: 100 * situation.scene.head.baseline, " cm", 0),
-    "head toe-in": Fact(lambda situation: situation.scene.head.toe_in_deg, "°", 0),
-    "lost points": Fact(lambda situation: 100 * situation.settings.missing, " %", 0),
-    "rounds": Fact(_rounds, "", 0),
-    "most motions of a round": Fact(lambda situation: float(design.ROUND_MOTIONS), "", 0),
-    "degrees that count as there": Fact(lambda situation: design.WITHIN_DEG, "°", 0),
+    "starts of the race": Fact(lambda situation: float(samples.RACE_STARTS), "", 0),
     # the eight questions
     "open with five points": Fact(_open(5), "°", 0),
     "open with ten points": Fact(_open(10), "°", 0),
@@ -325,7 +294,6 @@ RECORDS: Mapping[str, Callable[[Situation], Any]] = {  # by the name under which
     "rectification": records.rectification_record,
     "offDeg": off_cases,
     "circle": circle.circle_record,
-    "rounds": design.rounds_record,
     "runs": lambda situation: sign.runs_record(),
 }
 FIGURE_RECORDS: Mapping[str, tuple[str, ...]] = {  # the records that a figure draws
@@ -335,8 +303,6 @@ FIGURE_RECORDS: Mapping[str, tuple[str, ...]] = {  # the records that a figure d
     "rows": ("rectification",),
     "circle in L": ("circle",),
     "circle from the side": ("circle",),
-    "rounds": ("rounds",),
-    "results": ("rounds",),
     "claim": ("runs",),
     "run images": ("runs",),
     "E history": ("runs",),

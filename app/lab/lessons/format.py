@@ -125,32 +125,7 @@ class Bet(msgspec.Struct, tag="bet", tag_field="kind", **FIELDS):
     times: int = 1  # rounds, each with the next of the step's records
 
 
-class Value(msgspec.Struct, **FIELDS):
-    """One value of a field, and its words."""
-
-    value: str | bool | int | float
-    text: str
-    says: str = ""  # one line: how the method works
-
-
-class Field(msgspec.Struct, **FIELDS):
-    """A field of `Settings` and the values to select from."""
-
-    name: str
-    label: str
-    values: tuple[Value, ...]
-
-
-class Select(msgspec.Struct, tag="select", tag_field="kind", **FIELDS):
-    """Values of fields of `Settings`, and the reason for them, which is asked before the result is shown."""
-
-    question: str
-    fields: tuple[Field, ...]
-    reason: str = ""  # the question about the reason
-    reasons: tuple[Option, ...] = ()
-
-
-Ask = Choice | Place | Number | Do | Pose | Select | Predict | Bet
+Ask = Choice | Place | Number | Do | Pose | Predict | Bet
 
 
 class Slider(msgspec.Struct, **FIELDS):
@@ -168,18 +143,6 @@ class Slider(msgspec.Struct, **FIELDS):
     step: float = 1.0
     unit: str | None = None  # None shows no number
     logarithmic: bool = False
-
-
-class Range(msgspec.Struct, **FIELDS):
-    """Something that is sampled besides the postures, uniformly from low to high.
-
-    Its name is a field of `Settings`, or `head distance` (m), `head baseline` (m), `head toe-in` (degrees).
-    """
-
-    name: str
-    low: float
-    high: float
-    step: float
 
 
 class Headline(msgspec.Struct, **FIELDS):
@@ -209,7 +172,6 @@ class Step(msgspec.Struct, **FIELDS):
     meets: bool = False  # the reveal brings the learner to the demonstrator's posture
     carry: str | None = None  # the id of an earlier step whose state and path continue here
     randomise: bool = False  # postures are sampled at random
-    randomised: tuple[Range, ...] = ()
     headline: Headline | None = None
     after: str = ""
 
@@ -278,9 +240,6 @@ def texts_with_measures(step: Step) -> Iterator[tuple[str, str]]:
     if isinstance(ask, Place):
         for k, other in enumerate(ask.elsewhere):
             yield f".ask.elsewhere[{k}].because", other.because
-    if isinstance(ask, Select):
-        for k, reason in enumerate(ask.reasons):
-            yield f".ask.reasons[{k}].because", reason.because
     for name in ("close", "far", "less", "on_line"):
         words = getattr(ask, name, None)
         if words:

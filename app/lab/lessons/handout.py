@@ -20,7 +20,6 @@ from .format import (
     Place,
     Pose,
     Predict,
-    Select,
     Step,
     measures_of,
 )
@@ -40,7 +39,7 @@ from .sheet import (
     write,
 )
 from .situation import Situation
-from .step_data import cached, sampled_situations, situation_of
+from .step_data import sampled_situations, situation_of
 
 BLANK = "_____"
 FIRST_START = "This is start 1. On the screen, it is the one with &seed=1 at the end of the address."
@@ -200,8 +199,6 @@ class _StepOnPaper:
             if not self._solutions:
                 column.text("because")
                 column.blank_lines(1)
-        elif isinstance(ask, Select):
-            self._select(column, ask)
         elif isinstance(ask, Number) and not self._solutions:
             column.scale(ask.low, ask.high, ask.unit, ask.logarithmic)
         elif isinstance(ask, Pose) and not self._solutions:
@@ -217,14 +214,6 @@ class _StepOnPaper:
             column.table(
                 ["run", *map(str, range(1, ask.times + 1))], ["bet %", *[""] * ask.times], ["true?", *[""] * ask.times]
             )
-
-    def _select(self, column: "_Column", ask: Select) -> None:
-        for field in ask.fields:
-            column.text(field.label)
-            column.boxes([f"{value.text}. {value.says}".strip() for value in field.values], None)
-        if ask.reason:
-            column.text(ask.reason)
-            column.boxes([reason.text for reason in ask.reasons], None)
 
     def _right(self, ask: Choice) -> int | None:
         """The index of the right answer; None if only a browser computes it."""
@@ -257,8 +246,6 @@ class _StepOnPaper:
                     if right is None or k != right
                     else f"**{'abcd'[k]}, right.**  {_bare(answer)}"
                 )
-        elif isinstance(ask, Select):
-            yield from (f"**{reason.text}:** {reason.because}" for reason in ask.reasons)
         elif isinstance(ask, Number):
             known = (
                 f"The answer is **{{{ask.truth}}}**."
@@ -370,11 +357,6 @@ def situation_on_paper(lesson: Lesson, step: Step) -> Situation:
 def _texts_of_measures(situation: Situation, step: Step) -> dict[str, str]:
     """Measures of a step that the library computes, as they stand in a sentence."""
     names = sorted(measures_of(step))
-    inputs = [names, repr(situation.settings), repr(situation.scene_fields), situation.chosen, repr(situation.sliders)]
-    return cached("handout", [*inputs, repr(situation.race)], lambda: _compute_facts(situation, names))
-
-
-def _compute_facts(situation: Situation, names: Iterable[str]) -> dict[str, str]:
     found = {name: fact["text"] for name, fact in facts.compute(situation, names)[0].items()}
     for name in names:
         if name in PAPER_MEASURES and name not in found:

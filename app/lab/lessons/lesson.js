@@ -9,6 +9,7 @@ import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
 import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
+import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
 /**
@@ -74,7 +75,7 @@ function begin(data) {
    * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was suspended
    */
   let before = null;
-  let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false;
+  let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
 
   /** The state of viewimit's page that one came from, as its links have it. */
@@ -146,8 +147,7 @@ function begin(data) {
     const known = stages.get(id), step = /** @type {Step} */ (lesson.steps.find(one => one.id === id)),
       was = kept().steps[id];
     const previous = step.carry && lesson.steps.some(one => one.id === step.carry) ? stageOf(step.carry) : null;
-    if (known && known.previous === previous && (!previous || known.motions === previous.motions
-      || previous.motions.length < 2)) return known;
+    if (known && known.previous === previous && known.carried === previous?.motions) return known;
     const made = new Stage(data, step, {seed: seeds.get(id) ?? was?.seed ?? kept().person % FIRST_SEEDS + 1, previous});
     made.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
     made.truthHidden = isTruthHidden;
@@ -199,12 +199,17 @@ function begin(data) {
 
   const isRandom = (/** @type {Stage} */ {step, previous}) =>
     Boolean(step.randomise || previous?.step.randomise || step.ask.kind === "predict");
+  /** The address of what is shown: a further entry for another screen, so that the browser's Back leads one back. */
   function remember() {
     const parts = [`lesson=${lesson.name}`];
     if (place.kind !== "home") parts.push(`step=${nameOf(place)}`);
     if (stage && isRandom(stage)) parts.push(`seed=${stage.seed}`);
     if (instrument) parts.push(`page=${encodeURIComponent(instrument)}`);
-    try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a frame without an address */ }
+    const was = new URLSearchParams(location.hash.slice(1)), isOther = !isArriving && !isLocked()
+      && (was.get("lesson") !== lesson.name || (was.get("step") ?? "home") !== nameOf(place));
+    try {
+      history[isOther ? "pushState" : "replaceState"](null, "", `#${parts.join("&")}`);
+    } catch { /* a frame without an address */ }
   }
 
   // Screens
@@ -229,6 +234,7 @@ function begin(data) {
     $("body").scrollTop = $("figures").scrollTop = 0;
     $("figures").replaceChildren();
     stage = place.kind === "step" ? stageOf(place.id) : null;
+    $("figures").tabIndex = place.kind === "end" ? 0 : -1;
     document.body.dataset.screen = place.kind;
     document.body.dataset.ask = stage?.step.ask.kind ?? "";
     if (stage) {
@@ -257,6 +263,7 @@ function begin(data) {
         show();
       }, catalogue: (data.catalogue ?? []).filter(({here}) => !here), beside,
     });
+    $("heading").textContent = lesson.title;
     document.title = `${stage ? stage.step.title : lesson.title} · ${lesson.short}`;
     draw();
     const heading = /** @type {HTMLElement | null} */ ($("body").querySelector("h2"));
@@ -370,7 +377,7 @@ function begin(data) {
   }
 
   function drawFoot() {
-    const {words, key, filled, disabled, act} = screen?.primary() ?? {words: "", act: () => {}}, skip = screen?.skip()
+    const {words, key, filled, disabled} = screen?.primary() ?? {words: ""}, skip = screen?.skip()
       ?? null, isHome = place.kind === "home";
     const now = JSON.stringify([words, key, filled, disabled, skip?.words, skip?.disabled, isHome, isLocked()]);
     if ($("foot").dataset.key === now && $("foot").childElementCount) return;
@@ -380,9 +387,9 @@ function begin(data) {
     const back = make("button", {type: "button", class: "plain back", disabled: isLocked(), "aria-label": "Back",
       onclick: () => go(-1)}, make("kbd", {}, "←"), make("span", {}, "Back"));
     const primary = make("button", {type: "button", class: `primary ${filled ? "filled" : "plain"}`, disabled,
-      onclick: () => { act(); drawFoot(); }}, words, key ? make("kbd", {}, key) : null);
+      onclick: () => { screen?.primary().act(); drawFoot(); }}, words, key ? make("kbd", {}, key) : null);
     $("foot").replaceChildren(...isHome ? [] : [back], ...skip
-      ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: skip.act}, skip.words)]
+      ? [make("button", {type: "button", class: "text", disabled: skip.disabled, onclick: () => screen?.skip()?.act()}, skip.words)]
       : [], ...isHome ? [] : [primary]);
     if (hadFocus) primary.focus({preventScroll: true});
   }
@@ -501,8 +508,7 @@ function begin(data) {
     /** How far one is, for a class's overview. */
     summary: () => ({lesson: lesson.name, step: nameOf(place), steps: lesson.steps.length,
       answered: Object.values(kept().steps).filter(({revealed}) => revealed).length,
-      right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage ? stage.motions.length - 1
-        : 0, E: stage ? stage.moment.E : null}),
+      right: Object.values(kept().steps).filter(({right}) => right).length, motions: stage?.steps ?? 0, E: stage ? stage.moment.E : null}),
     /** The answer to the step on display; null for none yet. @returns {(Answer & {place?: Mark}) | null} */
     answer: () => stage && isAnswered(stage) ? {...stage.answer, ...stage.mark ? {place: stage.mark} : {}} : null,
     /** @returns {Stage | null} */
@@ -543,9 +549,8 @@ function begin(data) {
     explain(event.target instanceof Element ? event.target.closest(".term") : null));
 
   document.addEventListener("keydown", event => {
-    const {target, key} = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || !(target instanceof Element)
-      || target.matches("input[type=number], input[type=text], textarea, select")) return;
+    if (!isForPage(event)) return;
+    const {key} = event, target = /** @type {Element} */ (event.target);
     const isRange = target.matches("input[type=range]"), isButton = target.matches("button, a, summary");
     if (isRange && (key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key))) return;
     if (target.matches("canvas") && key.startsWith("Arrow")) return;
@@ -573,6 +578,8 @@ function begin(data) {
     if (take() !== false) event.preventDefault();
   });
   const arrive = () => {
+    if (isLocked()) return remember();
+    isArriving = true;
     const asked = new URLSearchParams(location.hash.slice(1)),
       found = data.lessons.find(({name}) => name === (asked.get("lesson") ?? data.start)),
       seed = Number(asked.get("seed"));
@@ -581,6 +588,7 @@ function begin(data) {
     enter(found ?? data.lessons[0], isPlain ? nextOf(data.lessons[0]) : asked.get("step")
       ? placeOf(found ?? data.lessons[0], asked.get("step") ?? "") : {kind: "home"}, Number.isInteger(seed)
       && seed > 0 ? seed : undefined);
+    isArriving = false;
   };
   addEventListener("hashchange", arrive);
   Object.assign(globalThis, {lesson: hooks});

@@ -75,10 +75,10 @@ export const MEASURES = {
   "E at your mark": stage => energy(energyAt(stage, stage.mark)),
   "smallest E is off": stage => measured(degreesBetween(stage.landscape().minimum?.theta ?? [NaN, NaN],
     stage.moment.thetaDemo), "°", 1),
-  "your error": stage => measured(degreesBetween(stage.motions.length > 1 ? stage.motions[stage.motions.length - 1].theta
-    : stage.moment.theta, stage.moment.thetaDemo), "°", 1),
-  "your motions to the goal": stage => stage.motions.length > 1 ? reached(stage.motions.map(({E}) => E), stage.goal)
-    : measured(NaN),
+  "error of the arm": ({motions, moment}) =>
+    measured(degreesBetween(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
+  "your motions to the goal": ({motions, steps, isShown, goal}) => steps && !isShown
+    ? reached(motions.map(({E}) => E), goal) : measured(NaN),
   "motions of the trust region": stage => raced(stage, "trust-region"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),

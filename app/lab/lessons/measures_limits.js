@@ -1,5 +1,5 @@
 /**
- * Measures of the lessons on limits, design and claims that the browser computes.
+ * Measures of the lessons on limits and claims that the browser computes.
  *
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
@@ -10,7 +10,6 @@ import {projectPoint} from "../engine/engine.js";
 import {angleOf, crossingOf, ellipseOf, shiftOf} from "./figures/crossing.js";
 import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
-import {chosenRuns, roundsOf, there} from "./figures/rounds.js";
 import {runOf} from "./figures/sign.js";
 import {Altered, energyAt} from "./maps.js";
 import {energy, measured} from "./measured.js";
@@ -60,18 +59,6 @@ function swappedAnswer(stage) {
   return found.E < NEAR_ZERO ? 1 : farthest(found.theta, stage.moment.thetaDemo) < NEAR_DEG ? 2 : 3;
 }
 
-/** From how many starts the posture was reached. @param {Stage} stage @param {boolean} isPage @returns {Measured} */
-function reached(stage, isPage) {
-  const rounds = roundsOf(stage), yours = chosenRuns(stage);
-  return measured(yours ? there(rounds, isPage ? rounds.runs[rounds.page] : yours) : NaN, "", 0);
-}
-
-/** @param {Stage} stage @returns {Measured} */
-function nearer(stage) {
-  const rounds = roundsOf(stage), yours = chosenRuns(stage), pages = rounds.runs[rounds.page];
-  return measured(yours ? yours.filter(([off], k) => off < pages[k][0]).length : NaN, "", 0);
-}
-
 /** @type {Record<string, Measure>} */
 export const LIMITS_MEASURES = {
   "how E is with swapped points": stage => measured(swappedAnswer(stage), "", 0),
@@ -86,9 +73,6 @@ export const LIMITS_MEASURES = {
   "largest E of four matches": stage => rounded(largestOf(stage, FEWEST)),
   "cond A of all matches": stage => measured(conditionOf(stage, false), "", 0),
   "cond A in a plane": stage => measured(conditionOf(stage, true), "", 0),
-  "your rounds there": stage => reached(stage, false),
-  "the page's rounds there": stage => reached(stage, true),
-  "rounds in which you ended nearer": nearer,
   "within 1°": stage => measured(Number(runOf(stage).holds), "", 0),
   "off shoulder": stage => measured(runOf(stage).offDeg[0], "°", 1),
   "off elbow": stage => measured(runOf(stage).offDeg[1], "°", 1),

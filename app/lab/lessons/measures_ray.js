@@ -51,9 +51,6 @@ export function fifthLeftOut(pairs) {
 const fiveMatches = ({scene, moment}, own) =>
   matches(new World(scene, 5), moment.thetaDemo, own);
 
-/** The lines of the chosen point in L, from l and from r. @param {Stage} stage */
-const both = stage => [stage.line(0), stage.line(1)];
-
 /** @type {Record<string, Measure>} */
 export const RAY_MEASURES = {
   "px moved in picture 1": ({world, mark}) => measured(mark ? movedInPicture1(world, mark) : NaN, " px", 0),
@@ -76,10 +73,6 @@ export const RAY_MEASURES = {
   "fifth left out, alike": stage => measured(fifthLeftOut(fiveMatches(stage, stage.moment.thetaDemo)), " px", 1),
   "fifth left out, different": stage =>
     measured(fifthLeftOut(fiveMatches(stage, DIFFERENT_DEG.map(v => v * DEGREE))), " px", 0),
-  "px along a px across": stage => {
-    const [first, second] = both(stage);
-    return measured(first && second ? 1 / Math.tan(angleBetween(first, second)) : NaN, "", 1);
-  },
   "px from the first line": stage => {
     const line = stage.line(0), {mark} = stage;
     return measured(mark && line ? Math.abs(line.a * mark[0] + line.b * mark[1] + line.c) : NaN, " px", 1);

@@ -4,7 +4,6 @@
  * @typedef {import("./stage.js").Stage} Stage
  * @typedef {import("./stage.js").Measure} Measure
  */
-import {projectPoint, transform} from "../engine/engine.js";
 import {energy, placed, short, measured} from "./measured.js";
 import {movedPlaces, energyMoved} from "./places.js";
 import {fixed} from "../view/svg.js";
@@ -66,20 +65,10 @@ function longestShare(stage) {
   return Math.max(...squares) / squares.reduce((sum, v) => sum + v, 0);
 }
 
-/** How tall the learner's arm is in L, px. @param {Stage} stage */
-function armHeight({world, moment, page}) {
-  const frames = world.arms.learner.linkFrames(moment.theta), camera = world.pairs.learner[0];
-  const ys = Object.entries(page.hulls).flatMap(([link, vertices]) =>
-    vertices.map(vertex => projectPoint(camera, transform(frames[Number(link)], vertex))[1]));
-  return Math.max(...ys) - Math.min(...ys);
-}
-
 /** @type {Record<string, Measure>} */
 export const TOUR_MEASURES = {
   "recovered in L": stage => placed(inL(stage.recovered(), stage.chosen)),
-  "own point in L": stage => placed(inL(stage.moment.views.own, stage.chosen)),
   "ghost point in L": stage => placed(inL(ghostImages(stage), stage.chosen)),
-  "arm height": stage => measured(armHeight(stage), " px", 0),
   "crossing to own point": stage =>
     measured(arrowOf(stage, stage.chosen), " px", arrowOf(stage, stage.chosen) < 10 ? 1 : 0),
   "crossing to ghost": stage =>
@@ -96,7 +85,8 @@ export const TOUR_MEASURES = {
     return measured(Math.max(...E) / Math.min(...E), "", 1);
   },
   "times by shape": stage => measured(stage.moment.E / stage.ghost().E, "", 0),
-  "where the arm stands": ({moment, scene}) => {
+  "your end": ({moment, scene, steps, isShown}) => {
+    if (!steps || isShown) return measured(NaN);
     const degrees = moment.theta.map(v => v / DEGREE), names = scene.names.map(name => name.split(" ")[0].toLowerCase());
     return {value: degrees, unit: "°", text: degrees.map((v, k) => `${names[k]} ${fixed(v, 0)}°`).join(" and ")};
   },

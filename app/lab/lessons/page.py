@@ -2,11 +2,9 @@
 
 import html
 import json
-import multiprocessing
 import threading
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ProcessPoolExecutor
-from functools import cache, partial
+from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -15,7 +13,6 @@ from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle, packed, styles
 from viewimit.drawing.glossary import glossary
-from viewimit.processes import end_with_parent, lower_priority
 from viewimit.simulation.scene import load_scene
 
 from ..page import SHIPPED, served_page, served_scenes, with_few_points
@@ -142,47 +139,28 @@ class LabPages:
     scene, robot
         Of the lab, as settings name them.
     own
-        Lessons of a lecturer by name, beside the shipped ones.
-    how
-        Further arguments of `lesson_page`, such as its entry.
+        Lessons of a lecturer by name, beside the shipped ones. Their pages are computed at once, which takes seconds.
     """
 
-    def __init__(
-        self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None, **how: Any
-    ):
+    def __init__(self, scene: str = SHIPPED, robot: str | None = None, own: Mapping[str, Lesson] | None = None):
         self.lessons: Mapping[str, Lesson] = {**(own or {}), **shipped()}
-        self._lab, self._how = (scene, robot), how
-        self._pages: dict[str, str] = {}
-        self._locks = {name: threading.Lock() for name in self.lessons}
+        self._lab = scene, robot
+        self._pages = {name: self._write(name) for name in own or {}}
+        self._lock = threading.Lock()
 
     def page(self, name: str) -> str | None:
-        """Return the page of a lesson, the lab for "", None for an unknown name. Call it in a thread.
-
-        Another process computes a lesson, so that the server's event loop goes on: up to a minute the first time, half
-        a second once the lesson's data are in the cache.
-        """
+        """Return the page of a lesson, the lab for "", None for an unknown name."""
         if not name:
             return served_page(*self._lab)
         if name not in self.lessons:
             return None
-        with self._locks[name]:
+        with self._lock:
             if name not in self._pages:
-                self._pages[name] = in_another_process(
-                    partial(lesson_page, {name: self.lessons[name]}, others=self.lessons, lab=self._lab, **self._how)
-                )
+                self._pages[name] = self._write(name)
             return self._pages[name]
 
-
-def in_another_process(make: Callable[[], str]) -> str:
-    """Return what a function makes in a process of its own, while the server goes on."""
-    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin) as pool:
-        return pool.submit(make).result()
-
-
-def _begin() -> None:
-    """Leave the processor to the server, and end with it, even if it is killed."""
-    lower_priority(5)
-    end_with_parent()
+    def _write(self, name: str) -> str:
+        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab)
 
 
 @cache

@@ -102,7 +102,6 @@ PAPER_MEASURES: Mapping[str, Fact] = {
     "E": _energy(lambda situation: situation.start.E),
     "E alike": _energy(lambda situation: _alike(situation).start.E),
     "crossing angle": Fact(lambda situation: float(np.degrees(_angle(situation))), "°", 1),
-    "px along a px across": Fact(lambda situation: float(1 / np.tan(_angle(situation))), "", 1),
     "crossing moves": Fact(_crossing_moves, " px", 1),
     "crossing to own point": Fact(
         lambda situation: _crossing_to(situation, situation.start.views.own),

@@ -8,7 +8,7 @@
  * @typedef {{words: string, go: (() => void) | null, href: string | null}} Link to a step or a lesson; without go and
  *   href it is its name alone
  */
-import {inline, make, plain} from "./dom.js";
+import {inline, make} from "./dom.js";
 import {shuffledOrder} from "./stage.js";
 
 export const QUESTION_S = 28; // of each question, to estimate what a round takes
@@ -70,11 +70,11 @@ export function questionOf(question, order, now, changed) {
     changed();
   };
   const options = order.map((original, k) => make("button", {type: "button", class: "option", onclick: () => take(k)},
-    make("kbd", {}, String(k + 1)), make("span", {html: inline(question.answers[original].text)})));
+    make("kbd", {"aria-hidden": true}, String(k + 1)), make("span", {html: inline(question.answers[original].text)})));
   const sure = [["S", "I am sure", true], ["G", "I am guessing", false]].map(([key, words, value]) =>
     ({value, key: String(key),
     button: make("button", {type: "button", class: "option sureness",
-      onclick: () => { now.sure = Boolean(value); changed(); }}, make("kbd", {}, String(key)),
+      onclick: () => { now.sure = Boolean(value); changed(); }}, make("kbd", {"aria-hidden": true}, String(key)),
       make("span", {}, String(words)))}));
   const element = make("div", {class: "asked-question"}, make("h2", {tabindex: -1, html: inline(question.text)}),
     make("div", {class: "options", role: "group", "aria-label": "Answers"}, ...options),
@@ -86,7 +86,6 @@ export function questionOf(question, order, now, changed) {
         const isChosen = now.answer === order[k];
         option.className = `option${isChosen ? " chosen" : ""}`;
         option.setAttribute("aria-pressed", String(isChosen));
-        option.setAttribute("aria-label", `${k + 1}: ${plain(question.answers[order[k]].text)}`);
       });
       for (const {button, value} of sure) {
         button.disabled = now.answer === null;

@@ -101,4 +101,4 @@ def points_text(world: World, seen: int) -> str:
 
 def noise_text(settings: Settings) -> str:
     """The noise of the image points, and how many images are averaged."""
-    return "none" if not settings.noise_px else f"{settings.noise_px:g} px, {settings.frames} images averaged"
+    return "none" if not settings.noise_px else f"{settings.noise_px:g} px, {settings.frames} pictures averaged"

@@ -4,7 +4,7 @@ Scenes are those of the step's settings, with other fields where the step gives 
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from dataclasses import replace as changed
 from functools import cached_property
@@ -37,8 +37,6 @@ class Situation:
     race: tuple[str, ...] = ()  # servos that are run from the step's start
     goal: float | None = None  # px², below which E is brought
     sliders: Mapping[str, float] = field(default_factory=dict)  # of EYE_SLIDERS, where they stand
-    randomised: tuple[Any, ...] = ()  # ranges of further random values: `name`, `low`, `high`, `step`
-    choices: Mapping[str, Sequence[str]] = field(default_factory=dict)  # transfers and servos to select from
 
     @cached_property
     def _key(self) -> bytes:

@@ -19,7 +19,7 @@ from .checks import Faults, faults, faults_in_scenes, faults_of_questions
 from .format import Lesson, Questions
 
 FOLDER = ROOT / "lessons"
-ORDER = ("ray", "tour", "limits", "jacobian", "motion", "design", "sign")
+ORDER = ("ray", "tour", "limits", "jacobian", "motion", "sign")
 MAX_BYTES = 200_000
 _HEAD = re.compile(r"^\s*\[+\s*([^\]]+?)\s*\]+\s*(#.*)?$")
 _FIELD = re.compile(r"\.?([A-Za-z_]\w*)|\[(\d+)\]")
@@ -120,7 +120,7 @@ def _with_names(what: str, kind: type, where: str) -> str:
         if re.fullmatch(r"(\.step\[[\d.]*\])?`?", where):
             return f"{what}; there are {', '.join(table.__struct_fields__)}"
     if "Invalid value" in what and where.rstrip("`").endswith(".ask.kind"):
-        return f"{what}; there are choice, place, number, do, pose, select, predict, bet"
+        return f"{what}; there are choice, place, number, do, pose, predict, bet"
     return what
 
 

@@ -37,7 +37,7 @@
  *
  * @typedef {{text: string, because: string, right?: boolean, belief?: string | null}} Choice
  * @typedef {Object} Ask fields beside `kind` and `question` as its kind has them
- * @property {"choice" | "place" | "pose" | "number" | "do" | "select" | "predict" | "bet"} kind
+ * @property {"choice" | "place" | "pose" | "number" | "do" | "predict" | "bet"} kind
  * @property {string} question
  * @property {Choice[]} [answers] choice
  * @property {string | null} [right] choice: the measure whose number says which answer is right, from 1
@@ -60,12 +60,9 @@
  * @property {number | null} [below]
  * @property {number | null} [above]
  * @property {boolean} [counted] do: each release of a slider is one motion
- * @property {{name: string, label: string, values: {value: any, text: string, says?: string}[]}[]} [fields] select
  * @property {number | null} [times] predict: rounds at most; bet: runs, one after the other
  * @property {{truth: string, near: number, because: string, belief?: string}[]} [elsewhere] place: other places,
  *   with a reply
- * @property {string} [reason] select: the question about the reason
- * @property {Choice[]} [reasons] select
  *
  * @typedef {Object} Step
  * @property {string} id
@@ -115,8 +112,6 @@
  * @property {Mark} [place]
  * @property {number} [number]
  * @property {number[]} [pose] degrees
- * @property {number[]} [selected] the value of each field, from 0, -1 for none yet
- * @property {number} [reason] for the selection, from 0
  * @property {number} [bet] 0 … 100 %
  * @property {boolean} [done] whether the goal was reached
  * @property {boolean} [shown] shown without an answer
@@ -124,7 +119,7 @@
  * @typedef {{mark: Mark, from: Mark, to: Mark, knobs: number[], measure: number}} Round of predictions; from,
  *   to: of the
  *   ringed point; measure: of the ask, after the turn
- * @typedef {{theta: number[], E: number, probe: boolean}} Motion
+ * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by hand
  * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
  *
  * @typedef {Object} Figure a drawing in its box
@@ -202,8 +197,6 @@ export class Stage {
     this.run = 0;
     /** @type {(number | null)[]} bets on the runs, % */
     this.bets = [];
-    /** @type {Map<string, any>} what figures keep: points that were dragged, and so on */
-    this.kept = new Map();
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
     /** @type {Record<string, Race>} */
@@ -215,14 +208,11 @@ export class Stage {
       noisePx, missing, seed: noise ?? 7});
     /** @type {Moment} the current images */
     this.moment = this.session.now;
-    /** @type {Motion[]} made by hand, the start first */
-    this.motions = previous && previous.motions.length > 1 ? previous.motions
-      : [{theta: this.moment.theta, E: this.moment.E, probe: false}];
-    if (previous && this.motions.length > 1) this.observe(this.motions[this.motions.length - 1].theta);
-    else if (previous?.step.ask.kind === "do" && previous.goal !== null) { // it was not done: where a servo brings it
-      const race = previous.race("broyden");
-      if (race) this.observe(race.postures[race.postures.length - 1]);
-    }
+    /** @type {Motion[]} made by hand, the start first, and perhaps one that was shown */
+    this.motions = [{theta: this.moment.theta, E: this.moment.E, probe: false}];
+    /** The earlier step's motions, with which this one goes on. */
+    this.carried = previous?.motions;
+    if (previous) this.#goOn(previous);
     /** @type {Map<string, number>} where the sliders stand, in their own units */
     this.sliders = new Map((step.sliders ?? []).map(slider => [slider.name, this.#standing(slider)]));
     for (const {name, start: value} of step.sliders ?? []) if (this.variants[name]
@@ -263,6 +253,33 @@ export class Stage {
     this.moment = this.session.observe(theta.map((v, k) => clamp(v, lower[k], upper[k])));
   }
 
+  /** Go on where the earlier step has ended, or where a servo brings the arm if its goal was not reached. @param {Stage} previous */
+  #goOn(previous) {
+    const {motions, goal, step: {ask}} = previous, last = motions[motions.length - 1];
+    if (motions.length > 1) {
+      this.motions = motions;
+      this.observe(last.theta);
+    }
+    const race = ask.kind === "do" && ask.measure === "E" && goal !== null && last.E >= goal ? previous.race("broyden") : null;
+    if (race) this.showAt(race.postures[race.postures.length - 1]);
+  }
+
+  /** How many motions were made by hand. */
+  get steps() {
+    return this.motions.filter(({shown}) => !shown).length - 1;
+  }
+
+  /** Whether the arm has come here without a hand. */
+  get isShown() {
+    return Boolean(this.motions[this.motions.length - 1].shown);
+  }
+
+  /** Show the arm in a posture as the end of its way, which does not count. @param {number[]} theta */
+  showAt(theta) {
+    this.observe(theta);
+    this.motions = [...this.motions, {theta: this.moment.theta, E: this.moment.E, probe: false, shown: true}];
+  }
+
   /** A motion by hand, which counts. @param {number[]} theta */
   move(theta) {
     if (this.motions.length > MAX_MOTIONS) return;
@@ -283,21 +300,9 @@ export class Stage {
     return this.session.observe(this.moment.thetaDemo);
   }
 
-  /**
-   * The chosen point in l and r, where it was dragged to or else as it is seen: x_l, y_l, x_r, y_r px.
-   * @param {Moment} [moment]
-   */
-  pointed({views} = this.moment) {
-    const {chosen} = this;
-    return /** @type {Float64Array} */ (this.kept.get("dragged") ?? views.demo.subarray(4 * chosen, 4 * chosen + 4));
-  }
-
   /** The demonstrator's points in L and R as the lines put them: (4 N) px. @param {Moment} [moment] */
   recovered(moment = this.moment) {
-    const found = recovered(moment);
-    if (moment.fitted && this.kept.has("dragged")) found.set(moment.fitted.recover(this.pointed(moment)),
-      4 * this.chosen);
-    return found;
+    return recovered(moment);
   }
 
   /** The epipolar geometry; null with too few points. @param {Moment} [moment] */
@@ -313,8 +318,9 @@ export class Stage {
    * @param {Moment} [moment]
    */
   line(eye, side = 0, moment = this.moment) {
-    const own = moment.views.own.subarray(4 * this.chosen, 4 * this.chosen + 4);
-    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(this.pointed(moment), own) ?? []
+    const [pointed, own] = [moment.views.demo, moment.views.own].map(images =>
+      images.subarray(4 * this.chosen, 4 * this.chosen + 4));
+    const lines = moment.usable.includes(this.chosen) ? this.geometry(moment)?.lines(pointed, own) ?? []
       : [];
     return lines.find(({into, from}) => into === 2 + side && from === eye) ?? null;
   }

@@ -52,7 +52,7 @@ export class StepScreen {
     const {step} = stage;
     this.stage = stage;
     this.course = course;
-    this.isAsked = false;
+    this.isAsked = this.isSolving = false;
     /** @type {(() => void) | null} stops the animation */
     this.stop = null;
     stage.changed = course.redraw;
@@ -93,12 +93,15 @@ export class StepScreen {
       this.released(slider, value));
     this.sizes = new ResizeObserver(() => {
       for (const {figure} of this.mounted) figure.resize?.();
+      this.reached = null;
       course.redraw();
     });
     this.mounted.forEach(({box}) => this.sizes.observe(box));
     this.body = body;
     this.figures = figures;
     this.said = "";
+    /** @type {boolean | null} whether it was revealed when what scrolls was looked for */
+    this.reached = null;
   }
 
   /** Whether answers are taken. */
@@ -117,6 +120,10 @@ export class StepScreen {
     this.card.update();
     this.sliders.update(this.course.isLocked());
     this.figures.classList.toggle("is-asking", this.isOpen);
+    if (this.reached !== stage.isRevealed) {
+      this.reached = stage.isRevealed;
+      for (const box of [this.body, ...this.figures.querySelectorAll(".pictures, .drawing")]) reachable(box);
+    }
     this.#drawLegend(drawn);
     this.#drawAgain();
     const said = this.card.spoken();
@@ -217,8 +224,6 @@ export class StepScreen {
       this.course.announce(touched(FIRST));
       return;
     }
-    stage.answer = {...stage.answer, shown: true};
-    if (ask.kind === "do") return this.#solve();
     this.reveal(true);
   }
 
@@ -226,6 +231,13 @@ export class StepScreen {
   reveal(isUnanswered) {
     const {stage} = this, {step} = stage;
     if (stage.isRevealed) return;
+    if (isUnanswered && step.ask.kind === "do") return this.#solve();
+    this.#reveal(isUnanswered);
+  }
+
+  /** @param {boolean} isUnanswered */
+  #reveal(isUnanswered) {
+    const {stage} = this, {step} = stage;
     if (isUnanswered) stage.answer = {...stage.answer, shown: true};
     if (step.ask.kind === "bet") stage.bets = Object.assign([...stage.bets], {[stage.run]: stage.answer.bet ?? null});
     this.course.note("");
@@ -259,6 +271,8 @@ export class StepScreen {
 
   /** The sliders go to a solution. */
   #solve() {
+    if (this.isSolving) return;
+    this.isSolving = true;
     const {stage} = this, found = solution(stage), from = new Map(stage.sliders);
     this.#play(SOLVE_MS, share => {
       const eased = smoothstep(share);
@@ -266,7 +280,11 @@ export class StepScreen {
         const start = from.get(name) ?? to;
         stage.slide(name, start + eased * (to - start));
       }
-    }, () => this.reveal(true));
+    }, () => {
+      this.isSolving = false;
+      if (stage.step.ask.measure === "E" && !stage.isShown) stage.showAt(stage.moment.theta);
+      this.#reveal(true);
+    });
   }
 
   /** The arm goes to a posture. @param {number[]} theta @param {() => void} arrived */
@@ -367,6 +385,13 @@ export class StepScreen {
     }
     this.legend.hidden = !html;
   }
+}
+
+/** What scrolls can be reached by keys. @param {Element} box */
+function reachable(box) {
+  if (box.scrollHeight > box.clientHeight + 1 && getComputedStyle(box).overflowY !== "hidden") {
+    if (!box.hasAttribute("tabindex")) box.setAttribute("tabindex", "0");
+  } else if (!box.matches(".asked *")) box.removeAttribute("tabindex");
 }
 
 /** What a figure shows now. @param {FigureUse} use @param {Stage} stage */

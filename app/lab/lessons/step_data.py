@@ -1,22 +1,19 @@
-"""What the library computes for a step when its page is written: state, facts, records, moved eyes and samples.
+"""What the library computes for a step: state, facts, records, moved eyes and samples.
 
-Data of a step are kept in the user's cache, by the step's content and the package's source. VIEWIMIT_LESSON_CACHE names
-another folder; empty, it turns the cache off.
+Those of the shipped lessons are in assets/lessons/data.json, which assets/build_lessons.py writes, by a digest of what
+they are computed from. Those of other lessons are computed when a page is written.
 """
 
 import hashlib
 import json
 import math
-import os
-import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
-import platformdirs
 from viewimit.assets import ROOT
 
 import viewimit
@@ -26,13 +23,14 @@ from viewimit.simulation.scene import Scene
 from ..page import with_few_points
 from . import facts
 from .format import Do, Item, Lesson, Slider, Step, figures_of, measures_in, measures_of, settings_of
+from .samples import sample_postures
 from .situation import Situation
 
-CACHE_FOLDER = "VIEWIMIT_LESSON_CACHE"
+DATA = ROOT / "lessons" / "data.json"
 EYE_SLIDERS = ("distance", "camera distance", "baseline")
 LOGARITHMIC_VALUES = 25  # of a slider that moves the eyes, besides 1 and 10
 SAMPLE_SEED = 44
-SAMPLES, SCENE_SAMPLES = 12, 3  # states that are sampled of a step; those with a scene of their own take long
+SAMPLES = 12  # states that are sampled of a step
 Scenes = dict[str, dict[str, Any]]
 
 
@@ -43,9 +41,8 @@ def situation_of(lesson: Lesson, step: Step) -> Situation:
     goal = ask.below if isinstance(ask, Do) and ask.measure == "E" else None
     settings = settings_of(lesson, step, **{**origin.settings, **step.settings})
     chosen = origin.chosen if step.chosen is None else step.chosen
-    choices = {field.name: [str(one.value) for one in field.values] for field in getattr(step.ask, "fields", ())}
     scene = {**origin.scene, **step.scene}
-    return Situation(settings, scene, chosen, step.race, goal, randomised=origin.randomised, choices=choices)
+    return Situation(settings, scene, chosen, step.race, goal)
 
 
 def _origin(lesson: Lesson, step: Step) -> Step:
@@ -66,36 +63,48 @@ def lesson_data(name: str, lesson: Lesson, scenes: Scenes) -> dict[str, Any]:
 
 
 def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
-    """Return (scenes by key, computed fields) of a step, from the cache if it was computed before."""
-    origin = _origin(lesson, step)
-    inputs = [
-        msgspec.to_builtins(
-            (situation_of(lesson, step).settings, step.scene, origin.scene, step.chosen, origin.chosen)
-        ),
-        msgspec.to_builtins((step.race, origin.randomise, origin.randomised, origin.ask, step.sliders, origin.id)),
-        sorted(measures_of(step)),
-        [figure.figure for figure in figures_of(step)],
-    ]
-    scenes, computed = cached("step", inputs, lambda: compute_step(lesson, step))
-    return scenes, computed
+    """Return (scenes by key, computed fields) of a step: the shipped ones, or computed."""
+    shipped = shipped_data()
+    computed = shipped["computed"].get(digest_of(lesson, step))
+    if computed is None:
+        return compute_step(lesson, step)
+    used = {one["state"]["scene"] for one in (computed, *computed.get("samples", ()))}
+    return {key: shipped["scenes"][key] for key in used}, computed
+
+
+@cache
+def shipped_data() -> dict[str, Any]:
+    """Read the data of the shipped lessons: {"scenes", "computed", "questions"}."""
+    return json.loads(DATA.read_bytes())
+
+
+def digest_of(lesson: Lesson, step: Step) -> str:
+    """Return a digest of all that a step's data are computed from, but not of its words."""
+    situation, names = situation_of(lesson, step), [figure.figure for figure in figures_of(step)]
+    moved = {slider.name: values_of(slider) for slider in step.sliders if slider.name in EYE_SLIDERS}
+    inputs = (
+        *(situation.settings, situation.scene_fields, situation.chosen, situation.race, situation.goal),
+        *(_origin(lesson, step).randomise, moved, sorted(measures_of(step)), names),
+    )
+    return hashlib.sha256(msgspec.json.encode(inputs, order="deterministic")).hexdigest()[:16]
 
 
 def items_with_facts(items: Iterable[Item]) -> list[dict[str, Any]]:
     """Return the eight questions as the page has them, their numbers filled in."""
-    texts = [answer.because for item in items for answer in item.answers]
-    names = sorted({name for text in texts for name in measures_in(text)})
-    found = cached("questions", names, lambda: _facts_of_questions(names))
+    texts = shipped_data()["questions"]
     plain = msgspec.to_builtins(tuple(items))
     for item in plain:
         for answer in item["answers"]:
             for name in measures_in(answer["because"]):
-                answer["because"] = answer["because"].replace(f"{{{name}}}", found[name]["text"])
+                answer["because"] = answer["because"].replace(f"{{{name}}}", texts[name])
     return plain
 
 
-def _facts_of_questions(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+def compute_questions(items: Iterable[Item]) -> dict[str, str]:
+    """Compute the numbers in the replies of the eight questions, as they stand in a sentence."""
     usual = Situation(msgspec.convert({"transfer": "epipolar", "servo": "broyden", "frames": 1}, viewimit.Settings))
-    return facts.compute(usual, names)[0]
+    names = sorted({name for item in items for one in item.answers for name in measures_in(one.because)})
+    return {name: fact["text"] for name, fact in facts.compute(usual, names)[0].items()}
 
 
 def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
@@ -104,7 +113,7 @@ def compute_step(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:
     data = _of_situation(step, situation, scenes)
     if origin.randomise:
         data["samples"] = [_of_situation(step, one, scenes) for one in sampled_situations(lesson, step)]
-    return scenes, data
+    return _plain(scenes), _plain(data)
 
 
 def sampled_situations(lesson: Lesson, step: Step) -> list[Situation]:
@@ -112,8 +121,7 @@ def sampled_situations(lesson: Lesson, step: Step) -> list[Situation]:
     origin = _origin(lesson, step)
     if not origin.randomise:
         return []
-    count = SCENE_SAMPLES if origin.randomised else SAMPLES
-    return facts.sample_states(situation_of(lesson, step), count, SAMPLE_SEED)
+    return sample_postures(situation_of(lesson, step), SAMPLES, SAMPLE_SEED)
 
 
 def _of_situation(step: Step, situation: Situation, scenes: Scenes) -> dict[str, Any]:
@@ -183,74 +191,14 @@ def _away(scene: Scene, times: float) -> list[dict[str, Any]]:
     return cameras
 
 
-def cached(kind: str, inputs: Any, compute: Callable[[], Any]) -> Any:
-    """Return what `compute()` returns for these inputs, as JSON has it: from the cache, if it is there."""
-    folder = _cache_folder()
-    if folder is None:
-        return json.loads(_plain(compute()))
-    digest = hashlib.sha256(f"{kind} {source_digest()} {json.dumps(inputs, sort_keys=True)}".encode()).hexdigest()
-    path = folder / f"{kind}-{digest[:32]}.json"
-    try:
-        return json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        data = _plain(compute())
-    _keep(path, data)
-    return json.loads(data)
-
-
-def _plain(made: Any) -> bytes:
-    return json.dumps(_without_nan(made), separators=(",", ":"), allow_nan=False).encode()
-
-
-def _without_nan(made: Any) -> Any:
+def _plain(made: Any) -> Any:
     """Plain data with null instead of numbers that are not finite, which JSON does not have."""
     if isinstance(made, np.ndarray | np.generic):
         made = made.tolist()
     if isinstance(made, float):
         return made if math.isfinite(made) else None
     if isinstance(made, dict):
-        return {str(key): _without_nan(value) for key, value in made.items()}
+        return {str(key): _plain(value) for key, value in made.items()}
     if isinstance(made, list | tuple):
-        return [_without_nan(value) for value in made]
+        return [_plain(value) for value in made]
     return made
-
-
-def _keep(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all. A cache that cannot be written is no fault."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-            file.write(data)
-        os.replace(file.name, path)
-    except OSError:
-        pass
-
-
-@cache
-def source_digest() -> str:
-    """Return a digest of the package's version, source and data: any of them may change the results."""
-    digest = hashlib.sha256(viewimit.__version__.encode())
-    for path in _sources():
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def _sources() -> Iterator[Path]:
-    lab = Path(__file__).parent.parent
-    package = Path(viewimit.__file__).parent
-    computing = ("geometry", "estimation", "servo", "sensing", "simulation", "loop", "analysis", "experiments")
-    yield from (package / "drawing" / "export" / "engine_scene.py", package / "drawing" / "svg.py", lab / "page.py")
-    yield from sorted([*lab.glob("lessons/*.py"), *lab.glob("lessons/*.toml")])
-    for folder in computing:
-        yield from sorted((package / folder).rglob("*.py"))
-    yield from sorted([*ROOT.glob("scenes/*.toml"), *ROOT.glob("robots/**/*.urdf"), *ROOT.glob("lessons/*.json")])
-
-
-def _cache_folder() -> Path | None:
-    chosen = os.environ.get(CACHE_FOLDER)
-    if chosen is not None:
-        return Path(chosen) if chosen else None
-    try:
-        return platformdirs.user_cache_path("viewimit", appauthor=False) / "lessons"
-    except RuntimeError:  # no home folder
-        return None

@@ -3,13 +3,22 @@
 /** Elements that take arrow keys or the space bar for themselves, but only if keys focused them. */
 const RETURNING = "input[type=radio], select, #space, #map, .buttons button";
 
+/** Where somebody types: letters and Enter are the field's own. */
+const TYPED_IN = `input:not(${["range", "radio", "checkbox", "button", "submit", "reset", "image", "file", "color"].map(type =>
+  `[type=${type}]`).join()}), textarea, select`;
+
+/** Whether a key is meant for the page: nobody types, no dialog is open, nothing has taken it. @param {KeyboardEvent} event */
+export function isForPage({target, defaultPrevented, isComposing, ctrlKey, metaKey, altKey}) {
+  return !(defaultPrevented || isComposing || ctrlKey || metaKey || altKey) && target instanceof Element
+    && !target.closest(TYPED_IN) && !(target instanceof HTMLElement && target.isContentEditable)
+    && !document.querySelector("dialog[open], :popover-open");
+}
+
 /** @param {Record<string, () => void>} keys what each does, letters in lower case @param {() => boolean} isOn */
 export function listen(keys, isOn) {
   document.addEventListener("keydown", event => {
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, {target} = event;
-    if (event.defaultPrevented || !isOn() || !(key in keys) || !(target instanceof Element)) return;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (target.matches("select, input[type=number]") || document.querySelector("dialog[open], :popover-open")) return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, target = /** @type {Element} */ (event.target);
+    if (!isForPage(event) || !isOn() || !(key in keys)) return;
     if (target.matches("input[type=radio], input[type=range]") && /^(Arrow|Home|End|Page)/.test(key)) return;
     if (key === " " && target.matches("button, summary, input[type=checkbox]")) return;
     event.preventDefault();

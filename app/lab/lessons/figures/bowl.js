@@ -82,7 +82,7 @@ function marks(map, stage, layers) {
   }
   if (cross) above += path("lesson-cross-case", crosses([cross], 8)) + path("vi-cross", crosses([cross], 8));
   if (demo) above += path("vi-seen", diamonds([demo], 6.5));
-  const now = layers.has("paths") && turnsOwn(stage) ? place(stage.moment.theta) : null;
+  const now = layers.has("paths") && (turnsOwn(stage) || stage.isShown) ? place(stage.moment.theta) : null;
   if (now) {
     names.keep(now, 9);
     above += `<circle class="vi-now" cx="${px(now[0])}" cy="${px(now[1])}" r="6.5"/>`;
@@ -158,8 +158,8 @@ function waysOf(stage, layers) {
         best: E.indexOf(Math.min(...E))});
     }
   }
-  if (layers.has("paths") && stage.motions.length > 1) {
-    const postures = stage.motions.map(({theta}) => theta);
+  if (layers.has("paths") && stage.steps) {
+    const postures = stage.motions.slice(0, stage.steps + 1).map(({theta}) => theta);
     ways.push({name: "you", role: "you", postures, probes: postures.map(() => false), best: postures.length - 1});
   }
   return ways.sort((a, b) => ORDER.indexOf(a.role) - ORDER.indexOf(b.role));
@@ -178,7 +178,7 @@ function described(stage, layers) {
   if (lowest) words.push(`E is smallest at ${at(lowest)}`);
   if (layers.has("demonstrator") && !stage.truthHidden)
     words.push(`the demonstrator is at ${at(stage.moment.thetaDemo)}`);
-  if (layers.has("paths") && turnsOwn(stage)) words.push(`the learner is at ${at(stage.moment.theta)}`);
+  if (layers.has("paths") && (turnsOwn(stage) || stage.isShown)) words.push(`the learner is at ${at(stage.moment.theta)}`);
   if (mark) words.push(`your mark is at ${at(mark)}`);
   for (const {name, postures, best} of waysOf(stage, layers))
     words.push(`the way of ${name} ends at ${at(postures[best])}`);

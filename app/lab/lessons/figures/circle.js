@@ -34,7 +34,7 @@ const FROZEN = {right: "lines kept when poses agreed", early: "lines kept too ea
 /** @type {FigureKind} */
 export const CIRCLE_IN_L = {
   layers: ["still right", "still early", "right", "early", "targets", "truth"],
-  title: "**L** own left eye",
+  title: "**L** left eye",
   aspect: .72,
   create: box => create(box, inImage),
 };
@@ -98,7 +98,7 @@ function fromSide(stage, layers) {
   /** @type {Curve[]} */
   const curves = [];
   if (layers.has("px")) curves.push({
-    title: "Apart in its image", unit: "px, from where its lines say", low: .1, high: 10,
+    title: "Apart in its picture", unit: "px, from where its lines say", low: .1, high: 10,
     values: of.map(which => [ROLES[which], ways[which].overlapPx]),
   });
   if (layers.has("mm") && !stage.truthHidden) curves.push({

@@ -17,7 +17,7 @@ import {Names} from "./names.js";
 const DEGREE = Math.PI / 180, ROOM = 1.06; // of the posture that is farthest
 const LEFT = 52, TOP = 26, RIGHT = 12, FOOT = 44; // units
 const STEPS = 60, RINGS = 7; // of the map within the drawing; lines of equal E
-const TITLES = {one: "one image each time", averaged: "25 images averaged each time"};
+const TITLES = {one: "one picture each time", averaged: "25 pictures averaged each time"};
 const SHOWN = /** @type {const} */ (["one", "averaged"]);
 
 /** @type {FigureKind} */

@@ -12,6 +12,7 @@ import {escaped} from "./drawing.js";
 
 const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
+const FILLED = .85; // of the width, by squares: the rest is for numbers that are wider than theirs
 const FEW = 30; // steps, of which test moves are hollow
 const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
   "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
@@ -73,8 +74,8 @@ export const formula = written(stage => {
     `<div class="draw-squares"><b class="vi-name">${name}</b>
 <div style="max-width:calc(21cqh / ${fixed(Math.max(largest / total, .01), 3)})">${all.map(({i, area}) => {
     const share = 100 * Math.sqrt(area) / total, isLongest = Math.sqrt(area) === largest;
-    const kind = isLongest && stage.isRevealed ? "longest" : "", name = share > 4 ? i : "";
-    return `<span style="width:${fixed(share, 2)}%" class="${kind}"><i></i><small>${name}</small></span>`;
+    const kind = isLongest && stage.isRevealed ? "longest" : "";
+    return `<span class="${kind}"><i style="width:${fixed(FILLED * share, 2)}cqw"></i><small>${i + 1}</small></span>`;
   }).join("")}</div><p>together <b>${escaped(energyText(sum))} px²</b></p></div>`;
   const E = (sums[0] + sums[1]) / (2 * count);
   const html = `<p class="draw-note">Each arrow squared is the area of a square. The number under it is its point.</p>
@@ -99,16 +100,16 @@ export const progress = {
     return {
       resize: () => chart.resize(),
       draw: stage => {
-        const {motions, goal} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E)), steps = E.length - 1;
+        const {motions, goal, steps, isShown} = stage, E = motions.map(motion => Math.max(motion.E, MIN_E));
         const now = stage.moment.E;
-        const change = steps ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
+        const change = steps && !isShown ? (E[steps] - E[steps - 1]) / E[steps - 1] : NaN;
         const share = `${change < 0 ? "▼" : "▲"} ${Math.round(100 * Math.abs(change))}`;
         const html = `<p class="draw-big draw-name-E">E ${escaped(energyText(now))}<small> px²</small></p>
-<p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : "&nbsp;"}</p>
+<p class="draw-note">${Number.isFinite(change) ? `${share} % by your last step` : isShown ? "shown, not reached by you" : "&nbsp;"}</p>
 <p class="draw-steps"><b>${steps}</b> ${steps === 1 ? "step" : "steps"}</p>`;
         if (html !== last) words.innerHTML = last = html;
         const least = Math.min(...E, goal ?? Infinity), most = Math.max(...E, goal ?? 0);
-        const end = Math.max(MIN_STEPS, steps);
+        const end = Math.max(MIN_STEPS, E.length - 1);
         chart.draw({
           x: [0, end], y: [least / 1.6, most * 1.6], log: true, xTicks: stepTicks(end), xName: "steps",
           levels: goal === null ? [] : [[goal, `goal ${goal} px²`, "goal"]],
@@ -143,22 +144,22 @@ function raceRow(stage, race) {
 
 /** Who came how far from the same start, the visitor first. */
 export const standings = written(stage => {
-  const {goal, motions} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
+  const {goal, motions, steps} = stage, heads = ["", goal === null ? "steps" : `steps to ${goal}\u00a0px²`, "E", "off", ""];
   const rows = (stage.step.race ?? []).flatMap(servo => {
     const race = stage.race(servo), [role, title] = TITLES[servo] ?? ["plain", servo];
     return race ? [[role, title, ...raceRow(stage, race)]] : [];
   });
-  if (motions.length > 1) {
-    const {E} = motions[motions.length - 1], isThere = goal !== null && E < goal;
-    const off = measure(stage, "your error").text;
-    rows.unshift(["you", "you", isThere ? String(motions.length - 1) : "never", energyText(E), off, ""]);
+  if (steps) {
+    const {E, theta} = motions[steps], isThere = goal !== null && E < goal;
+    const off = Math.max(...theta.map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+    rows.unshift(["you", "you", isThere ? String(steps) : "never", energyText(E), `${fixed(off)}°`, ""]);
   }
   const sample = (/** @type {string} */ role) =>
     `<svg class="vi" viewBox="0 0 26 10" aria-hidden="true"><path class="draw-curve draw-of-${role}" d="M1 5h24"/>` +
       `</svg>`;
   const body = rows.map(([role, title, ...cells]) => `<tr><th scope="row">${sample(role)}${escaped(title)}</th>`
     + `${cells.map(cell => `<td>${escaped(cell)}</td>`).join("")}</tr>`).join("");
-  const head = heads.map(words => `<th scope="col">${escaped(words)}</th>`).join("");
+  const head = heads.map(words => words ? `<th scope="col">${escaped(words)}</th>` : "<td></td>").join("");
   return [`<table><thead><tr>${head}</tr></thead><tbody>${body}</tbody></table>`,
     `Steps to the goal from the same start. ${rows.map(([, title, steps]) => `${title}: ${steps}`).join("; ")}`];
 }, "draw-standings", {aspect: 2.2});

@@ -6,7 +6,6 @@ import {CLOUDS} from "./clouds.js";
 import {CROSSING} from "./crossing.js";
 import {MATCHES} from "./matches.js";
 import {RECTIFIED, ROWS} from "./rectified.js";
-import {RESULTS, ROUNDS} from "./rounds.js";
 import {BETS, CLAIM, E_HISTORY, REVIEW_OF_RUNS, RUN_IMAGES} from "./sign.js";
 import {VERDICT} from "./verdict.js";
 import {eye} from "./eyes.js";
@@ -34,8 +33,6 @@ export const FIGURES = {
   rows: ROWS,
   "circle in L": CIRCLE_IN_L,
   "circle from the side": CIRCLE_FROM_SIDE,
-  rounds: ROUNDS,
-  results: RESULTS,
   claim: CLAIM,
   "run images": RUN_IMAGES,
   "E history": E_HISTORY,

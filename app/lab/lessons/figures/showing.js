@@ -73,7 +73,8 @@ class Gains {
     const runs = gainRuns(stage), steps = layers.has("paths") ? Math.round(stage.reveal * GAIN_STEPS) : 0;
     const goal = seenInL(stage, this.hulls, stage.state.demonstrator);
     const start = seenInL(stage, this.hulls, stage.state.start);
-    const spans = around([...goal.hulls, ...start.hulls].flat());
+    const shown = runs.flatMap(run => run.postures.slice(-SWINGS)).map(theta => seenInL(stage, this.hulls, theta));
+    const spans = around([goal, start, ...shown].flatMap(one => one.hulls.flat()));
     for (const {gain, k, title, plane} of this.panels) {
       const run = runs[k], arrived = stepsTo(run, THERE_PX);
       const now = Math.min(steps, Number.isFinite(arrived) ? Math.max(arrived, 1) : steps);
@@ -104,7 +105,7 @@ class Gains {
 /** @type {FigureKind} */
 export const turnedPicture = {
   layers: ["start", "goal", "camera", "old Jacobian", "not turned", "Broyden"],
-  title: "**L** own left eye, turned and enlarged",
+  title: "**L** left eye, turned and enlarged",
   aspect: 1,
   create: (box, stage) => new Turned(box, stage),
 };

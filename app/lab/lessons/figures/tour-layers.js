@@ -1,5 +1,5 @@
 /**
- * Layers of the four images for the first lessons: pencils of lines by hand, a point that can be dragged, the ghost
+ * Layers of the four images for the first lessons: pencils of lines by hand, the ghost
  * with its lines and the way to it, and goals of single points.
  *
  * @typedef {import("../stage.js").Stage} Stage
@@ -9,12 +9,13 @@
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
 import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
+import {widthOf} from "./drawing.js";
 import {Names} from "./names.js";
 import {arrow, diamond, disc} from "./plane.js";
 import {arm, arrows, chord, lineThrough, residuals, rings} from "./view-layers.js";
 
 const LITTLE = 3; // drawing units of an arrow that is not drawn
-const HANDLE = 13, NUMBER = 13, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
+const NUMBER = 13, LINE_NAME = 14, MARK_WIDE = 90; // drawing units; MARK_WIDE: of a mark with its name
 
 /** @param {Frame} frame @param {Stage} stage @param {number[]} theta */
 const learnerIn = (frame, {world}, theta) => {
@@ -57,7 +58,7 @@ function ways(frame, stage) {
   return moment.usable.map(i => ({i, from: frame.of(moment.views.own, i), to: frame.of(goal, i)}));
 }
 
-const SHARES = [[.8, .88, .72, .62, .12, .2], [.2, .12, .28, .88, .8, .7]]; // of a line's way, where its name may stand
+const SHARES = [[.8, .88, .72, .62, .12, .2, .5], [.2, .12, .28, .88, .8, .7, .36]]; // of a line's way, where its name may stand
 const CLEAR = 60; // drawing units: a name that is this far from all points is free
 
 /**
@@ -66,7 +67,7 @@ const CLEAR = 60; // drawing units: a name that is this far from all points is f
  * @param {Frame} frame
  * @param {Stage} stage
  * @param {number} eye
- * @returns {{share: number, at: number[]} | null} null without a line
+ * @returns {{share: number, at: number[], words: string} | null} null without a line
  */
 function nameOfLine(frame, stage, eye) {
   const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line && chord(frame, line);
@@ -77,13 +78,27 @@ function nameOfLine(frame, stage, eye) {
     .map(share => ({share, at: [0, 1].map(k => ends[0][k] + share * (ends[1][k] - ends[0][k]))}));
   const room = (/** @type {{at: number[]}} */ {at: [x, y]}) =>
     Math.min(CLEAR, ...points.map(p => Math.hypot(p[0] - x, p[1] - y)));
-  return places.reduce((a, b) => room(b) > room(a) + 6 ? b : a);
+  const words = `line from ${"lr"[eye]}`, whole = places.filter(({at}) => fits(frame, at, words, other?.at));
+  const best = (whole.length ? whole : places).reduce((a, b) => room(b) > room(a) + 6 ? b : a);
+  return {...best, words: whole.length ? words : "lr"[eye]};
+}
+
+/**
+ * Whether words may stand there at any angle.
+ * @param {Frame} frame
+ * @param {number[]} at
+ * @param {string} words
+ * @param {number[]} [other] where words of that length stand already
+ */
+function fits({width, height}, [x, y], words, other) {
+  const half = widthOf(words, true, LINE_NAME) / 2 + LINE_NAME;
+  return Math.min(x, y, width - x, height - y) > half && !(other && Math.hypot(x - other[0], y - other[1]) < 2 * half);
 }
 
 /** @param {number} eye @param {string} kind @returns {Layer} */
 const lineFrom = (eye, kind) => (frame, stage) => {
-  const name = nameOfLine(frame, stage, eye), words = frame.width > 230 ? `line from ${"lr"[eye]}` : "lr"[eye];
-  return name ? lineThrough(frame, stage.line(eye, frame.side), kind, words, name.share) : "";
+  const name = nameOfLine(frame, stage, eye);
+  return name ? lineThrough(frame, stage.line(eye, frame.side), kind, name.words, name.share) : "";
 };
 
 /** Layers beneath the arm's points and arrows. @type {Record<string, Layer>} */
@@ -171,12 +186,12 @@ export const TOUR_LAYERS_ABOVE = {
     const [x, y] = frame.of(images, chosen);
     const mark = isDemo ? `<path class="vi-seen" d="${diamond(x, y, 5.4)}"/>`
       : `<path class="draw-own-dot" d="${disc(x, y, 5)}"/>`;
-    return frame.layers.has("draggable") ? mark : mark + rings([[x, y]], 11, "vi-ring");
+    return mark + rings([[x, y]], 11, "vi-ring");
   },
-  "draggable": (frame, stage) => {
-    if (!frame.isDemo) return "";
-    const at = stage.pointed().subarray(2 * frame.side, 2 * frame.side + 2), [x, y] = frame.at(at);
-    return `<g class="draw-handle"><path d="${disc(x, y, HANDLE)}"/><path d="M${px(x - 4)} ${px(y)}h8m-4-4v8"/></g>`;
+  "numbers": (frame, stage) => {
+    const {usable, views} = stage.moment, names = namesOver(frame, stage);
+    usable.forEach(i => names.put(String(i + 1), frame.of(views.own, i), "vi-of-own", {size: NUMBER, away: 8}));
+    return names.html;
   },
   "crossing": (frame, stage) => {
     const {chosen, moment, mark} = stage, found = stage.recovered();

@@ -46,7 +46,7 @@ const spoken = (kind, head, [first, ...rest]) =>
 /** @param {Claim} claim @param {import("../stage.js").Race & {leastAsSeen?: number}} race @param {string[]} names */
 function says({status, unobservable, swapped}, {E, leastAsSeen}, names) {
   const motions = E.length - 1, last = E[motions], small = last < .001 ? "below 0.001 px²" : `${energyText(last)} px²`;
-  const ending = ENDINGS.get(status) ?? `I have stopped after ${motions} motions.`;
+  const ending = ENDINGS.get(status) ?? `I have stopped after ${motions} steps.`;
   if (swapped.length) return [
     `Something does not fit: ${pairs(swapped)} seem to be swapped.`,
     leastAsSeen === undefined ? "" : `As I saw them, E never fell below ${energyText(leastAsSeen)} px².`,
@@ -54,10 +54,10 @@ function says({status, unobservable, swapped}, {E, leastAsSeen}, names) {
   ];
   if (unobservable.length) return [
     `I cannot know the ${unobservable.map(k => names[k]).join(" and the ")}.`,
-    `E is ${small} after ${motions} motions, and it does not rise when that joint turns.`,
+    `E is ${small} after ${motions} steps, and it does not rise when that joint turns.`,
     "I do not claim to have arrived.",
   ];
-  return [ending, `E is ${small} after ${motions} motions.`];
+  return [ending, `E is ${small} after ${motions} steps.`];
 }
 
 /** @param {Stage} stage @param {import("../stage.js").Race} race @param {string[]} names */

@@ -8,7 +8,6 @@
 import {Outlines} from "../../view/images.js";
 import {add, drawingSize, set} from "../../view/svg.js";
 import {LIMITS_LAYERS} from "./limits-layers.js";
-import {draggedIn} from "./dragging.js";
 import {TOUR_LAYERS_ABOVE, TOUR_LAYERS_BELOW, TOUR_LEGEND} from "./tour-layers.js";
 import {arm, OWN_LAYERS, OWN_LEGEND} from "./view-layers.js";
 
@@ -44,8 +43,6 @@ class View {
     this.fitted = "";
     /** px that it shows at least: left, top, right, bottom */
     this.span = [0, 0, 1, 1];
-    /** Lets its point be dragged as soon as the step does. */
-    this.opened = this.k < 2 ? draggedIn(this, stage) : () => {};
   }
 
   /** @param {Stage} stage @param {Set<string>} layers */
@@ -69,7 +66,6 @@ class View {
     const behind = isBehind ? VIEW_LAYERS.ghost(frame, stage) : "";
     const over = names.filter(layer => layer !== "ghost").map(layer => VIEW_LAYERS[layer](frame, stage)).join("");
     const html = `${behind}<g class="${isDemo ? "vi-demo" : ""}">${arm(own[side], frame, "vi-hull", "vi-bone")}</g>${over}`;
-    this.opened();
     this.box.classList.toggle("framed", layers.has("framed"));
     if (html !== this.last) this.svg.innerHTML = this.last = html;
     const whose = isDemo ? "the demonstrator" : "the learner’s own arm";

@@ -12,15 +12,13 @@ from .server import Page
 ENTRY = "lessons/class.js"
 
 
-def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
-    """Return what makes each page, by path. Another process computes it: up to a minute, if nothing is cached.
+def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
+    """Return the lessons of a class by name.
 
     Parameters
     ----------
     given
         Names of shipped lessons or paths of files; none for all shipped ones.
-    embed
-        Origins whose pages may show a page in a frame.
 
     Raises
     ------
@@ -29,7 +27,19 @@ def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callabl
     OSError
         For a file that cannot be read.
     """
-    lessons = dict(map(find, given)) if given else shipped()
+    return dict(map(find, given)) if given else shipped()
+
+
+def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
+    """Return what makes each page, by path. Another process computes it: up to a minute, if nothing is cached.
+
+    Parameters
+    ----------
+    lessons
+        The lessons of the class by name.
+    embed
+        Origins whose pages may show a page in a frame.
+    """
     make = lambda page: Page(in_another_process(page), embed)
     return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab_page)}
 

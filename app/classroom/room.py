@@ -28,7 +28,7 @@ MAX_WAITING = 500  # messages in an outbox, after which its connection is closed
 MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included
 CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # that one browser types
 NEW_CODES_PER_S, NEW_CODES_AT_ONCE = 20.0, 100  # that new browsers of one network address type
-STAY_S = 2.0  # that a browser is here until it is no new one, and its votes count
+STAY_S = 2.0  # that a browser is here until it is no new one, and its votes count after it has left
 RELEASE_S = 15.0  # without a lecturer, after which students are released
 MAX_SESSIONS = 20  # browsers that are logged in as the lecturer's
 PERSON_NUMBERS = range(100_000, 1_000_000)
@@ -334,7 +334,7 @@ class Room:
         asked = self.orders.asked
         return None if asked is None else next((one for one in self.rounds if one.number == asked.round), None)
 
-    def _here(self, asked: Round) -> dict[str, str]:
+    def _staying(self, asked: Round) -> dict[str, str]:
         """The network addresses of those who are here and no longer new, by their names as voters."""
         stayed = [one for one in self.persons.values() if one.key in self._stayed]
         return {one.voter(asked.lesson, asked.step, asked.label): next(iter(one.tabs)).place for one in stayed}
@@ -346,12 +346,14 @@ class Room:
             self._stayed |= stayed
             self._counted = False
         if (asked := self.asked) is not None:
-            asked.most |= Counter(self._here(asked).values())
+            asked.most |= Counter(self._staying(asked).values())
 
     def _left_out(self, asked: Round) -> set[str]:
         """The voters that do not count now; none once the answers are revealed, as `_leave_out` has deleted theirs."""
-        is_open = self.orders.asked is not None and not self.orders.asked.revealed
-        return asked.left_out(self._here(asked)) if is_open else set()
+        if self.orders.asked is None or self.orders.asked.revealed:
+            return set()
+        here = {one.voter(asked.lesson, asked.step, asked.label) for one in self.persons.values()}
+        return asked.left_out(here, self._staying(asked))
 
     def _leave_out(self) -> int:
         """Delete the votes that do not count in a round that ends now, and return how many those are."""

@@ -1,7 +1,7 @@
 """Rounds of questions that a lecturer asks, the answers of each voter, and what they add up to."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .protocol import Given, Moved, Phase, Results, Tally
@@ -39,15 +39,17 @@ class Round:
         again = f", round {self.times}" if self.times > 1 else ""
         return f"round {self.times}" if self.phase == "own" else f"{self.phase}{again}"
 
-    def left_out(self, here: Mapping[str, str]) -> set[str]:
-        """Return the voters that do not count, as an address has as many votes as persons were here at a time.
+    def left_out(self, here: Container[str], staying: Mapping[str, str]) -> set[str]:
+        """Return the voters that do not count. They have left at once, or more have left than were here at a time.
 
         Parameters
         ----------
         here
-            The network address of each voter who has been here for a while and still is. All these count.
+            The voters who are here. All these count.
+        staying
+            The network address of each voter who has been here for a while and still is.
         """
-        room = self.most - Counter(here.values())
+        room = self.most - Counter(staying.values())
         left_out = set()
         for voter, vote in self.votes.items():
             if voter in here:

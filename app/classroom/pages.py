@@ -12,24 +12,34 @@ from .server import Page
 ENTRY = "lessons/class.js"
 
 
-def class_pages(given: Sequence[str], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
-    """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
+def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
+    """Return the lessons of a class by name.
 
     Parameters
     ----------
     given
-        Names of shipped lessons or paths of files; none for all shipped ones.
-    embed
-        Origins whose pages may show a page in a frame.
+        Names or files; without any, all lessons that are shipped.
 
     Raises
     ------
     ValueError
-        For a lesson that is none, with its file, line and field.
+        For a lesson that does not exist, or a file that is no lesson.
     OSError
         For a file that cannot be read.
     """
-    lessons = dict(map(find, given)) if given else shipped()
+    return dict(map(find, given)) if given else shipped()
+
+
+def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
+    """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
+
+    Parameters
+    ----------
+    lessons
+        The lessons of the class by name.
+    embed
+        Origins whose pages may show a page in a frame.
+    """
     make = lambda page: Page(page(), embed)
     return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab_page)}
 

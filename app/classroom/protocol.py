@@ -76,7 +76,8 @@ class At(Struct, tag="at", **FIELDS):
 
 class Answer(Struct, tag="answer", **FIELDS):
     """To the lecturer's question if `round` is its number, else at the student's own pace. seq: repeated in the reply.
-    lesson: "questions" for the eight questions, whose steps are their names."""
+    lesson: "questions" for the eight questions, whose steps are their names. right: what a page thinks, which does not
+    count; pages no longer say it."""
 
     seq: Count
     lesson: Word
@@ -130,7 +131,10 @@ class Ask(Struct, tag="ask", **FIELDS):
 
 
 class Reveal(Struct, tag="reveal", **FIELDS):
-    """The truth and the answers, for everybody."""
+    """The truth and the answers, for everybody. truth, near: as `answers.is_right` takes them."""
+
+    truth: Annotated[tuple[Path, ...], Meta(max_length=200)] = ()
+    near: Real | None = None
 
 
 class Close(Struct, tag="close", **FIELDS):
@@ -194,12 +198,6 @@ class Invite(Struct, tag="invite", **FIELDS):
     address: Annotated[str, Meta(max_length=300)] = ""
 
 
-class Allow(Struct, tag="allow", **FIELDS):
-    """How many votes one network address may cast."""
-
-    votes: Annotated[int, Meta(ge=1, le=10_000)]
-
-
 class NewClass(Struct, tag="new", **FIELDS):
     """The answers are deleted, and a new class begins."""
 
@@ -207,7 +205,7 @@ class NewClass(Struct, tag="new", **FIELDS):
 FromStudent = Hello | Self | At | Answer | Copy | Login
 FromLecturer = (
     Logout | NewCode | TakeOver | Ask | Reveal | Close | Lead | State | Gather | Freeze | Hide | Reset | Request
-    | Export | Gain | Invite | Allow | NewClass
+    | Export | Gain | Invite | NewClass
 )  # fmt: skip
 Message = FromStudent | FromLecturer
 ORDERS = FromLecturer.__args__
@@ -259,7 +257,8 @@ class Moved(Struct, frozen=True):
 
 
 class Asked(Struct, frozen=True):
-    """The lecturer's question. times: how often it was asked; the results are there once it is revealed."""
+    """The lecturer's question. times: how often it was asked; the results are there once it is revealed, and the number
+    of answers that they leave out."""
 
     round: int
     lesson: str
@@ -269,6 +268,7 @@ class Asked(Struct, frozen=True):
     revealed: bool = False
     results: Results | None = None
     seed: int = 1
+    left_out: int = 0
 
 
 class Results(Struct, frozen=True):

@@ -9,11 +9,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from .answers import QUESTIONS
 from .protocol import Given
 from .store import Row
 
 COLUMNS = ("person", "form", "item", "phase", "answer", "right", "sure", "seconds")
-QUESTIONS = "questions"  # the form of the eight questions
 UNLINKED = "unlinked"
 MIN_PERSONS = 5  # of a class whose gain is shown
 RESAMPLES = 4000

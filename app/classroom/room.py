@@ -4,27 +4,31 @@ All methods run in the server's one thread. A `Browser` is one connection; messa
 the server's task for that connection takes it.
 """
 
+import asyncio
 import hashlib
 import hmac
 import logging
 import secrets
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import msgspec
 import segno
 
 from . import protocol as p
+from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
 from .store import Row, Store, unlinked
 from .votes import Round, Vote, results
 
 MAX_WAITING = 500  # messages in an outbox, after which its connection is closed: the browser comes back
 MESSAGES_PER_S, MESSAGES_AT_ONCE = 25.0, 100  # of one browser, answers resent after a lost connection included
-CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # wrong codes of one network address
+CODES_PER_S, CODES_AT_ONCE = 0.5, 8  # that one browser types
+NEW_CODES_PER_S, NEW_CODES_AT_ONCE = 20.0, 100  # that new browsers of one network address type
+STAY_S = 2.0  # that a browser is here until it is no new one, and its votes count after it has left
 RELEASE_S = 15.0  # without a lecturer, after which students are released
 MAX_SESSIONS = 20  # browsers that are logged in as the lecturer's
 PERSON_NUMBERS = range(100_000, 1_000_000)
@@ -57,10 +61,12 @@ class Person:
     key: str  # a hash of its token, under which its answers are kept
     place: int  # in the class, by which lecturers know the person
     number: int  # random, in the table of answers; never sent, as a name could be joined to it
+    since: float  # when its first tab came
     name: str = ""
     linked: bool = True
     tabs: set["Browser"] = field(default_factory=set)
     at: p.At | None = None
+    codes: Allowance = field(default_factory=lambda: Allowance(CODES_PER_S, CODES_AT_ONCE))
 
     def voter(self, lesson: str, step: str, phase: str) -> str:
         """Return the name under which an answer is kept."""
@@ -73,7 +79,7 @@ class Browser:
     Parameters
     ----------
     address
-        Its network address, as votes are counted by.
+        Its network address.
     wake
         Is called when there is something to send.
     """
@@ -81,6 +87,7 @@ class Browser:
     def __init__(self, address: str, wake: Callable[[], None] = lambda: None):
         self.address, self.wake = address, wake
         self.person: Person | None = None
+        self.place = ""  # its network address, as votes have it
         self.session: str | None = None  # the key of the lecturer's session
         self.outbox: deque[str] = deque()
         self.screen: str | None = None  # the lecturer's newest one; older ones are not sent any more
@@ -113,8 +120,8 @@ class Room:
         What survives a restart.
     code
         The lecturer's code, unless the lecturer has chosen another one.
-    votes_per_address
-        How many votes one network address may cast in a round.
+    asks
+        What its lessons ask.
     is_new_code
         Forget a code that the lecturer has chosen.
     clock
@@ -125,31 +132,30 @@ class Room:
         self,
         store: Store,
         code: str,
-        votes_per_address: int = 100,
+        asks: Asks,
         is_new_code: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ):
-        self.store, self.votes_per_address, self._clock = store, votes_per_address, clock
-        kept = store.kept()
+        self.store, self.asks, self._clock = store, asks, clock
+        kept = store.kept
         self.address = ""  # what students type, if no lecturer's page knows better
-        self._salt = kept.get("salt") or secrets.token_hex(16)
+        self._salt = kept.salt or secrets.token_hex(16)
         store.keep("salt", self._salt)
         if is_new_code:
-            kept.pop("code", None)
             store.keep("code", None)
-        self.has_own_code = "code" in kept
-        self._code = kept.get("code") or self._hash(code)
-        self._sessions: dict[str, None] = dict.fromkeys(msgspec.json.decode(kept.get("sessions", "[]"), type=list[str]))
-        self._numbers = store.persons()  # by key, of those who have linked answers
+        self.has_own_code = kept.code is not None and not is_new_code
+        self._code = kept.code if kept.code is not None and not is_new_code else self._hash(code)
+        self._sessions: dict[str, None] = dict.fromkeys(kept.sessions)
+        self._numbers = store.persons  # by key, of those who have linked answers
         self._places: dict[str, int] = {}  # by key, of all since the server began
-        self.rounds = store.rounds()
-        self.orders = msgspec.json.decode(kept.get("orders", '{"kind":"orders"}'), type=p.Orders)
+        self.rounds, self.orders = store.rounds, kept.orders
         first = max((one.number for one in self.rounds), default=secrets.randbelow(FIRST_NUMBERS))
-        self._last_order = int(kept.get("last order") or first)
+        self._last_order = kept.last_order or first
         self.persons: dict[str, Person] = {}  # present ones, by key
         self.browsers: set[Browser] = set()
         self.leader: Browser | None = None
-        self._wrong_codes: dict[str, Allowance] = {}
+        self._stayed: set[str] = set()  # keys of all who were here for a while, since the server began
+        self._new_codes: dict[str, Allowance] = {}  # by network address
         self._absent_since: float | None = clock()
         self._requested: tuple[int, Browser, Person] | None = None
         self._requests = 0
@@ -177,6 +183,10 @@ class Room:
             return
         person.tabs.discard(browser)
         if not person.tabs and self.persons.get(person.key) is person:
+            if (asked := self.asked) is not None:
+                self._counted = False
+                if person.key in self._stayed:
+                    asked.stayed.add(person.voter(asked.lesson, asked.step, asked.label))
             del self.persons[person.key]
             self._gone.add(person.place)
             self._changed.discard(person)
@@ -186,10 +196,10 @@ class Room:
         person = self.persons.get(key)
         if person is None:
             place = self._places.setdefault(key, len(self._places) + 1)
-            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number())
+            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), self._clock())
         person.name = name_of(hello.name)
         self._link(person, hello.linked)
-        browser.person = person
+        browser.person, browser.place = person, self._hash(browser.address)[:16]
         self.browsers.add(browser)
         session = None if hello.session is None else self._hash(hello.session)
         if session in self._sessions:
@@ -227,20 +237,27 @@ class Room:
         return hmac.new(self._salt.encode(), text.strip().encode(), hashlib.sha256).hexdigest()
 
     def _login(self, browser: Browser, login: p.Login) -> None:
-        allowance = self._wrong_codes.setdefault(browser.address, Allowance(CODES_PER_S, CODES_AT_ONCE))
-        if not allowance.take(self._clock()):
+        if not self._may_try(browser):
             browser.send(p.encode("wrong", why="Too many wrong codes. Wait a few seconds, then type it again."))
             return
         if not hmac.compare_digest(self._hash(login.code), self._code):
             log.warning("a wrong lecturer's code from %s", browser.address)
             browser.send(p.encode("wrong", why="That is not the code of this class."))
             return
-        self._wrong_codes.pop(browser.address, None)
         session = secrets.token_hex(16)
         self._leave_class(browser)
         self._become_lecturer(browser, self._hash(session))
         browser.send(p.encode("lecturer", session=session))
         self._tell_everything(browser)
+
+    def _may_try(self, browser: Browser) -> bool:
+        """Whether a browser may type a code now: others at its address do not keep it from that."""
+        assert browser.person is not None
+        allowed = browser.person.codes.take(self._clock())
+        if not allowed or browser.person.key in self._stayed:
+            return allowed
+        new = self._new_codes.setdefault(browser.place, Allowance(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
+        return new.take(self._clock())
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)
@@ -292,6 +309,8 @@ class Room:
     # Orders
 
     def _order(self, **changes: object) -> None:
+        if "asked" in changes:
+            self._leave_out()
         self.orders = msgspec.structs.replace(self.orders, **changes)
         if not self.orders.lead:
             self._screen = None
@@ -315,6 +334,37 @@ class Room:
         asked = self.orders.asked
         return None if asked is None else next((one for one in self.rounds if one.number == asked.round), None)
 
+    def _staying(self, asked: Round) -> dict[str, str]:
+        """The network addresses of those who are here and no longer new, by their names as voters."""
+        stayed = [one for one in self.persons.values() if one.key in self._stayed]
+        return {one.voter(asked.lesson, asked.step, asked.label): next(iter(one.tabs)).place for one in stayed}
+
+    def _note_who_stays(self) -> None:
+        now = self._clock()
+        stayed = {one.key for one in self.persons.values() if now - one.since >= STAY_S} - self._stayed
+        if stayed:
+            self._stayed |= stayed
+            self._counted = False
+        if (asked := self.asked) is not None:
+            asked.most |= Counter(self._staying(asked).values())
+
+    def _left_out(self, asked: Round) -> set[str]:
+        """The voters that do not count now; none once the answers are revealed, as `_leave_out` has deleted theirs."""
+        if self.orders.asked is None or self.orders.asked.revealed:
+            return set()
+        here = {one.voter(asked.lesson, asked.step, asked.label) for one in self.persons.values()}
+        return asked.left_out(here, self._staying(asked))
+
+    def _leave_out(self) -> int:
+        """Delete the votes that do not count in a round that ends now, and return how many those are."""
+        if (asked := self.asked) is None:
+            return 0
+        left_out = self._left_out(asked)
+        for voter in left_out:
+            del asked.votes[voter]
+        self.store.drop_answers(asked.number, left_out)
+        return len(left_out)
+
     def _ask(self, ask: p.Ask) -> None:
         times = 1 + sum((r.lesson, r.step, r.phase) == (ask.lesson, ask.step, ask.phase) for r in self.rounds)
         number = self._new_order()
@@ -322,14 +372,20 @@ class Room:
         self.rounds.append(asked)
         self.store.add_round(asked)
         self._order(asked=p.Asked(number, ask.lesson, ask.step, ask.phase, times, seed=ask.seed), lead=False)
+        self._note_who_stays()
         self._counted = False
 
-    def _reveal(self) -> None:
-        asked = self.asked
-        if asked is None or self.orders.asked is None:
+    def _reveal(self, truth: tuple[tuple[float, ...], ...], near: float | None) -> None:
+        asked, order = self.asked, self.orders.asked
+        if asked is None or order is None or order.revealed:
             return
+        left_out = self._leave_out()
+        if truth and (ask := self.asks.get((asked.lesson, asked.step))) is not None:
+            for voter, vote in asked.votes.items():
+                asked.votes[voter] = replace(vote, right=is_right(ask, vote.answer, truth, near))
+            self.store.judge(asked)
         found = results(asked, self.rounds)
-        self._order(asked=msgspec.structs.replace(self.orders.asked, revealed=True, results=found))
+        self._order(asked=msgspec.structs.replace(order, revealed=True, results=found, left_out=left_out))
 
     def _show(self, browser: Browser, state: p.State) -> None:
         if browser is not self.leader or not (state.once or self.orders.lead):
@@ -370,6 +426,11 @@ class Room:
         person = browser.person
         if person is None or browser.is_lecturer:
             raise p.Rejected("an answer of a browser that is no student")
+        ask = self.asks.get((answer.lesson, answer.step))
+        is_own = answer.phase == "own"
+        if ask is None or is_own == (answer.lesson == QUESTIONS) or not fits(ask, answer.answer):
+            self._refuse(browser, answer, "This class asks nothing like that.")
+            return
         phase, asked = str(answer.phase), None
         if answer.round:
             asked = self.asked
@@ -380,17 +441,8 @@ class Room:
                 raise p.Rejected("an answer to another question")
             phase = asked.label
         voter = person.voter(answer.lesson, answer.step, phase)
-        place = self._hash(browser.address)[:16]
-        vote = Vote(answer.answer, answer.right, answer.sure, answer.seconds, place)
+        vote = Vote(answer.answer, is_right(ask, answer.answer), answer.sure, answer.seconds, browser.place)
         if asked is not None:
-            if not asked.has_room_for(voter, place, self.votes_per_address):
-                asked.refused += 1
-                self._counted = False
-                why = (
-                    f"{self.votes_per_address} votes have come from your network already. The lecturer can allow more."
-                )
-                self._refuse(browser, answer, why, again=True)
-                return
             asked.votes[voter] = vote
             self._counted = False
         if person.linked and self._numbers.get(person.key) != person.number:
@@ -400,17 +452,8 @@ class Room:
         row = Row(voter, number, answer.lesson, answer.step, phase, answer.round, vote)
         self.store.add_answer(row, lambda: browser.send(p.encode("ack", seq=answer.seq)))
 
-    def _refuse(self, browser: Browser, answer: p.Answer, why: str, again: bool = False) -> None:
-        """again: the browser keeps the answer, and sends it once the lecturer allows more."""
-        browser.send(p.encode("refused", seq=answer.seq, why=why, again=again))
-
-    def _allow(self, votes: int) -> None:
-        self.votes_per_address = votes
-        if self.asked is not None:
-            self.asked.refused = 0
-        self._counted = False
-        for browser in self.browsers:
-            browser.send(p.encode("resend"))
+    def _refuse(self, browser: Browser, answer: p.Answer, why: str) -> None:
+        browser.send(p.encode("refused", seq=answer.seq, why=why))
 
     async def _saved(self, browser: Browser) -> list[Row]:
         """Return all answers that are on the disk, and tell the browser how many are not."""
@@ -480,8 +523,8 @@ class Room:
                 self._show(browser, message)
             case p.Ask():
                 self._ask(message)
-            case p.Reveal():
-                self._reveal()
+            case p.Reveal(truth, near):
+                self._reveal(truth, near)
             case p.Close():
                 self._order(asked=None)
             case p.Lead(on):
@@ -499,12 +542,10 @@ class Room:
             case p.Invite(address):
                 address = address or self.address
                 browser.send(p.encode("invite", address=address, qr=_qr_code(address)))
-            case p.Allow(votes):
-                self._allow(votes)
             case p.Export():
-                browser.send(p.encode("csv", text=as_csv(await self._saved(browser))))
+                browser.send(p.encode("csv", text=await asyncio.to_thread(as_csv, await self._saved(browser))))
             case p.Gain():
-                browser.send(p.encode("gain", learned=learned(await self._saved(browser))))
+                browser.send(p.encode("gain", learned=await asyncio.to_thread(learned, await self._saved(browser))))
             case p.NewClass():
                 self._new_class()
 
@@ -517,6 +558,7 @@ class Room:
             if msgspec.structs.replace(self.orders, **RELEASED) != self.orders:
                 log.info("no lecturer is here: students are released")
                 self._order(**RELEASED)
+        self._note_who_stays()
         lecturers = self._lecturers()
         if self._changed or self._gone:
             people = [_described(one) for one in self._changed]
@@ -535,11 +577,13 @@ class Room:
     def _count_text(self) -> str:
         """The question that is asked, and its answers so far, for lecturers alone."""
         asked = self.asked
-        found = None if asked is None else results(asked, self.rounds)
-        refused = 0 if asked is None else asked.refused
-        here = {"votes": self.votes_per_address, "refused": refused, "problem": self.store.problem}
+        found = None
+        if asked is not None:
+            left_out = self._left_out(asked)
+            votes = {voter: vote for voter, vote in asked.votes.items() if voter not in left_out}
+            found = results(replace(asked, votes=votes), self.rounds)
         times = [{"lesson": one.lesson, "step": one.step, "phase": one.phase} for one in self.rounds]
-        return p.encode("count", results=found, round=asked and asked.number, asked=times, **here)
+        return p.encode("count", results=found, round=asked and asked.number, asked=times, problem=self.store.problem)
 
 
 def _described(person: Person) -> dict[str, object]:

@@ -1,7 +1,6 @@
 """The server of a class: it serves the lessons' page, and keeps one websocket per browser."""
 
 import asyncio
-import base64
 import contextlib
 import gzip
 import hashlib
@@ -11,7 +10,6 @@ import re
 import sys
 from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass
-from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
@@ -22,6 +20,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from ..server.address import is_own_page
 from .protocol import MAX_MESSAGE_BYTES, Rejected, decode
 from .room import Browser, Room
 
@@ -33,8 +32,7 @@ MAX_OPEN_FILES = 16_384  # connections are open files; systems allow 1,024 or fe
 KEPT_FREE = 64  # open files for all else than connections
 CLOSED_BY_POLICY, CLOSED_AS_SLOW = 1008, 1013  # codes of RFC 6455
 UNREADABLE = {1002: "a frame that is none", 1007: "text that is not UTF-8", 1009: "a message that is too long"}
-META_POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*>\n?')
-SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
+META_POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy"[^>]*?script-src (?P<scripts>[^;"]*)[^>]*>\n?')
 HOST = re.compile(r"[\w.:\[\]-]{1,255}")
 log = logging.getLogger(__name__)
 
@@ -45,7 +43,7 @@ class ServerOptions:
 
     root_path: str = ""  # under which a proxy passes requests on: /x, or ""
     embed: tuple[str, ...] = ()  # origins whose pages may show the class in a frame
-    origins: tuple[str, ...] = ()  # by which browsers know the server, where a proxy does not pass their Host on
+    origins: tuple[str, ...] = ()  # by which browsers know it besides its addresses and this machine's names
     trusted: str = ""  # addresses of proxies whose X-Forwarded headers are believed, separated by commas; * for all
 
 
@@ -55,15 +53,15 @@ class Page:
     Parameters
     ----------
     html
-        Its text. Its own content policy is replaced by one that names its scripts by their hashes.
+        Its text. Its own content policy is replaced by one with the same scripts.
     embed
         Origins whose pages may show it in a frame.
     """
 
     def __init__(self, html: str, embed: Sequence[str] = ()):
+        policy = META_POLICY.search(html)
+        self._scripts = policy["scripts"] if policy else "'none'"
         html = META_POLICY.sub("", html)
-        hashes = [base64.b64encode(hashlib.sha256(one.encode()).digest()).decode() for one in SCRIPT.findall(html)]
-        self._scripts = " ".join(f"'sha256-{one}'" for one in hashes)
         self._ancestors = " ".join(("'self'", *embed))
         self._plain = html.encode()
         self._packed = gzip.compress(self._plain, 6)
@@ -169,8 +167,9 @@ async def _tick(room: Room) -> None:
 async def _serve(room: Room, websocket: WebSocket, options: ServerOptions) -> None:
     """One websocket, from its handshake to its end."""
     address = address_of(websocket)
-    if not is_own_page(websocket, options):
-        log.warning("rejected from %s: a page of another origin, %.80r", address, websocket.headers.get("origin"))
+    origin, host = websocket.headers.get("origin", ""), websocket.headers.get("host", "")
+    if not is_own_page(origin, host, options.origins):
+        log.warning("rejected from %s: a page of another origin, %.80r; --address lets its own in", address, origin)
         await websocket.send_denial_response(PlainTextResponse("a page of another origin\n", 403))
         return
     await websocket.accept()
@@ -233,23 +232,6 @@ def address_of(websocket: WebSocket) -> str:
     if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is None:
         return str(ipaddress.ip_network((address, 64), strict=False))
     return str(getattr(address, "ipv4_mapped", None) or address)
-
-
-def is_own_page(websocket: WebSocket, options: ServerOptions) -> bool:
-    """Return whether a handshake comes from a page that this server has served, by its Origin."""
-    origin = websocket.headers.get("origin", "").lower()
-    if origin in options.origins:
-        return True
-    hosts = [websocket.headers.get("host", "")]
-    if options.trusted and (passed := websocket.headers.get("x-forwarded-host")):
-        hosts.append(passed)
-    try:
-        page = urlsplit(origin)
-        usual = {"http": 80, "https": 443}[page.scheme]
-        asked = [urlsplit(f"//{host.lower()}") for host in hosts]
-        return any(page.hostname == one.hostname and (page.port or usual) == (one.port or usual) for one in asked)
-    except (ValueError, KeyError):
-        return False
 
 
 # uvicorn

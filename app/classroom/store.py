@@ -5,17 +5,18 @@ Names of persons are not written.
 """
 
 import asyncio
+import contextlib
 import hashlib
 import logging
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
-from .protocol import Given
+from .protocol import Given, Orders, Phase
 from .votes import Round, Vote
 
 BATCH_S = 0.01  # answers of this time are written at once
@@ -33,11 +34,22 @@ create table if not exists answers (
 """
 log = logging.getLogger(__name__)
 Change = tuple[str, tuple]  # a statement and its values
+Columns = tuple[str, int | None, str, str, str, int, str, bool | None, bool | None, float | None, str]  # of answers
 
 
 def unlinked(token: str, lesson: str, step: str, phase: str) -> str:
     """Return the name of a voter whose answers are not to be linked, another one for each question."""
     return hashlib.sha256("\n".join((token, lesson, step, phase)).encode()).hexdigest()[:32]
+
+
+class Kept(msgspec.Struct, rename={"last_order": "last order"}):
+    """What the file keeps beside answers. salt: of all hashes; code, sessions: hashes."""
+
+    salt: str = ""
+    code: str | None = None
+    sessions: list[str] = []
+    orders: Orders = Orders()
+    last_order: int = 0
 
 
 class Row(NamedTuple):
@@ -58,69 +70,93 @@ class Store:
     Parameters
     ----------
     path
-        The file; None keeps everything in memory.
+        The file.
 
     Raises
     ------
     OSError
-        If the file cannot be opened, or is none of a class.
+        If the file cannot be opened, or is none of a class. Then it is not changed.
+
+    Attributes
+    ----------
+    kept
+        The lecturer's settings by key, as the file had them.
+    persons
+        The numbers of persons by key.
+    rounds
+        All rounds with their votes, in the order in which they were asked.
     """
 
-    def __init__(self, path: Path | None = None):
+    def __init__(self, path: Path):
         self.problem: str | None = None  # why the last write failed
         self._changes: list[Change] = []
         self._done: list[Callable[[], None]] = []  # to be called once all changes are written
         self._tried: list[Callable[[], None]] = []  # to be called once a write has ended, well or not
         self._thread = ThreadPoolExecutor(1)
         self._wake = asyncio.Event()
-        if path is not None and not path.exists():
+        self.path = path
+        if not path.exists():
             path.touch(0o600)  # for its owner alone
-        try:
-            self._file = sqlite3.connect(
-                str(path or ":memory:"), timeout=LOCKED_S, check_same_thread=False, isolation_level=None
-            )
+        with self._readable():
+            self._file = self._open()
+            self._require_own()
             self._file.execute("pragma journal_mode=wal")
             self._file.execute("pragma synchronous=full")
             self._file.executescript(TABLES)
             self._file.create_function("unlinked", 4, unlinked, deterministic=True)
-        except sqlite3.Error as error:
-            raise OSError(f"{path}: {error}") from None
+            self.kept, self.persons, self.rounds = self._kept(), self._persons(), self._rounds()
+
+    def _open(self) -> sqlite3.Connection:
+        return sqlite3.connect(str(self.path), timeout=LOCKED_S, check_same_thread=False, isolation_level=None)
+
+    @contextlib.contextmanager
+    def _readable(self) -> Iterator[None]:
+        """Say by an OSError that the file is none of a class."""
+        try:
+            yield
+        except (sqlite3.Error, msgspec.MsgspecError, ValueError, TypeError) as error:
+            what = f"{self.path}: is no file of a class, or a damaged one: {error}"
+            raise OSError(f"{what}. It is left as it is; name another file") from None
+
+    def _require_own(self) -> None:
+        """Raise ValueError for a damaged file, or one of another program. Nothing is written."""
+        damage = [row[0] for row in self._file.execute("pragma quick_check(1)") if row[0] != "ok"]
+        if damage:
+            raise ValueError(damage[0].splitlines()[-1])
+        with contextlib.closing(sqlite3.connect(":memory:")) as empty:
+            empty.executescript(TABLES)
+            own = _columns(empty)
+        if (found := _columns(self._file)) and found != own:
+            raise ValueError(f"it has the tables {', '.join(found)} of another program")
 
     # Reading
 
-    def kept(self) -> dict[str, str]:
-        """Return the lecturer's settings by key."""
-        return dict(self._file.execute("select key, value from kept"))
+    def _kept(self) -> Kept:
+        found = dict(self._file.execute("select key, value from kept"))
+        for name in {"sessions", "orders"} & found.keys():
+            found[name] = msgspec.json.decode(found[name])
+        return msgspec.convert(found, Kept, strict=False)
 
-    def persons(self) -> dict[str, int]:
-        """Return the numbers of persons by key."""
-        return dict(self._file.execute("select key, number from persons"))
+    def _persons(self) -> dict[str, int]:
+        return msgspec.convert(dict(self._file.execute("select key, number from persons")), dict[str, int])
 
-    def rounds(self) -> list[Round]:
-        """Return all rounds with their votes, in the order in which they were asked."""
-        rounds = [Round(*row) for row in self._file.execute("select * from rounds order by number")]
-        by_number = {one.number: one for one in rounds}
+    def _rounds(self) -> list[Round]:
+        rows = self._file.execute("select * from rounds order by number").fetchall()
+        by_number = {row[0]: Round(*row) for row in msgspec.convert(rows, list[tuple[int, str, str, Phase, int]])}
         for row in self.answers():
             if row.round in by_number:
-                by_number[row.round].votes[row.voter] = row.vote
-        return rounds
+                asked = by_number[row.round]
+                asked.votes[row.voter] = row.vote
+                asked.stayed.add(row.voter)
+                asked.most[row.vote.place] += 1
+        return list(by_number.values())
 
     def answers(self) -> list[Row]:
-        """Return all answers that are written."""
-        flag = lambda value: None if value is None else bool(value)
+        """Return all answers that are written. It may be called in any thread, and hinders no write."""
+        with contextlib.closing(self._open()) as file:
+            rows = file.execute("select * from answers").fetchall()
         return [
-            Row(
-                voter,
-                person,
-                lesson,
-                step,
-                phase,
-                number,
-                Vote(_given(answer), flag(right), flag(sure), seconds, place),
-            )
-            for voter, person, lesson, step, phase, number, answer, right, sure, seconds, place in self._file.execute(
-                "select * from answers"
-            )
+            Row(*row[:6], Vote(_given(row[6]), *row[7:])) for row in msgspec.convert(rows, list[Columns], strict=False)
         ]
 
     # Writing
@@ -150,6 +186,16 @@ class Store:
         values = *row[:6], answer, vote.right, vote.sure, vote.seconds, vote.place
         self._done.append(done)
         self._add(ADD_ANSWER, values)
+
+    def drop_answers(self, round: int, voters: Iterable[str]) -> None:
+        """Delete these voters' answers of a round."""
+        for voter in voters:
+            self._add("delete from answers where round = ? and voter = ?", (round, voter))
+
+    def judge(self, asked: Round) -> None:
+        """Write which votes of a round are right."""
+        for voter, vote in asked.votes.items():
+            self._add('update answers set "right" = ? where round = ? and voter = ?', (vote.right, asked.number, voter))
 
     def unlink(self, person: str, token: str) -> None:
         """Let none of a person's answers tell whose it is, nor which others are the same person's."""
@@ -201,7 +247,7 @@ class Store:
     async def saved(self) -> list[Row]:
         """Return all answers that are written, after those that wait, unless writes fail."""
         await self.flush()
-        return await asyncio.get_running_loop().run_in_executor(self._thread, self.answers)
+        return await asyncio.to_thread(self.answers)
 
     @property
     def unsaved(self) -> int:
@@ -227,6 +273,12 @@ class Store:
             if self._file.in_transaction:
                 self._file.execute("rollback")
             raise
+
+
+def _columns(file: sqlite3.Connection) -> dict[str, list[str]]:
+    """The names of columns by table."""
+    names = [name for (name,) in file.execute("select name from sqlite_master where type = 'table' order by name")]
+    return {name: [row[0] for row in file.execute("select name from pragma_table_info(?)", (name,))] for name in names}
 
 
 def _given(text: str) -> Given:

@@ -1,7 +1,7 @@
 """Rounds of questions that a lecturer asks, the answers of each voter, and what they add up to."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .protocol import Given, Moved, Phase, Results, Tally
@@ -30,7 +30,8 @@ class Round:
     phase: Phase
     times: int
     votes: dict[str, Vote] = field(default_factory=dict)  # by voter
-    refused: int = 0  # because their network address had cast all its votes
+    stayed: set[str] = field(default_factory=set)  # voters who have left, but were here for a while
+    most: Counter[str] = field(default_factory=Counter)  # persons here at a time, by network address
 
     @property
     def label(self) -> str:
@@ -38,10 +39,26 @@ class Round:
         again = f", round {self.times}" if self.times > 1 else ""
         return f"round {self.times}" if self.phase == "own" else f"{self.phase}{again}"
 
-    def has_room_for(self, voter: str, place: str, most: int) -> bool:
-        """Return whether a voter may vote, or change a vote, from a network address with this many votes at most."""
-        others = Counter(vote.place for one, vote in self.votes.items() if one != voter)
-        return others[place] < most
+    def left_out(self, here: Container[str], staying: Mapping[str, str]) -> set[str]:
+        """Return the voters that do not count. They have left at once, or more have left than were here at a time.
+
+        Parameters
+        ----------
+        here
+            The voters who are here. All these count.
+        staying
+            The network address of each voter who has been here for a while and still is.
+        """
+        room = self.most - Counter(staying.values())
+        left_out = set()
+        for voter, vote in self.votes.items():
+            if voter in here:
+                continue
+            if voter in self.stayed and room[vote.place] > 0:
+                room[vote.place] -= 1
+            else:
+                left_out.add(voter)
+        return left_out
 
 
 def results(asked: Round, rounds: Sequence[Round]) -> Results:

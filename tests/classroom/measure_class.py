@@ -200,7 +200,7 @@ def main():
 
     hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 16_384), hard))
-    with ClassServer("--votes-per-address", "10000", before=before) as server:
+    with ClassServer(before=before) as server:
         report = asyncio.run(measure(server, args.students, args.seconds, args.silent))
         report["restart"] = asyncio.run(restarted(server, args.students))
     json.dump(report, sys.stdout, indent=1)

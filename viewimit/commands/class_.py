@@ -50,13 +50,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--new-code", action="store_true", help="forget a lecturer's code that was chosen on the page")
     parser.add_argument(
-        "--votes-per-address",
-        type=between(int, 1, 10_000),
-        default=100,
-        metavar="N",
-        help="votes that one network address may cast in a round (%(default)s); a class behind one router shares one",
-    )
-    parser.add_argument(
         "--embed",
         action="append",
         default=[],
@@ -67,7 +60,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--address",
         metavar="URL",
-        help="what students type, behind a proxy: printed, in the QR code, and accepted as the page's origin",
+        help="what students type, behind a proxy or under a name: printed, in the QR code, and accepted as the page's "
+        "origin",
     )
     parser.add_argument(
         "--root-path", default="", metavar="/x", help="path under which a proxy passes requests on; with it or without"
@@ -76,12 +70,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--trust-proxy",
         default="",
         metavar="ADDRESS",
-        help="proxies, separated by commas, whose X-Forwarded-For, -Proto and -Host are believed; * for any (none)",
+        help="proxies, separated by commas, whose X-Forwarded-For and -Proto are believed; * for any (none)",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..app.classroom.pages import class_pages
+    from ..app.classroom.answers import asks_of
+    from ..app.classroom.pages import class_pages, lessons_of
     from ..app.classroom.room import Room
     from ..app.classroom.server import ServerOptions, class_app, uvicorn_server
     from ..app.classroom.store import Store
@@ -99,12 +94,13 @@ def run(args: argparse.Namespace) -> int:
             require_origin(origin)
     options = ServerOptions(root, tuple(args.embed), origins, args.trust_proxy)
     with naming("--lesson"):
-        pages = class_pages(args.lesson, options.embed)
+        lessons = lessons_of(args.lesson)
+    pages = class_pages(lessons, options.embed)
     with naming("--data"):
         path = args.data or _usual_file(args.port)
         store = Store(path)
     code = os.environ.get(CODE) or "".join(secrets.choice(LETTERS) for _ in range(LETTERS_OF_A_CODE))
-    room = Room(store, code, args.votes_per_address, is_new_code=args.new_code)
+    room = Room(store, code, asks_of(lessons), is_new_code=args.new_code)
     if CODE in os.environ:
         if len(code) < MIN_CODE:
             raise BadInput(f"{CODE}: a code has {MIN_CODE} letters or more")

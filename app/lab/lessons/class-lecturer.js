@@ -32,7 +32,7 @@ export class Lecturer {
     /** @type {import("./class.js").Results | null} */
     this.results = null;
     /** @type {any} */
-    this.count = {votes: 0, refused: 0, problem: null, asked: []};
+    this.count = {problem: null, asked: []};
     /** @type {any} */
     this.gain = null;
     /** @type {{address: string, qr: string} | null} */
@@ -108,11 +108,11 @@ export class Lecturer {
     if (!link.isOpen) return [...rows, make("span", {class: "warns"}, "No connection to the class’s server.")];
     if (!this.isLeader) return [...rows, make("span", {class: "warns"}, "Another of your pages leads the class."), button("Take over", () => this.order("take"), {class: "filled"})];
     if (asked) {
-      const total = this.results?.now.total ?? 0, isHere = here && here.lesson === asked.lesson && here.step === asked.step;
+      const total = this.results?.now.total ?? 0;
       rows.push(make("span", {class: "class-asked"}, make("b", {}, `${total} of ${count}`), asked.times > 1 ? ` answered, round ${asked.times}` : " answered"));
-      if (!isHere) rows.push(button("Go to the question", () => this.#goToQuestion()));
+      if (!this.#isAtQuestion()) rows.push(button("Go to the question", () => this.#goToQuestion()));
       if (!asked.revealed) rows.push(button(this.showsAnswers ? "Hide answers" : "Show answers", () => this.#showAnswers(), {"aria-pressed": String(this.showsAnswers)}),
-        button("Reveal", () => this.order("reveal"), {class: "filled"}));
+        button("Reveal", () => this.#reveal(), {class: "filled"}));
       rows.push(button("Ask again", () => this.#askAgain(), {class: asked.revealed ? "filled" : ""}),
         button("Close the question", () => this.order("close")));
     } else {
@@ -123,8 +123,6 @@ export class Lecturer {
     }
     rows.push(button(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
       button(orders.hidden ? "Show truth" : "Hide truth", () => this.#hide(), {"aria-pressed": String(orders.hidden), title: "On all screens (T)"}));
-    if (this.count.refused) rows.push(make("span", {class: "warns"}, `${this.count.refused} answers wait: one network has cast ${this.count.votes} votes.`),
-      button("Allow twice as many", () => this.order("allow", {votes: Math.min(10_000, 2 * this.count.votes)})));
     if (this.count.problem) rows.push(make("span", {class: "warns"}, this.count.problem));
     if (this.note) rows.push(make("span", {class: "class-said"}, this.note));
     rows.push(button("Large", () => this.#present(), {class: "class-large", title: "Large letters for a projector (P)", "aria-pressed": String(this.isPresenting)}));
@@ -134,6 +132,16 @@ export class Lecturer {
   #askAgain() {
     const {asked} = this.room.orders;
     if (asked) this.order("ask", {lesson: asked.lesson, step: asked.step, phase: asked.phase, seed: asked.seed});
+  }
+
+  #reveal() {
+    if (!this.#isAtQuestion()) this.#goToQuestion();
+    this.order("reveal", this.room.truth());
+  }
+
+  #isAtQuestion() {
+    const {asked} = this.room.orders, here = this.here();
+    return asked && here?.lesson === asked.lesson && here.step === asked.step;
   }
 
   #goToQuestion() {

@@ -3,10 +3,13 @@
 /**
  * @typedef {{kind: string, [field: string]: any}} Message
  * @typedef {{kind: "answer", seq: number, lesson: string, step: string, answer: Record<string, any>, round: number,
- *   phase: string, right: boolean | null, sure: boolean | null, seconds: number | null}} Answer
+ *   phase: string, sure: boolean | null, seconds: number | null}} Answer
  */
 const FIRST_WAIT_MS = 400, LONGEST_WAIT_MS = 5000; // before the next try to connect
 const RESEND_MS = 60; // between two answers that are sent again
+const CAUSE_MS = 10_000; // without a connection, after which the page says why
+const BLOCKED = `The server answers, but its websocket does not open. Try another network, or switch off filters and extensions. Lecturer: the server has to be begun with --address ${location.origin}${location.pathname} if students use a name or a proxy, which must pass on Upgrade and Connection.`;
+const SILENT = "The server does not answer. Check that this device is on the class’s network, and that the server runs.";
 const MAX_KEPT = 300, SEQUENCE = 1_000_000;
 const PREFIX = `viewimit-class ${location.pathname} `;
 
@@ -62,8 +65,8 @@ export class Link {
     this.wait = FIRST_WAIT_MS;
     /** @type {WebSocket | null} */
     this.socket = null;
-    /** Answers that the lecturer's limit keeps waiting, by their number. @type {Set<number>} */
-    this.held = new Set();
+    this.lostAt = performance.now(); // when the connection was lost, or first tried
+    this.cause = ""; // what keeps it from opening
     addEventListener("online", () => this.#connect());
     document.addEventListener("visibilitychange", () => { if (!document.hidden) this.#connect(); });
   }
@@ -85,23 +88,34 @@ export class Link {
     socket.addEventListener("message", ({data}) => this.#hear(JSON.parse(data)));
     socket.addEventListener("close", () => {
       if (socket !== this.socket) return;
+      if (this.isOpen) this.lostAt = performance.now();
       this.isOpen = false;
+      this.#findCause();
       this.changed();
       setTimeout(() => this.#connect(), this.wait * (.5 + Math.random()));
       this.wait = Math.min(LONGEST_WAIT_MS, 1.7 * this.wait);
     });
   }
 
+  /** Once it has been away for a while: whether the server answers, and so what is between. */
+  async #findCause() {
+    if (performance.now() - this.lostAt < CAUSE_MS) return;
+    let answers = false;
+    try { answers = (await fetch(location.href.replace(/#.*/, ""), {method: "HEAD", cache: "no-store"})).ok; } catch { /* it does not */ }
+    if (this.isOpen) return;
+    this.cause = answers ? BLOCKED : SILENT;
+    this.changed();
+  }
+
   /** @param {Message} message */
   #hear(message) {
     if (message.kind === "welcome") {
       this.isOpen = true;
+      this.cause = "";
       this.wait = FIRST_WAIT_MS;
       this.changed();
       this.#resend();
-    } else if (message.kind === "ack" || message.kind === "refused" && !message.again) this.#drop(message.seq);
-    else if (message.kind === "refused") this.held.add(message.seq);
-    else if (message.kind === "resend") this.#resend();
+    } else if (message.kind === "ack" || message.kind === "refused") this.#drop(message.seq);
     this.heard(message);
   }
 
@@ -128,14 +142,12 @@ export class Link {
   }
 
   #resend() {
-    this.held.clear();
     const socket = this.socket;
     this.waiting().forEach((answer, k) => setTimeout(() => { if (socket === this.socket) this.send(answer); }, k * RESEND_MS));
   }
 
   /** @param {number} seq */
   #drop(seq) {
-    this.held.delete(seq);
     this.#keep(this.waiting().filter(one => one.seq !== seq));
   }
 

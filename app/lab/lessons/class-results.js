@@ -22,6 +22,7 @@ export function resultsOf(results, about) {
   const names = rounds.length === 3 ? ["now", "round before", "first round"] : ["now", "first round"];
   const ask = about.question ? {kind: "choice"} : about.stage?.step.ask ?? {};
   const drawn = make("div", {class: "class-drawn"}), said = make("div", {class: "class-words"}, make("p", {class: "class-n"}, ...summary(now, asked.revealed)));
+  if (asked.left_out) said.append(make("p", {class: "hint"}, `Left out: ${asked.left_out} ${asked.left_out === 1 ? "answer" : "answers"} of pages that left at once, or more than students were here from one network.`));
   if (rounds.length > 1) said.append(make("p", {class: "class-key"}, ...rounds.map((one, k) =>
     make("span", {class: `round-${k}`}, `${names[k]}, n = ${one.total}${asked.revealed && one.right !== null ? `, ${share(one.right, one.total)} right` : ""}`))));
   if (asked.revealed && ask.kind !== "choice") { // of a choice, question and reasons stay in the card

@@ -8,7 +8,7 @@
  * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null,
  *   moved_since_first: Moved | null}} Results
  * @typedef {{round: number, lesson: string, step: string, phase: "own" | "before" | "after", times: number,
- *   revealed: boolean, results: Results | null, seed: number}} Asked
+ *   revealed: boolean, results: Results | null, seed: number, left_out: number}} Asked
  * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed: number} | null,
  *   frozen: boolean, hidden: boolean, reset: number}} Orders
  */
@@ -16,6 +16,7 @@ import {browser, Link, tab} from "./class-link.js";
 import {resultsOf} from "./class-results.js";
 import {Lecturer} from "./class-lecturer.js";
 import {make} from "./dom.js";
+import {measure} from "./measures.js";
 import {} from "./lesson.js";
 import {byId as $} from "../view/page.js";
 
@@ -23,7 +24,7 @@ const NAME = /^[\w .-]{0,60}$/, MAX_DEPTH = 6; // of a screen that another page 
 const QUESTIONS = "questions"; // the form of the eight
 const ANSWER_MS = 250, AT_MS = 1000, LEAD_MS = 100; // between two messages
 const NO_IDEA = 50; // %, for a run without a bet
-const MAX_POSTURES = 40, DEGREE = Math.PI / 180;
+const MAX_POSTURES = 40, MAX_CORNERS = 200, DEGREE = Math.PI / 180;
 
 /** @type {Orders} */
 const NOTHING = {asked: null, lead: false, gather: null, frozen: false, hidden: false, reset: 0};
@@ -85,13 +86,13 @@ class Classroom {
 
   #watch() {
     const {lesson} = this;
-    lesson.onAnswer = (/** @type {string} */ step, /** @type {any} */ answer, /** @type {boolean | null} */ right) => {
+    lesson.onAnswer = (/** @type {string} */ step, /** @type {any} */ answer) => {
       if (answer.shown) return;
       const found = given(answer, lesson.stage());
-      if (found) this.#later({lesson: lesson.state().lesson, step, answer: found, right, sure: null, phase: "own"});
+      if (found) this.#later({lesson: lesson.state().lesson, step, answer: found, sure: null, phase: "own"});
     };
     lesson.onQuestion = (/** @type {"before" | "after"} */ phase, /** @type {string} */ step, /** @type {any} */ was) =>
-      this.#later({lesson: QUESTIONS, step, answer: {choice: was.answer}, right: was.right, sure: was.sure, phase});
+      this.#later({lesson: QUESTIONS, step, answer: {choice: was.answer}, sure: was.sure, phase});
     lesson.onStep = () => {
       this.began = performance.now();
       this.#stay();
@@ -164,6 +165,16 @@ class Classroom {
     this.link.send({kind: "state", state: JSON.parse(screen)});
   }
 
+  /** The right answer of the step on display, as the server takes it where the lesson's file does not say it. */
+  truth() {
+    const stage = this.lesson.stage(), {truth, right, near, kind} = stage?.step.ask ?? {};
+    if (!stage || kind === "bet" || !(truth ?? right)) return {};
+    const {value} = measure(stage, truth ?? right), isNested = value?.length && typeof value[0] !== "number";
+    const corners = (isNested ? Array.from(value) : [value]).map(one => typeof one === "number" ? [one] : Array.from(one));
+    const isKnown = corners.length <= MAX_CORNERS && corners.flat().every(Number.isFinite);
+    return !isKnown ? {} : {truth: corners, ...near && kind === "place" ? {near: near * (stage.unit === "rad" ? DEGREE : 1)} : {}};
+  }
+
   /** What this page shows, for another page to show. */
   screen() {
     return this.lesson.state();
@@ -181,7 +192,6 @@ class Classroom {
     } else if (kind === "send") this.showCopy(message.state);
     else if (kind === "request") this.link.send({kind: "copy", number: message.number, state: this.screen()});
     else if (kind === "refused") this.problem = `An answer does not count. ${message.why}`;
-    else if (kind === "resend") this.problem = "";
     else if (kind === "lecturer") {
       tab.set("session", message.session);
       this.#welcome(true);
@@ -345,7 +355,7 @@ class Classroom {
   // What this page shows of the class
 
   draw() {
-    const {asked} = this.orders, {link} = this, waiting = link.waiting().length, isHeld = link.held.size > 0;
+    const {asked} = this.orders, {link} = this, waiting = link.waiting().length;
     const isOffline = !link.isOpen && performance.now() > 3000;
     this.chip.className = `class-chip${link.isOpen ? " on" : ""}`;
     this.chip.textContent = this.isLecturer ? "Lecturer" : browser.get("name") || "Class";
@@ -354,10 +364,11 @@ class Classroom {
     if (isOffline) lines.push(make("p", {class: "class-note warns"}, waiting
       ? `No connection to the class. ${waiting} ${waiting === 1 ? "answer waits" : "answers wait"} here and will be sent.`
       : "No connection to the class. You can go on; this page connects again by itself."));
+    if (isOffline && link.cause) lines.push(make("p", {class: "class-note"}, link.cause));
     if (this.problem) lines.push(make("p", {class: "class-note warns"}, this.problem));
     if (this.hasCopy && !asked) lines.push(make("p", {class: "class-note"}, this.isLecturer ? "This is a copy of a student’s screen. " : "The lecturer has sent this screen. ",
       make("button", {type: "button", class: "link", onclick: () => this.back()}, "Back to mine")));
-    if (!this.isLecturer) lines.push(...this.#studentsLines(asked, waiting, isHeld));
+    if (!this.isLecturer) lines.push(...this.#studentsLines(asked, waiting));
     const results = asked ? this.#questionLines(asked) : [];
     fill(this.box, lines);
     fill(this.inside, this.isNarrow.matches ? results : []);
@@ -368,12 +379,12 @@ class Classroom {
     this.lecturer.draw();
   }
 
-  /** @param {Asked | null} asked @param {number} waiting @param {boolean} isHeld */
-  #studentsLines(asked, waiting, isHeld) {
+  /** @param {Asked | null} asked @param {number} waiting */
+  #studentsLines(asked, waiting) {
     const {orders} = this;
     if (asked && !asked.revealed) {
       const hasVoted = tab.get("voted") === String(asked.round);
-      const words = !hasVoted ? "The class is asked: what do you say?" : isHeld ? "Your answer waits for the lecturer."
+      const words = !hasVoted ? "The class is asked: what do you say?"
         : waiting ? "Your answer is on its way." : "Your answer is in. You may change it.";
       return [make("p", {class: "class-note"}, make("b", {}, words), hasVoted ? "" : " Nobody’s name goes with it.")];
     }

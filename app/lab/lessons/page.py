@@ -11,7 +11,7 @@ from typing import Any
 
 from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
-from viewimit.drawing.export.replay import bundle, packed, styles
+from viewimit.drawing.export.replay import bundle, packed, styles, with_policy
 from viewimit.drawing.glossary import glossary
 from viewimit.simulation.scene import load_scene
 
@@ -59,7 +59,7 @@ def lesson_page(
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
     title = f"{first.title} · viewimit" if len(lessons) == 1 else "Lessons · viewimit"
-    return _template().substitute(
+    page = _template().substitute(
         version=html.escape(__version__),
         title=html.escape(title),
         about=html.escape(first.about),
@@ -69,6 +69,7 @@ def lesson_page(
         meshes=packed(b""),
         script=bundle(entry),
     )
+    return with_policy(page)
 
 
 def page_data(

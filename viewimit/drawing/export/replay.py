@@ -5,6 +5,7 @@ compute the run's scene. The browser's modules become one script that needs no l
 """
 
 import base64
+import hashlib
 import re
 import zlib
 from collections.abc import Mapping, Sequence
@@ -34,6 +35,7 @@ SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 REEXPORT = re.compile(r'^export (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
+SCRIPT = re.compile(r"<script>(.*?)</script>", re.S)
 EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re.M)
 
 
@@ -70,6 +72,26 @@ def bundle(entry: str) -> str:
     first = (SCRIPTS / entry).resolve()
     add(first)
     return '"use strict";\nconst MODULES = {};\n' + "\n".join(parts.values())
+
+
+def with_policy(page: str, *inserted: str) -> str:
+    """Let a page's content policy allow its own scripts alone, which it names by their hashes.
+
+    Parameters
+    ----------
+    page
+        HTML with a policy whose script-src is 'own'.
+    inserted
+        Scripts that the page's own ones insert.
+
+    Returns
+    -------
+    str
+        The page with the hashes in its policy.
+    """
+    digests = (hashlib.sha256(script.encode()).digest() for script in (*SCRIPT.findall(page), *inserted))
+    names = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
+    return page.replace("script-src 'own'", f"script-src {names}", 1)
 
 
 def packed(data: bytes) -> str:
@@ -227,7 +249,7 @@ def lab_html(
     parts
         HTML of a replay, by the places of lab.html that are empty in the lab.
     """
-    return Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
+    page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
         dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
         version=escape(__version__),
@@ -237,6 +259,7 @@ def lab_html(
         script=packed(_script().encode()),
         **parts,
     )
+    return with_policy(page, _script())
 
 
 @cache

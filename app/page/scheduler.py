@@ -47,7 +47,7 @@ class Scheduler:
     """Pages are added when they are built and removed when their tab is gone. heartbeat(): called every tick;
     on_stop(): when there will be no more."""
 
-    def __init__(self, heartbeat: Callable[[], None], on_stop: Callable[[], None] = lambda: None):
+    def __init__(self, heartbeat: Callable[[], None] = lambda: None, on_stop: Callable[[], None] = lambda: None):
         self._heartbeat, self._on_stop = heartbeat, on_stop
         self._lock, self._turn = threading.Lock(), threading.RLock()  # of the list; held while a page ticks
         self._pages: list[Ticked] = []

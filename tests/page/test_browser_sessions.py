@@ -113,7 +113,7 @@ def test_a_session_goes_on_after_its_server_was_killed_and_at_another_one(browse
         wait(page, lambda: kept(page) != before or "History" in page.content())
         first.process.kill()
         first.process.wait()
-        second = Server("--workers", "2")
+        second = Server()
         relay.lead_to(second.url)
         page.bring_to_front()
         wait(page, lambda: page.evaluate("kept.number") and posture(page) == stepped(3))

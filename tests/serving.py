@@ -15,10 +15,10 @@ from contextlib import suppress
 
 import viser
 from viewimit.app import viser_private
-from viewimit.app.page.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.limits import Limits, ServerOptions
 from viewimit.app.server.pages import App
+from viewimit.app.server.scheduler import Scheduler
 from waiting import wait_until
 
 from viewimit.loop.session import Session

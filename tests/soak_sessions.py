@@ -1,4 +1,4 @@
-"""Ten minutes of visitors at two processes, of which one is killed and one stopped: no session may be lost.
+"""Ten minutes of visitors at a server: no session may be lost.
 
 PYTHONPATH=tests python tests/soak_sessions.py --minutes 10 --clients 12
 
@@ -7,16 +7,14 @@ finds the same posture; in the end all that the tabs have kept is computed again
 """
 
 import argparse
-import os
 import random
-import signal
 import threading
 import time
 from contextlib import suppress
 
 import numpy as np
 from protocol import BEGINS_WITHIN_S, Client, Tab
-from serving import Server, workers_of
+from serving import Server
 from viewimit.app.sessions.link import decode
 from waiting import wait_until
 from websockets.exceptions import InvalidHandshake
@@ -114,15 +112,11 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--clients", type=int, default=12)
     asked = parser.parse_args()
-    server = Server("--workers", "2", "--max-clients", str(2 * asked.clients + 8))
+    server = Server("--max-clients", str(2 * asked.clients + 8))
     began = time.monotonic()
     visitors = [Visitor(server.url, k, began + 60 * asked.minutes) for k in range(asked.clients)]
     for visitor in visitors:
         visitor.start()
-    for share, how in ((1 / 3, signal.SIGKILL), (2 / 3, signal.SIGSTOP)):
-        time.sleep(max(began + 60 * share * asked.minutes - time.monotonic(), 0))
-        os.kill(workers_of(server)[0], how)
-        print(f"{time.monotonic() - began:.0f} s: {how.name} to a process", flush=True)
     for visitor in visitors:
         visitor.join(60 * asked.minutes + 2 * BACK_WITHIN_S)
     lost = [what for visitor in visitors for what in visitor.lost]

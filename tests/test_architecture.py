@@ -29,12 +29,12 @@ LAYERS = (  # folders and modules of viewimit/: each imports only from lines abo
 )
 # rooms and modules of app/: each imports only what stands in a line above its own, or itself
 APP_ORDER = (
-    {"viser_private", "quiet_client", "static", "drawing", "lab"},
+    {"viser_private", "static", "drawing", "lab"},
     {"jobs", "sessions", "classroom"},
     {"model"},
     {"commands", "panels", "scene"},
     {"page"},
-    {"benchmark", "camera_benchmark", "server"},
+    {"server"},
 )
 OF_OTHERS = {"_exit", "_repr_html_", "_prop_hints", "_is_protocol"}  # names of Python's, IPython's and viser's
 # image points, nothing of the world

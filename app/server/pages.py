@@ -25,7 +25,6 @@ from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, Page
-from ..page.scheduler import Scheduler
 from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
@@ -34,6 +33,7 @@ from .access import AccessControl
 from .address import origin_for_others, own_names, path_of_page
 from .connection import CONNECTION, GuardedConnection
 from .limits import ServerOptions, in_a_line
+from .scheduler import Scheduler
 
 BUILT_AT_ONCE = 2  # pages: all others would wait for many more
 AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
@@ -43,7 +43,7 @@ log = logging.getLogger(__name__)
 
 @contextlib.contextmanager
 def serving(options: ServerOptions, port: int = 0, heartbeat: Callable[[], None] = lambda: None) -> Iterator[int]:
-    """Serve pages inside, on the port that it yields. heartbeat(): called in each round of the scheduler."""
+    """Serve pages inside, on the port that it yields. heartbeat(): called once a second while they are drawn."""
     own_names()  # begins to ask for them
     # On a server it is no fault to draw for a client that has just gone
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
@@ -89,7 +89,7 @@ class App:
         experiments, basins = (
             ExperimentWorker(work, self._visitors.get) for work in (experiment_child.work, basin_child.work)
         )
-        self.services = Services(LandscapeWorker(), experiments, self._camera, scheduler.shedding, share, basins)
+        self.services = Services(LandscapeWorker(), experiments, self._camera, share, basins)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)

@@ -20,8 +20,7 @@ import pytest
 from viewimit.app.jobs import experiments
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Request
-from viewimit.app.page.scheduler import Scheduler
-from viewimit.app.server.seats import Seats
+from viewimit.app.server.scheduler import Scheduler
 from waiting import stays, wait_until
 
 from viewimit.experiments.paper import fig9
@@ -248,13 +247,13 @@ def test_sessions_go_on_while_an_experiment_runs(worker, event_loop):
     class Page:
         held = staticmethod(contextlib.nullcontext)
 
-        def tick(self, now):
+        def tick(self, now, budget):
             ticks.append(now)
 
-        def drawings(self):
-            return ()
+        def draw(self):
+            pass
 
-    scheduler, told = Scheduler(Seats().rows[0].live), Told()
+    scheduler, told = Scheduler(), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

@@ -73,7 +73,7 @@ def test_a_release_holds_the_documentation_and_the_host_builds_it():
 
 
 def test_actions_and_hooks_are_pinned():
-    """Actions by their version; hooks by pyproject.toml, as they are the tools that are installed."""
+    """Actions by their commit; hooks by pyproject.toml, as they are the tools that are installed."""
     uses = [
         step["uses"]
         for path in WORKFLOWS
@@ -81,7 +81,7 @@ def test_actions_and_hooks_are_pinned():
         for step in job["steps"]
         if "uses" in step
     ]
-    assert uses and all(re.fullmatch(r"[\w-]+/[\w-]+@(v\d+|release/v\d+)", name) for name in uses)
+    assert uses and all(re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40}", name) for name in uses)
     (local,) = read(".pre-commit-config.yaml")["repos"]
     tools = {hook["entry"].split()[2 if hook["entry"].startswith("python -m") else 0] for hook in local["hooks"]}
     assert local["repo"] == "local" and {hook["language"] for hook in local["hooks"]} == {"system"}

@@ -8,7 +8,6 @@ import io
 import logging
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from functools import cache, partial
 
 import viser
@@ -17,8 +16,7 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..jobs import basin_child, experiment_child
-from ..jobs.camera_images import MOST_SESSIONS, CameraProcess, VisitorsCameras
+from ..jobs.camera_images import CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.threads import LandscapeWorker
 from ..lab.lessons.format import Lesson
@@ -84,12 +82,8 @@ class App:
         self._building = asyncio.Semaphore(BUILT_AT_ONCE)
         self._collecting: asyncio.TimerHandle | None = None
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
-        self._camera = CameraProcess(MOST_SESSIONS)
-        self._visitors: dict[int, int] = {}  # networks by client id
-        experiments, basins = (
-            ExperimentWorker(work, self._visitors.get) for work in (experiment_child.work, basin_child.work)
-        )
-        self.services = Services(LandscapeWorker(), experiments, self._camera, share, basins)
+        self._camera = CameraProcess()
+        self.services = Services(LandscapeWorker(), ExperimentWorker(), self._camera, share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -120,7 +114,6 @@ class App:
         async with self._building:
             if not self._is_here(client):  # it has left while others' pages were built
                 return
-            self._visitors[client.client_id] = connection.network
             page = await asyncio.to_thread(self._build, client, connection)
         if page is None:
             return
@@ -158,12 +151,10 @@ class App:
         origin, path = request.headers.get("Origin"), path_of_page(request.path)
         public = origin_for_others(self._host, origin)
         info = ClientInfo(origin and origin + path, public and public + path, self._lessons)
-        cameras = VisitorsCameras(self._camera, connection.network)
-        return Page(client, replace(self.services, camera=cameras), self._settings, info)
+        return Page(client, self.services, self._settings, info)
 
     async def _disconnect(self, client: viser.ClientHandle) -> None:
         await self._retire(client.client_id)
-        self._visitors.pop(client.client_id, None)
         if self._collecting is None:  # once for all of a class that leaves at once
             self._collecting = asyncio.get_running_loop().call_later(COLLECTS_AFTER, self._collect)
 

@@ -109,10 +109,3 @@ def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys, monke
     assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost", "0.0.0.0", "192.0.2.7")] == [
         True, True, True, False, False,
     ]  # fmt: skip
-
-
-def test_the_earlier_option_of_a_class_is_refused_with_the_command_of_today(ask):
-    for words in (("serve", "--lecturer"), ("--lecturer",)):
-        status, out, err = ask(*words)
-        assert (status, out) == (2, "")
-        assert err == "viewimit serve: --lecturer: a class has a server of its own now: viewimit class\n"

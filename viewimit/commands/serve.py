@@ -3,7 +3,6 @@
 import argparse
 from pathlib import Path
 
-from . import BadInput
 from .options import ARM, DONE, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 
@@ -37,17 +36,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a lesson of your own, offered instead of the tour; more than once for more (docs/teach/lesson-format.md)",
     )
-    parser.add_argument("--store", help=argparse.SUPPRESS)
-    parser.add_argument("--lecturer", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
 
 
 def run(args: argparse.Namespace) -> int:
-    if args.lecturer:
-        raise BadInput("--lecturer: a class has a server of its own now: viewimit class")
-    if args.store is not None:
-        raise BadInput("--store: the server stores no sessions: each visitor's browser tab keeps its own")
     settings = settings_from(args)
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own

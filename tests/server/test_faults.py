@@ -192,8 +192,8 @@ def test_a_server_that_hangs_ends_itself_and_says_where():
 import itertools, sys
 from viewimit.app.page.page import Page
 from viewimit.app.server import serve
-serve.HANGS_AFTER = 1
-Page.tick = lambda page, now: sum(itertools.count())  # in C, so that no thread of Python's could end it
+serve.HANGS_AFTER = 3
+Page.tick = lambda page, *_: sum(itertools.count())  # in C, so that no thread of Python's could end it
 from viewimit.commands.cli import main
 sys.exit(main(sys.argv[1:]))"""
     command = [sys.executable, "-I", "-c", hangs, "serve", "--port", "0"]

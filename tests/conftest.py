@@ -23,7 +23,7 @@ from viewimit.geometry import limit_blas_threads
 
 METHOD = "geometry", "kinematics", "estimation", "servo", "golden"
 LONG = "test_readme.py", "test_extension.py", "test_scenes.py"
-WAITING = "test_workers.py", "test_faults.py", "test_deploy.py"
+WAITING = "test_faults.py", "test_deploy.py"
 REQUIRED = os.environ.get("VIEWIMIT_REQUIRE_BROWSER") == "1"
 passed_in_browser: list[str] = []
 os.environ["VIEWIMIT_CACHE"] = ""  # nothing of the user's own is read or written

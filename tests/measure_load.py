@@ -1,4 +1,4 @@
-"""What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3] [--workers 2]`.
+"""What a class costs: `python tests/measure_load.py --clients 30 --seconds 60 [--browsers 3]`.
 
 Clients that speak viser's protocol, from processes of their own, each with a session whose loop runs; as a browser
 does, each says which tabs are not open. Of each: updates of poses, of the images and of the landscape that arrive, a
@@ -109,8 +109,8 @@ def open_browsers(stack: list, url: str, count: int) -> None:
         page.keyboard.press("Space")
 
 
-def measure(clients: int, seconds: float, browsers: int, speed: str, workers: int, closed: str) -> dict:
-    server = Server("--workers", str(workers), "--max-clients", str(clients + browsers + 1), *OPTIONS)
+def measure(clients: int, seconds: float, browsers: int, speed: str, closed: str) -> dict:
+    server = Server("--max-clients", str(clients + browsers + 1), *OPTIONS)
     stack = []
     context = multiprocessing.get_context("spawn")
     begin, end, results = context.Event(), context.Event(), context.Queue()
@@ -143,7 +143,6 @@ def measure(clients: int, seconds: float, browsers: int, speed: str, workers: in
     return {
         "clients": clients,
         "browsers": browsers,
-        "workers": workers,
         "closed": closed,
         "speed": speed,
         "seconds": round(seconds),
@@ -170,13 +169,10 @@ def main() -> None:
     parser.add_argument("--clients", type=int, default=30)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--browsers", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=2, help="processes of the server (%(default)s)")
     parser.add_argument("--speed", default="10 a second", help="of the loops, as the page has it (%(default)s)")
     parser.add_argument("--closed", default=CLOSED, help="tabs of each client that are not open (%(default)s)")
     args = parser.parse_args()
-    json.dump(
-        measure(args.clients, args.seconds, args.browsers, args.speed, args.workers, args.closed), sys.stdout, indent=1
-    )
+    json.dump(measure(args.clients, args.seconds, args.browsers, args.speed, args.closed), sys.stdout, indent=1)
     print()
 
 

@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 
 from drawn import view_name
+from quiet_client import quiet_client
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
@@ -12,10 +13,8 @@ from viewimit.app.jobs.threads import LandscapeWorker
 from viewimit.app.model.choices import AMOUNTS
 from viewimit.app.model.page_model import PageModel
 from viewimit.app.model.queue import CommandQueue
-from viewimit.app.model.services import LoadShedding, Services, draw_all
+from viewimit.app.model.services import Services
 from viewimit.app.page.page import Page
-from viewimit.app.page.scheduler import TICK
-from viewimit.app.quiet_client import quiet_client
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -126,7 +125,7 @@ def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=
     """A page's model whose workers make nothing unless they are given, and the queue that they would hand it to."""
     workers = landscapes or QuietLandscapes(), experiments or QuietExperiments()
     others = {} if basins is None else {"basins": basins}
-    services = Services(*workers, CameraProcess(), LoadShedding(TICK), lambda robot, arm: None, **others)
+    services = Services(*workers, CameraProcess(), lambda robot, arm: None, **others)
     queue = CommandQueue(COMMANDS)
     return PageModel(1, settings, services, queue, send), queue
 
@@ -164,7 +163,7 @@ class Visit:
     def __init__(self, camera, settings=None):
         self.now = 100.0
         workers, clock = (LandscapeWorker(), ExperimentWorker(), camera), lambda: self.now
-        services = Services(*workers, LoadShedding(TICK), lambda robot, arm: None, clock=clock)
+        services = Services(*workers, lambda robot, arm: None, clock=clock)
         self.page = Page(quiet_client(id(self)), services, settings or Settings())
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")
@@ -180,7 +179,7 @@ class Visit:
         for _ in range(count):
             self.now += 0.05
             self.page.tick(self.now)
-            draw_all(self.page.drawings())
+            self.page.draw()
 
     def rest(self, seconds=30.0):
         """Tick until no turn goes on."""

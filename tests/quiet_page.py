@@ -7,15 +7,14 @@ from types import SimpleNamespace
 import drawn
 import msgspec
 from protocol import Tab
+from quiet_client import QuietClient, QuietHandle
 from viewimit.app.jobs.camera_images import CameraProcess
 from viewimit.app.jobs.experiments import ExperimentWorker
 from viewimit.app.jobs.threads import LandscapeWorker
-from viewimit.app.model.services import LoadShedding, Services, draw_all
+from viewimit.app.model.services import Services
 from viewimit.app.page.page import Page
-from viewimit.app.page.scheduler import TICK
 from viewimit.app.panels.actions import KEPT_LABEL
 from viewimit.app.panels.panel import ClientInfo
-from viewimit.app.quiet_client import QuietClient, QuietHandle
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -88,11 +87,10 @@ class QuietPage:
     ):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = gui or Gui()
-        camera, shedding = CameraProcess(), LoadShedding(TICK)
-        workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), camera
+        workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), CameraProcess()
         clock = lambda: self.now
         how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
-        services = Services(*workers, shedding, lambda robot, arm: None, **how)
+        services = Services(*workers, lambda robot, arm: None, **how)
         info = ClientInfo(public_url=shared)
         self.page = Page(self.client, services, settings or Settings.paper(), info)
 
@@ -143,7 +141,7 @@ class QuietPage:
         self.now += seconds
         self.page.tick(self.now)
         self._tab.take(self.widget(KEPT_LABEL).value)
-        draw_all(self.page.drawings())
+        self.page.draw()
 
     def tick_until(self, condition, patience=60.0, seconds=0.5):
         """Tick while threads of the page work. Raises AssertionError after so many seconds of patience."""

@@ -12,15 +12,13 @@ import threading
 import urllib.request
 from collections.abc import Collection
 from contextlib import suppress
-from pathlib import Path
 
 import viser
 from viewimit.app import viser_private
-from viewimit.app.page.scheduler import Scheduler
 from viewimit.app.server.access import AccessControl
 from viewimit.app.server.limits import Limits, ServerOptions
 from viewimit.app.server.pages import App
-from viewimit.app.server.seats import ProcessRow, Seats
+from viewimit.app.server.scheduler import Scheduler
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -116,8 +114,8 @@ class Server:
 class Attended(Scheduler):
     """A scheduler that tells which pages are there."""
 
-    def __init__(self, row: ProcessRow):
-        super().__init__(row.live, row.clear)
+    def __init__(self):
+        super().__init__()
         self.present: list = []
 
     def add(self, page) -> None:
@@ -133,9 +131,8 @@ class Here:
     """The server in this process, so that a test can break it."""
 
     def __init__(self, limits: Limits = PATIENT):
-        self.all_seats = Seats()
-        self._scheduler = Attended(self.all_seats.rows[0])
-        self.access = AccessControl(limits, (), self.all_seats)
+        self._scheduler = Attended()
+        self.access = AccessControl(limits, ())
         with contextlib.redirect_stdout(io.StringIO()), viser_private.serving_with(self.access.serve):
             self.viser = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.app = App(self.viser, ServerOptions(), self._scheduler, {})
@@ -214,16 +211,6 @@ def processes_of(pid: int) -> list[int]:
     for one in found:
         found += [child for child, parent in parents.items() if parent == one]
     return found
-
-
-def workers_of(server: "Server") -> list[int]:
-    """Process ids of a server's workers, as they were begun."""
-    found = []
-    for pid in processes_of(server.process.pid)[1:]:
-        with suppress(FileNotFoundError, ProcessLookupError):  # one that has ended since it was listed
-            if "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text():
-                found.append((int(stat_of(pid)[19]), pid))  # clock ticks; process ids begin anew at some time
-    return [pid for _, pid in sorted(found)]
 
 
 def tell_all(pids: list[int], what: int) -> None:

@@ -40,8 +40,6 @@ def test_commands_print_what_readme_shows(words, shown, capsys):
 
 
 SHORT = {  # what makes a program brief that measures; of the others --help is asked
-    "-m viewimit.app.benchmark": ("--runs", "1"),
-    "-m viewimit.app.camera_benchmark": ("--seconds", "1"),
 }
 DOCS = "".join(path.read_text("utf-8") for path in (ROOT / "docs").rglob("*") if path.suffix in (".md", ".toml"))
 PROGRAMS = sorted(set(re.findall(r"[`\"]python (-m viewimit[\w.]+|tests/\w+\.py)", README + DOCS)))

@@ -8,9 +8,8 @@ import itertools
 import multiprocessing
 import threading
 import time
-from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections import OrderedDict
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
@@ -33,11 +32,11 @@ IDLE_S = 60.0  # without a look, after which a place may go to who asks for one
 
 
 class CameraLost(Exception):
-    """The process has ended, and with it the eyes that it had; or a place went to another visitor."""
+    """The process has ended, and with it the eyes that it had; or an idle place went to another session."""
 
 
 class Cameras(Protocol):
-    """What the pages of one visitor look with; as `CameraProcess`."""
+    """What pages look with; as `CameraProcess`."""
 
     def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]: ...
 
@@ -46,28 +45,10 @@ class Cameras(Protocol):
     def close(self, key: int) -> None: ...
 
 
-class VisitorsCameras:
-    """The camera process as the pages of one visitor have it."""
-
-    def __init__(self, process: "CameraProcess", visitor: Hashable):
-        self._process, self._visitor = process, visitor
-        self.ask, self.close = process.ask, process.close
-
-    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
-        return self._process.open(scene, key, self._visitor)
-
-
-@dataclass
-class _Place:
-    visitor: Hashable
-    used: float  # s, when it last looked
-
-
 class CameraProcess:
     """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered.
 
-    When all places are taken, a visitor with fewer of them gets one of the visitor with most, else one that has been
-    idle for a while.
+    When all places are taken, who asks gets the one that has been idle longest, if it was so for a while.
 
     most: sessions; unused_s: without any, after which the process ends; work: what runs in it; clock: s.
     """
@@ -82,7 +63,7 @@ class CameraProcess:
         self._most, self._unused_s, self._work, self._clock = most, unused_s, work, clock
         self._turn = threading.RLock()  # held until an answer is there
         self._sending = threading.Lock()
-        self._places: dict[int, _Place] = {}
+        self._used: dict[int, float] = {}  # s, when each key last looked
         self._given_away: set[int] = set()  # keys whose sessions do not know it yet
         self._next_key = itertools.count()
         self._process: multiprocessing.process.BaseProcess | None = None
@@ -94,21 +75,21 @@ class CameraProcess:
         process = self._process
         return process is not None and process.is_alive()
 
-    def open(self, scene: Scene, key: int | None = None, visitor: Hashable = None) -> tuple[int, float]:
-        """Eyes for a scene, instead of those that a key has → key, noise_px. visitor: whose they are.
+    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
+        """Eyes for a scene, instead of those that a key has → key, noise_px.
 
-        Raises ValueError if there is no place for this visitor, CameraLost.
+        Raises ValueError if there is no place, CameraLost.
         """
         with self._turn:
-            new = key is None or key not in self._places
+            new = key is None or key not in self._used
             if key is None or new:
-                if len(self._places) >= self._most:
-                    given = self._place_for(visitor)
+                if len(self._used) >= self._most:
+                    given = self._idle_place()
                     self.close(given)
                     self._given_away.add(given)
                 key = next(self._next_key)
                 self._start_if_ended()
-                self._places[key] = _Place(visitor, self._clock())
+                self._used[key] = self._clock()
             try:
                 return key, self.ask(key, "open", scene)[0]
             except BaseException:
@@ -116,24 +97,18 @@ class CameraProcess:
                     self.close(key)
                 raise
 
-    def _place_for(self, visitor: Hashable) -> int:
-        """Return the taken place that this visitor may have: of the visitor with most places, or of all, the one that
-        has been idle longest. Raises ValueError if there is none."""
-        taken = Counter(place.visitor for place in self._places.values())
-        fullest, most = taken.most_common(1)[0]
-        may = [key for key, place in self._places.items() if place.visitor == fullest]
-        if most <= taken[visitor] + 1:
-            now = self._clock()
-            may = [key for key, place in self._places.items() if now - place.used > IDLE_S]
-        if not may:
-            n = len(self._places)
+    def _idle_place(self) -> int:
+        """Return the place that was not used for longest. Raises ValueError if none was idle for a while."""
+        key = min(self._used, key=self._used.__getitem__)
+        if self._clock() - self._used[key] <= IDLE_S:
+            n = len(self._used)
             refusal = plural(
                 "camera images are in use by {n} other: try again later",
                 "camera images are in use by {n} others: try again later",
                 n,
             )
             raise ValueError(refusal.format(n=n))
-        return min(may, key=lambda key: self._places[key].used)
+        return key
 
     def ask(self, key: int, what: str, *arguments) -> tuple:
         """What the eyes of this key answer, and the pictures that they took for it, as JPEG.
@@ -143,10 +118,10 @@ class CameraProcess:
         with self._turn:
             if key in self._given_away:
                 self._given_away.discard(key)
-                raise CameraLost("another visitor has the place for camera images now")
-            if key not in self._places or self._stopped:
+                raise CameraLost("another session has the place for camera images now")
+            if key not in self._used or self._stopped:
                 raise CameraLost("the process of the camera images has ended")
-            self._places[key].used = self._clock()
+            self._used[key] = self._clock()
             try:
                 connection = self._send(key, what, *arguments)
                 if not connection.poll(ANSWERS_WITHIN_S):
@@ -164,11 +139,11 @@ class CameraProcess:
     def close(self, key: int) -> None:
         """Give up what the key has; returns at once."""
         self._given_away.discard(key)
-        if self._places.pop(key, None) is None:
+        if self._used.pop(key, None) is None:
             return
         with contextlib.suppress(OSError):  # it has ended meanwhile
             self._send(key, "close")
-        if not self._places:
+        if not self._used:
             timer = threading.Timer(self._unused_s, self._end_if_unused)
             timer.daemon = True
             timer.start()
@@ -202,12 +177,12 @@ class CameraProcess:
 
     def _end_if_unused(self) -> None:
         with self._turn:
-            if not self._places:
+            if not self._used:
                 self._end()
 
     def _end(self) -> None:
         """It has nothing to put in order."""
-        self._places.clear()
+        self._used.clear()
         with self._sending:
             if self._connection is not None:
                 self._connection.close()

@@ -1,4 +1,4 @@
-"""Experiments run beside the server, each in a process of its own, one at a time: one of each visitor in turn.
+"""Experiments run beside the server, each in a process of its own, one at a time, in the order asked.
 
 A process that is ended leaves nothing behind: cancelling, a closed tab and the server's end all do just that.
 """
@@ -9,9 +9,8 @@ import tempfile
 import threading
 import time
 import traceback
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
 from multiprocessing.connection import Connection
 
 from viewimit.analysis.trajectory import Imitation
@@ -21,8 +20,6 @@ from viewimit.loop.settings import Settings
 from . import experiment_child
 
 ENDS_WITHIN_S = 2.0
-LONGEST_S = 900.0  # of a run, while another visitor waits
-LOOK_EVERY_S = 1.0  # whether it is over
 GOING_ON = ("waiting", "running", "writing")
 
 
@@ -64,7 +61,6 @@ class Run:
 @dataclass(eq=False)
 class _Job:
     page_id: int
-    visitor: Hashable
     request: Request
     tell: Callable[[Run], None]
     run: Run
@@ -75,20 +71,14 @@ class _Job:
 class ExperimentWorker:
     """`ask` returns at once; `tell(run)` is called under the worker's lock, from any thread, and must be short.
 
-    work(connection, folder): what each process does; visitor_of(page_id): whose page it is.
+    work(connection, folder): what each process does.
     """
 
-    def __init__(
-        self,
-        work: Callable[[Connection, str], None] = experiment_child.work,
-        visitor_of: Callable[[int], Hashable] = lambda page_id: page_id,
-    ):
-        self._work, self._visitor_of = work, visitor_of
+    def __init__(self, work: Callable[[Connection, str], None] = experiment_child.work):
+        self._work = work
         self._changed = threading.Condition()
         self._waiting: dict[int, _Job] = {}
         self._job: _Job | None = None  # the one that runs
-        self._begun = 0
-        self._turns: dict[Hashable, int] = {}  # of who waits or runs: the number of their last run that has begun
         self._stopped = False
         self._thread = threading.Thread(target=self._serve, name="viewimit-experiments", daemon=True)
         self._thread.start()
@@ -98,9 +88,7 @@ class ExperimentWorker:
         with self._changed:
             if self._running_of(page_id) is not None:
                 raise ValueError("an experiment of this page still runs: wait for it, or cancel it")
-            self._waiting[page_id] = _Job(
-                page_id, self._visitor_of(page_id), request, tell, Run(request.name, request=request)
-            )
+            self._waiting[page_id] = _Job(page_id, request, tell, Run(request.name, request=request))
             self._tell_waiting()
             self._changed.notify()
 
@@ -140,11 +128,7 @@ class ExperimentWorker:
                     self._changed.wait()
                 if self._stopped:
                     return
-                self._job = self._waiting.pop(self._in_turn()[0].page_id)
-                self._begun += 1
-                self._turns[self._job.visitor] = self._begun
-                there = {job.visitor for job in (self._job, *self._waiting.values())}
-                self._turns = {visitor: turn for visitor, turn in self._turns.items() if visitor in there}
+                self._job = self._waiting.pop(next(iter(self._waiting)))
                 self._tell(self._job, state="running", before=0)
                 self._tell_waiting()
             problem = self._carry_out(self._job)
@@ -193,30 +177,12 @@ class ExperimentWorker:
         try:
             connection.send((job.request.name, job.request.settings, job.request.options))
             while job.run.goes_on:
-                while not connection.poll(LOOK_EVERY_S):
-                    self._end_if_too_long(job, time.monotonic() - began)
                 kind, *content = connection.recv()
                 with self._changed:
                     if not job.cancelled:
                         self._tell(job, seconds=time.monotonic() - began, **_news(kind, *content))
         except (EOFError, OSError):  # the process has ended
             pass
-
-    def _end_if_too_long(self, job: _Job, seconds: float) -> None:
-        with self._changed:
-            others = any(waiting.visitor != job.visitor for waiting in self._waiting.values())
-            if seconds > LONGEST_S and others and job.run.goes_on:
-                problem = f"it took {LONGEST_S / 60:.0f} minutes, and others wait"
-                self._tell(job, state="failed", problem=problem)
-                self._end(job)
-
-    def _in_turn(self) -> list[_Job]:
-        """Who waits, one of each visitor in turn; first who never had a turn, or had it longest ago."""
-        of_visitors: dict[Hashable, list[_Job]] = {}
-        for job in self._waiting.values():
-            of_visitors.setdefault(job.visitor, []).append(job)
-        in_turn = sorted(of_visitors.values(), key=lambda jobs: self._turns.get(jobs[0].visitor, 0))
-        return [job for one_of_each in zip_longest(*in_turn) for job in one_of_each if job is not None]
 
     def _running_of(self, page_id: int) -> _Job | None:
         job = self._job
@@ -234,7 +200,7 @@ class ExperimentWorker:
     def _tell_waiting(self) -> None:
         """Every waiting page how many are first."""
         first = 0 if self._job is None else 1
-        for k, job in enumerate(self._in_turn()):
+        for k, job in enumerate(self._waiting.values()):
             self._tell(job, before=first + k)
 
 

@@ -19,7 +19,7 @@ MOTION_SHARE, LONGEST_MOTION = 0.85, 1.2  # of the period; s: how long the arm i
 SINGLE_STEP = 0.45  # s a motion takes that was asked for singly
 EARLY, LATE = 0.02, 0.05  # s that a motion may begin before its time, as ticks jitter; and late without giving way
 DENSE = 512  # motions of a page's session that are all kept; of older ones some are
-BUDGET = 0.02  # s a tick for stepping as fast as it computes, with nobody else to share it
+BUDGET = 0.02  # s a tick for stepping as fast as it computes
 
 
 class Runner:
@@ -140,12 +140,12 @@ class Player:
         """Whether motions are."""
         return self.playing and bool(self._awake) and (self.speed == 0 or now >= self._next - EARLY)
 
-    def advance(self, now: float, budget: Callable[[], float] = lambda: BUDGET) -> None:
+    def advance(self, now: float, budget: float = BUDGET) -> None:
         """Make the motions that are due. budget: s for those that run as fast as they compute."""
         if not self.due(now):
             return
         if self.speed == 0:
-            until = self._clock() + budget()
+            until = self._clock() + budget
             while self.playing and self._awake and self._clock() < until:
                 for runner in self._awake:
                     runner.step()

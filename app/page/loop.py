@@ -8,46 +8,31 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from functools import partial
 
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.page_model import PageModel
 from ..model.queue import CommandQueue, JobResult, Queued
-from ..model.services import LoadShedding
 
 BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
 MESSAGE_STAYS = 6.0  # s
-SHARE = 0.2  # of the time: for what the visitor of one page does, 10 ms of a tick of 50 ms
-AT_ONCE = 0.2  # s of it that may be spent at once after a while without much
-MAX_DEBT_S = 1.0  # s that later commands make up for, by waiting MAX_DEBT_S / SHARE at most
-
-
-def _beside() -> float:
-    return BESIDE
-
-
-def _no_time() -> float:
-    return 0.0
+MOST_A_PASS = 0.01  # s of a tick of 50 ms in which one more command of a page begins: the other pages wait meanwhile
 
 
 class CommandLoop:
-    """tick(now) ends a turn, begins the next, or does meanwhile what need not wait.
+    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait.
 
-    announce_pictures(): the first camera images are about to be waited for; budget: of what the visitor does, whose
-    rest waits for the next ticks.
+    announce_pictures(): the first camera images are about to be waited for; clock: s, by which commands are timed.
     """
 
     def __init__(
         self,
         model: PageModel,
         queue: CommandQueue,
-        shedding: LoadShedding,
         announce_pictures: Callable[[], None],
-        budget: TimeBudget | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ):
-        self._model, self._queue, self._shedding = model, queue, shedding
-        self._announce_pictures = announce_pictures
-        self._background, self._budget = Background(), budget or TimeBudget()
+        self._model, self._queue, self._clock = model, queue, clock
+        self._announce_pictures, self._background = announce_pictures, Background()
         self._asked_at = 0.0
 
     @property
@@ -64,25 +49,25 @@ class CommandLoop:
         """Whether no turn goes on any more, after that time at most."""
         return self._background.wait(seconds)
 
-    def tick(self, now: float) -> None:
+    def tick(self, now: float, budget: float) -> None:
         self._end_turn(now)
         if self._background.busy:
             self._apply_meanwhile(now)
         else:
-            self._take_turn(now)
+            self._take_turn(now, budget)
 
-    def _take_turn(self, now: float) -> None:
+    def _take_turn(self, now: float, budget: float) -> None:
         """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
         images or long, at once if not."""
         model, restores = self._model, self._model.following.restores
         commands = self._queue.take_order_independent(cancelling=True) if restores else self._queue.take()
         opens = any(entry.needs_camera(model) for entry in commands)
         if not opens and model.session.settings.sensor == "projected":
-            self._apply_within_budget(commands, now)
-            self._move_on(now, self._shedding.step_budget)
+            self._apply_in_time(commands, now)
+            self._move_on(now, budget)
             return
         first = next((k for k, entry in enumerate(commands) if entry.moves), len(commands))
-        if not self._apply_within_budget(commands[:first], now, commands[first:]):
+        if not self._apply_in_time(commands[:first], now, commands[first:]):
             return
         rest = commands[first:]  # in their order: what comes after a motion may depend on it
         if model.following.restores and not restores:  # which has just begun
@@ -92,18 +77,18 @@ class CommandLoop:
         if opens:
             self._announce_pictures()
         if rest or model.motions.replaying:
-            self._background.begin(lambda: self._carry_out(rest, now, _no_time), alone=True)
+            self._background.begin(lambda: self._carry_out(rest, now), alone=True)
             return
         self._tick_motions()
         if model.player.due(now):
-            self._background.begin(lambda: model.player.advance(now, _beside), alone=False)
+            self._background.begin(lambda: model.player.advance(now, BESIDE), alone=False)
 
-    def _carry_out(self, commands: list[Queued], now: float, budget: Callable[[], float]) -> None:
+    def _carry_out(self, commands: list[Queued], now: float) -> None:
         for entry in commands:
             self._apply(entry, now)
-        self._move_on(now, budget)
+        self._move_on(now, 0.0)
 
-    def _move_on(self, now: float, budget: Callable[[], float]) -> None:
+    def _move_on(self, now: float, budget: float) -> None:
         self._tick_motions()
         self._model.player.advance(now, budget)
         session = self._model.session
@@ -118,16 +103,17 @@ class CommandLoop:
     def _apply_meanwhile(self, now: float) -> None:
         """What need not wait for the turn that goes on."""
         if not self._background.alone:
-            self._apply_within_budget(self._queue.take_order_independent(), now)
+            self._apply_in_time(self._queue.take_order_independent(), now)
 
-    def _apply_within_budget(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
+    def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
         """Apply commands in their order. Return whether all were; else the others wait for the next tick."""
+        until = self._clock() + MOST_A_PASS
         for k, entry in enumerate(commands):
             waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
-            if waits or not self._budget.left:
+            if waits or (k and self._clock() > until):
                 self._queue.put_back(commands[k:] + (rest or []))
                 return False
-            self._budget.spend(partial(self._apply, entry, now))
+            self._apply(entry, now)
         return True
 
     def _end_turn(self, now: float) -> None:
@@ -195,37 +181,3 @@ class Background:
             turn()
         except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
             self._fault = fault
-
-
-class TimeBudget:
-    """Bounds the time that one page's commands take, so that the other pages keep their pace.
-
-    A command that takes longer than the time left delays the commands after it. At most MAX_DEBT_S is made up for: a
-    computation of a minute on a busy machine must not block its page for five more.
-    """
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
-        self._clock = clock
-        self._left, self._last = AT_ONCE, clock()
-
-    @property
-    def left(self) -> bool:
-        """Whether the next command may run now."""
-        self._earn()
-        return self._left > 0
-
-    def spend(self, work: Callable[[], None]) -> None:
-        """Run work() and count how long it takes."""
-        began = self._clock()
-        try:
-            work()
-        finally:
-            self._left -= self._clock() - began
-            self._earn()
-            self._left = max(self._left, -MAX_DEBT_S)
-
-    def _earn(self) -> None:
-        """Add this page's share of the time since this was called last."""
-        now = self._clock()
-        self._left = min(AT_ONCE, self._left + SHARE * (now - self._last))
-        self._last = now

@@ -2,7 +2,6 @@
 
 import threading
 from contextlib import AbstractContextManager
-from functools import partial
 
 import numpy as np
 from viser import ClientHandle
@@ -14,14 +13,15 @@ from ..commands import COMMANDS
 from ..model.choices import WINDOW, Message
 from ..model.keeping import Keeper
 from ..model.page_model import PageModel
+from ..model.player import BUDGET
 from ..model.queue import CommandQueue
-from ..model.services import Redraw, Services, ToDraw, draw_all
+from ..model.services import Redraw, Services
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
 from ..panels.status import STARTS_PICTURES, show_fault
 from ..scene.scene3d import Scene3D, aspect_of, same_shape
-from .loop import CommandLoop, TimeBudget
+from .loop import CommandLoop
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
@@ -46,8 +46,8 @@ class Docking:
 
 
 class Page:
-    """tick(now) takes what the visitor did, moves the loop on and poses the arms; drawings() tells how to show all else
-    that changed. What changes is sent to the visitor's tab, which keeps it."""
+    """tick(now) takes what the visitor did, moves the loop on and poses the arms; draw() shows all else that changed.
+    What changes is sent to the visitor's tab, which keeps it."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class Page:
         settings: Settings,
         info: ClientInfo | None = None,
     ):
-        self._client, self._shedding = client, services.shedding
+        self._client = client
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
         self._now, self._is_new = -np.inf, True  # s, of the last tick; whether nothing of the world is drawn yet
         self._world: World | None = None  # that is drawn
@@ -64,8 +64,7 @@ class Page:
         self._posed: tuple[bytes, ...] | None = None  # the poses that are drawn
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
-        budget = TimeBudget(services.clock)
-        self._commands = CommandLoop(self.model, self.queue, services.shedding, self._announce_pictures, budget)
+        self._commands = CommandLoop(self.model, self.queue, self._announce_pictures, services.clock)
         try:
             self._build(services, info)
         except BaseException:
@@ -83,26 +82,25 @@ class Page:
         """Nothing of it is sent inside, but as a whole afterwards."""
         return self._client.atomic()
 
-    def tick(self, now: float) -> None:
-        """Up to the poses, of which all else is drawn as they stand."""
+    def tick(self, now: float, budget: float = BUDGET) -> None:
+        """Up to the poses, of which all else is drawn as they stand. budget: s for motions as fast as it computes."""
         self._now = now
-        self._commands.tick(now)
+        self._commands.tick(now, budget)
         if self._commands.drawable:
             self._pose()
         if not self._commands.busy:
             self._keeper.tick(now, self._actions.last)
 
-    def drawings(self) -> list[ToDraw]:
-        """Of what has changed and is due, but the poses."""
+    def draw(self) -> None:
+        """Draw what has changed and is due, but the poses."""
         if not (self._commands.drawable and self._shown):
-            return []
-        every = PANELS_EVERY * self._shedding.panels
-        if not self._redraw.due("panels", self._now, every) and not self._is_new:
-            return []
+            return
+        if not self._redraw.due("panels", self._now, PANELS_EVERY) and not self._is_new:
+            return
         self._is_new = False
         self.model.ask_for_landscapes()
-        self.model.refresh(self._now, shortest_motion=2 * every)
-        return self._due_drawings()
+        self.model.refresh(self._now, shortest_motion=2 * PANELS_EVERY)
+        self._draw_changed()
 
     def fail(self, error: Exception) -> None:
         """Show a fault of this session in its own page, and hold still."""
@@ -153,29 +151,26 @@ class Page:
                 self._posed = posed
                 self._scene.arms.draw(*poses)
 
-    def _due_drawings(self) -> list[ToDraw]:
-        """Of what has changed and is due."""
+    def _draw_changed(self) -> None:
         model = self.model
-        to_draw: list[ToDraw] = []
         if self._scene.arms is not None and self._redraw.changed(Scene3D, self._scene.key(model)):
-            to_draw.append((Scene3D, partial(self._scene.show, model)))
+            self._scene.show(model)
         for drawing in self.layout.drawings:
             if not drawing.is_seen(model):
                 continue
-            period = drawing.period_of(model) * self._shedding.plots
+            period = drawing.period_of(model)
             if period and not self._redraw.due(drawing.kind, self._now, period):
                 continue
             if self._redraw.changed(drawing.kind, drawing.key(model)):
-                to_draw.append((drawing.kind, partial(drawing.draw, model)))
-        return to_draw
+                drawing.draw(model)
 
     def _announce_pictures(self) -> None:
         """At once: it takes seconds to begin with them, in which nothing is drawn."""
         self._pose()
-        draw_all(self.drawings())
+        self.draw()
         before, self.model.message = self.model.message, Message(STARTS_PICTURES, np.inf)
         self.model.refresh(self._now)
-        draw_all(self._due_drawings())
+        self._draw_changed()
         self.model.message = before
 
     def _send(self, name: str, data: bytes) -> None:

@@ -7,12 +7,11 @@ import asyncio
 import http
 import json
 import logging
-import socket
 from collections.abc import Callable, Iterable
 
 import viser
 from viser import ViserServer
-from websockets.datastructures import Headers
+from websockets.datastructures import Headers, MultipleValuesError
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Origin
@@ -20,24 +19,16 @@ from websockets.typing import Origin
 from .. import viser_private
 from .address import is_own_page
 from .connection import CONNECTION, MOST_MESSAGE, GuardedConnection, plain_response
-from .limits import (
-    LINES_A_SECOND,
-    LINES_AT_ONCE,
-    Limits,
-    PendingConnections,
-    QuietLog,
-    TokenBucket,
-    in_a_line,
-    logger_of,
-)
+from .limits import Limits, PendingConnections, TokenBucket, in_a_line
 from .page_head import content_policy, with_own_head
-from .seats import Seats
 
-FAULTS_A_SECOND = 1.0  # of the machinery, in the log
 VERSION = "viser-v"
 OWN_VERSION = VERSION + viser.__version__  # of the page, as its handshake says it
 LAB_HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}  # its policy is in the page
+OF_CLIENTS = "opening handshake failed"  # websockets logs it of clients that ask for nothing, or not for a websocket
 log = logging.getLogger(__name__)
+of_websockets = logging.getLogger("viewimit.websockets")
+of_websockets.addFilter(lambda record: record.getMessage() != OF_CLIENTS)
 
 MAKE_ROOM = "This page tries again every few seconds; close a tab elsewhere to make room."
 NO_SEAT = f"""<!doctype html><html><meta charset="utf-8"><meta http-equiv="refresh" content="5">
@@ -48,29 +39,23 @@ NO_SEAT = f"""<!doctype html><html><meta charset="utf-8"><meta http-equiv="refre
 
 
 class AccessControl:
-    """`serve` stands for websockets' own. limits: of each process; origins: pages elsewhere that may connect, as
-    scheme://host:port; seats: of all processes; process: number of this one; listening: a socket to serve on, None:
-    a port of its own; lab: pages of the lab, itself "", lessons by name.
+    """`serve` stands for websockets' own. origins: pages elsewhere that may connect, as scheme://host:port; lab: pages
+    of the lab, itself "", lessons by name.
     """
 
     def __init__(
         self,
         limits: Limits,
         origins: Iterable[str],
-        seats: Seats,
-        process: int = 0,
-        listening: socket.socket | None = None,
         lab: Callable[[str], str | None] = lambda lesson: None,
     ):
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
-        self._all_seats, self._own, self._listening = seats, seats.rows[process], listening
         self._server: ViserServer | None = None
         self._guarded = asyncio.Event()
         self.seats: set[GuardedConnection] = set()
+        self._faults = TokenBucket(1, 1)
         self.pending = PendingConnections(limits.pending, limits.pending_of_one)
-        self._log = QuietLog(log, TokenBucket(LINES_A_SECOND, LINES_AT_ONCE))
-        self._faults = QuietLog(log, TokenBucket(FAULTS_A_SECOND, 1))
 
     def guard(self, server: ViserServer) -> None:
         """Guard the clients of a server. Nobody gets a seat before."""
@@ -91,29 +76,33 @@ class AccessControl:
             CONNECTION.set(connection)  # for all tasks of it, which viser begins in this context
             await handler(connection)
 
-        loop = asyncio.get_running_loop()
-        loop.set_exception_handler(
-            lambda __, context: self._faults.warn(in_a_line(context["message"], context.get("exception")))
-        )
-        place = {"host": host, "port": port} if self._listening is None else {"sock": self._listening}
+        asyncio.get_running_loop().set_exception_handler(self._tell_fault)
         return plain(
             handle,
-            **place,
+            host,
+            port,
             **options
             | {
                 "process_request": lambda connection, request: self._answer(connection, request, process_request),
+                "process_response": _without_body,
                 "create_connection": connect,
                 "max_size": MOST_MESSAGE,
                 "ping_interval": self.limits.ping_every,
                 "ping_timeout": self.limits.pong_within,
+                "open_timeout": self.limits.head_within,
                 "close_timeout": self.limits.closed_within,
                 "server_header": None,
-                "logger": logger_of(self._faults.warn),
+                "logger": of_websockets,
             },
         )
 
+    def _tell_fault(self, _loop: asyncio.AbstractEventLoop, context: dict) -> None:
+        """Without file descriptors asyncio tells a hundred a second."""
+        if self._faults.take():
+            log.error(in_a_line(context["message"], context.get("exception")))
+
     def note(self, connection: GuardedConnection, what: str) -> None:
-        self._log.warn(f"{connection.name}: refused {what}")
+        log.warning("%s: refused %s", connection.name, ascii(what)[1:-1][:300])  # it may hold what the client wrote
 
     def belongs_to_another(self, uuid: str) -> bool:
         clients = {} if self._server is None else self._server.get_clients()
@@ -121,21 +110,27 @@ class AccessControl:
 
     @property
     def full(self) -> bool:
-        """Whether all processes together have as many tabs as they may; each may be one too many."""
-        return self._all_seats.taken >= self.limits.seats
+        """Whether there are as many tabs as there may be."""
+        return len(self.seats) >= self.limits.seats
 
     def full_for(self, address: int) -> bool:
         """Whether as many tabs are open from there as one address may have."""
-        return self._all_seats.taken_from(address) >= self.limits.seats_of_one
+        return sum(seat.network == address for seat in self.seats) >= self.limits.seats_of_one
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
-        """Return a response, or None to take the websocket. Wait until the server is guarded."""
-        answer = await self._answer_whole(connection, request, viser_answers)
-        if answer is not None and connection.is_head_request:
-            answer.body = b""
-        return answer
+        """Return a response, or None to take the websocket; a fault of its own is a line of the log, and a status."""
+        try:
+            return await self._answer_as_asked(connection, request, viser_answers)
+        except MultipleValuesError as header:
+            self.note(connection, f"a request with more than one {header}")
+            return plain_response(http.HTTPStatus.BAD_REQUEST, "a header that may come once comes twice\n")
+        except Exception as error:
+            log.error(in_a_line("a request could not be answered", error))
+            return plain_response(http.HTTPStatus.INTERNAL_SERVER_ERROR, "the server met an error\n")
 
-    async def _answer_whole(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
+    async def _answer_as_asked(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
+        """Wait until the server is guarded."""
+        host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         await self._guarded.wait()
         if connection.transport.is_closing():  # it did not
             return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "gone")
@@ -149,12 +144,12 @@ class AccessControl:
         except (OSError, ValueError):  # a path that no file can have
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         if answer is None:
-            return self._refuse_seat(connection, request)
+            return self._refuse_seat(connection, host, origin)
         if answer.status_code == http.HTTPStatus.NOT_FOUND:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
-            why = f"{self._all_seats.taken} tabs are open here, which is as many as there is room for."
+            why = f"{len(self.seats)} tabs are open here, which is as many as there is room for."
             answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
         elif is_page and self.full_for(connection.network):
             why = (
@@ -163,7 +158,7 @@ class AccessControl:
             answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
         elif is_page:
             with_own_head(answer)
-        _describe(answer.headers, request.headers.get("Host", ""))
+        _describe(answer.headers, host)
         return answer
 
     async def _answer_lab(self, name: str) -> Response:
@@ -173,8 +168,7 @@ class AccessControl:
             return plain_response(http.HTTPStatus.NOT_FOUND, "no such lesson")
         return plain_response(http.HTTPStatus.OK, page, "text/html", **LAB_HEADERS)
 
-    def _refuse_seat(self, connection: GuardedConnection, request: Request) -> Response | None:
-        origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
+    def _refuse_seat(self, connection: GuardedConnection, host: str, origin: str | None) -> Response | None:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
             return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
@@ -187,26 +181,22 @@ class AccessControl:
             return plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
         self.pending.discard(connection)
         self.seats.add(connection)
-        self._own.take(connection.network)
         connection.take_seat()
         return None
 
     def leave(self, connection: GuardedConnection) -> None:
         """Free the place of a connection that has ended."""
         self.pending.discard(connection)
-        if connection in self.seats:
-            self.seats.discard(connection)
-            self._own.leave(connection.network)
+        self.seats.discard(connection)
 
     def _tell_health(self) -> Response:
-        well = self._all_seats.well
-        status = http.HTTPStatus.OK if well else http.HTTPStatus.SERVICE_UNAVAILABLE
-        report = {
-            "status": "ok" if well else "failing",
-            "clients": self._all_seats.taken,
-            "workers": len(self._all_seats.rows),
-        }
-        return plain_response(status, json.dumps(report) + "\n", "application/json")
+        report = {"status": "ok", "clients": len(self.seats)}
+        return plain_response(http.HTTPStatus.OK, json.dumps(report) + "\n", "application/json")
+
+
+def _without_body(connection: GuardedConnection, _request: Request, response: Response) -> None:
+    if connection.is_head_request:
+        response.body = b""
 
 
 def _describe(headers: Headers, host: str) -> None:

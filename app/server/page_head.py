@@ -1,7 +1,7 @@
 """viser's page: its title, icon and script, and its content security policy.
 
-viser's page is one file: a script that unpacks another one, with WebAssembly, and puts it into the document. Both and
-the page's own are named in the policy by their hashes, so that no other script runs.
+viser's page is one file: a script that unpacks another one, with WebAssembly, and puts it into the document. The policy
+names the scripts of the page as it is served by their hashes; they alone run, and what they make.
 """
 
 import base64
@@ -12,9 +12,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from urllib.parse import quote
 
-import numpy as np
 import viser
-import zstandard
 from websockets.http11 import Response
 
 from viewimit.drawing.theme import ROLES
@@ -49,11 +47,7 @@ def _named(body: bytes, packed: bool) -> bytes:
 
 
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
-DIGITS = r"!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\]^_abcdefghijklmnopqrstuvwxyz{|}~"  # of base 88
-_LOADER = re.compile(
-    r'<script data-p="(?P<packed>[^"]*)"\s+data-ss="(?P<style>\d+)"\s+data-cs="(?P<code>\d+)">(?P<script>.*?)</script>',
-    re.DOTALL,
-)
+_SCRIPTS = re.compile(rb"<script[^>]*>(.*?)</script>", re.DOTALL)
 
 
 def content_policy(host: str) -> str:
@@ -63,7 +57,7 @@ def content_policy(host: str) -> str:
     return "; ".join(
         (
             "default-src 'none'",
-            f"script-src {scripts} 'unsafe-eval'",  # with which the page's WebAssembly binds its functions
+            f"script-src {scripts} 'strict-dynamic' 'unsafe-eval'",  # viser's loader makes one, which evaluates
             "worker-src blob:",
             "style-src 'unsafe-inline'",
             "img-src 'self' data: blob:",
@@ -78,30 +72,6 @@ def content_policy(host: str) -> str:
 
 @cache
 def script_hashes() -> tuple[str, ...]:
-    """SHA-256 of the page's own script and of those of viser's page, in base 64. Raises RuntimeError for a page that is
-    built otherwise."""
-    page = PAGE.read_text("utf-8")
-    loader = _LOADER.search(page)
-    if loader is None or page.count("<script") != 1:
-        raise RuntimeError("viser's page is built in a way that its content security policy is not known for")
-    sizes = int(loader["style"]), int(loader["code"])
-    unpacked = zstandard.ZstdDecompressor().decompress(_from_base_88(loader["packed"]), max_output_size=sum(sizes))
-    return tuple(_hash(script) for script in (PAGE_JS.encode(), loader["script"].encode(), unpacked[sizes[0] :]))
-
-
-def _hash(script: bytes) -> str:
-    return base64.b64encode(hashlib.sha256(script).digest()).decode()
-
-
-def _from_base_88(text: str) -> bytes:
-    """Decode: five digits are four bytes, the most significant first; n digits at the end are n - 1 bytes."""
-    values = np.full(128, 0, np.uint64)
-    values[np.frombuffer(DIGITS.encode(), np.uint8)] = np.arange(len(DIGITS))
-    digits = values[np.frombuffer(text.encode(), np.uint8)]
-    whole = len(digits) // 5 * 5
-    powers = np.uint64(88) ** np.arange(4, -1, -1, dtype=np.uint64)
-    words = (digits[:whole].reshape(-1, 5) * powers).sum(-1).astype(">u4").tobytes()
-    rest = 0
-    for digit in digits[whole:]:
-        rest = rest * 88 + int(digit)
-    return words + (rest.to_bytes(len(digits) - whole - 1, "big") if whole < len(digits) else b"")
+    """Return the SHA-256 of each script in the page as it is served, in base 64."""
+    page = _named(PAGE.read_bytes(), packed=False)
+    return tuple(base64.b64encode(hashlib.sha256(script).digest()).decode() for script in _SCRIPTS.findall(page))

@@ -1,4 +1,4 @@
-"""A process that serves pages: one viser server, one page a browser tab, one scheduler for all."""
+"""The server: viser's, one page a browser tab, one scheduler for all."""
 
 import asyncio
 import contextlib
@@ -6,12 +6,8 @@ import gc
 import html
 import io
 import logging
-import socket
-import threading
-import time
 import warnings
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache, partial
 
 import viser
@@ -20,15 +16,13 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..jobs import basin_child, experiment_child
-from ..jobs.camera_images import MOST_SESSIONS, CameraProcess, VisitorsCameras
+from ..jobs.camera_images import CameraProcess
 from ..jobs.experiments import ExperimentWorker
 from ..jobs.threads import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..model.services import Services
 from ..page.page import LEAVES_WITHIN, Page
-from ..page.scheduler import Scheduler
 from ..panels.panel import ClientInfo
 from ..scene.arms import ALWAYS_SEEN, share_meshes
 from ..scene.scene3d import share_light
@@ -37,31 +31,23 @@ from .access import AccessControl
 from .address import origin_for_others, own_names, path_of_page
 from .connection import CONNECTION, GuardedConnection
 from .limits import ServerOptions, in_a_line
-from .seats import Seats
+from .scheduler import Scheduler
 
 BUILT_AT_ONCE = 2  # pages: all others would wait for many more
 AGAIN_AFTER = 5.0  # s, until who could not be shown a page is to try again
+COLLECTS_AFTER = 1.0  # s, after a tab has left
 log = logging.getLogger(__name__)
 
 
 @contextlib.contextmanager
-def serving(
-    options: ServerOptions,
-    seats: Seats,
-    process: int = 0,
-    listening: socket.socket | None = None,
-    port: int = 0,
-) -> Iterator[int]:
-    """Pages are served inside, on the port that it yields.
-
-    process: number of this one; listening: a socket to serve on, None: host and port.
-    """
+def serving(options: ServerOptions, port: int = 0, heartbeat: Callable[[], None] = lambda: None) -> Iterator[int]:
+    """Serve pages inside, on the port that it yields. heartbeat(): called once a second while they are drawn."""
     own_names()  # begins to ask for them
     # On a server it is no fault to draw for a client that has just gone
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    scheduler = Scheduler(seats.rows[process].live, seats.rows[process].clear)
+    scheduler = Scheduler(heartbeat)
     lab = LabPages(options.settings.scene, options.settings.robot, options.lessons)
-    access = AccessControl(options.limits, options.origins, seats, process, listening, lab.page)
+    access = AccessControl(options.limits, options.origins, lab.page)
     with (
         contextlib.redirect_stdout(io.StringIO()),
         viser_private.serving_with(access.serve),
@@ -80,10 +66,7 @@ def serving(
 
 
 class App:
-    """Pages by client id. viser's threads connect and disconnect, its event loop draws.
-
-    lessons: of the lab, by name.
-    """
+    """Pages by client id, all of which come, are drawn and go in viser's event loop. lessons: of the lab, by name."""
 
     def __init__(
         self,
@@ -96,15 +79,11 @@ class App:
         self._host, self._lessons = options.host, lessons
         self._pages: dict[int, Page] = {}
         viser_private.send_at_once(server)
-        self._lock, self._retiring = threading.Lock(), threading.RLock()  # of the pages; while one is being closed
-        self._collecting, self._building = threading.Lock(), asyncio.Semaphore(BUILT_AT_ONCE)
+        self._building = asyncio.Semaphore(BUILT_AT_ONCE)
+        self._collecting: asyncio.TimerHandle | None = None
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
-        self._camera = CameraProcess(max(MOST_SESSIONS // options.workers, 1))
-        self._visitors: dict[int, int] = {}  # networks by client id
-        experiments, basins = (
-            ExperimentWorker(work, self._visitors.get) for work in (experiment_child.work, basin_child.work)
-        )
-        self.services = Services(LandscapeWorker(), experiments, self._camera, scheduler.shedding, share, basins)
+        self._camera = CameraProcess()
+        self.services = Services(LandscapeWorker(), ExperimentWorker(), self._camera, share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -115,40 +94,47 @@ class App:
         self._scheduler.start(server.get_event_loop())
 
     def stop(self) -> None:
-        """Stop all pages and jobs."""
+        """Stop all pages and jobs. Not from the event loop."""
         self._scheduler.stop()
         self._camera.stop()
-        until = time.monotonic() + LEAVES_WITHIN
-        with self._retiring:
-            for client_id in list(self._pages):
-                self._retire(client_id, max(until - time.monotonic(), 0.0))
+        asyncio.run_coroutine_threadsafe(self._retire_all(), self._server.get_event_loop()).result()
         self.services.experiments.stop()
         self.services.basins.stop()
         self.services.scripts.stop()
         self.services.picture_scripts.stop()
 
+    async def _retire_all(self) -> None:
+        leaving = [asyncio.ensure_future(self._retire(client_id)) for client_id in list(self._pages)]
+        if leaving:
+            await asyncio.wait(leaving, timeout=LEAVES_WITHIN)
+
     async def _connect(self, client: viser.ClientHandle) -> None:
         connection = CONNECTION.get()
         connection.client = client
         async with self._building:
-            await asyncio.to_thread(self._build, client, connection)
-
-    def _build(self, client: viser.ClientHandle, connection: GuardedConnection) -> None:
-        if client.client_id not in self._server.get_clients():  # it has left while others' pages were built
+            if not self._is_here(client):  # it has left while others' pages were built
+                return
+            page = await asyncio.to_thread(self._build, client, connection)
+        if page is None:
             return
+        self._pages[client.client_id] = page
+        if self._is_here(client):
+            self._scheduler.add(page)
+        else:  # it left meanwhile
+            await self._retire(client.client_id)
+
+    def _is_here(self, client: viser.ClientHandle) -> bool:
+        return client.client_id in self._server.get_clients()
+
+    def _build(self, client: viser.ClientHandle, connection: GuardedConnection) -> Page | None:
+        """Return its page; None if it cannot be built, which its visitor then reads."""
         viser_private.send_at_once(client)
-        self._visitors[client.client_id] = connection.network
         try:
             with client.atomic():
-                page = self._page(client, connection)
+                return self._page(client, connection)
         except Exception as error:  # a scene of the user's that has changed meanwhile, or what nobody foresaw
             self._send_back(client, connection, error)
-            return
-        with self._lock:
-            self._pages[client.client_id] = page
-            self._scheduler.add(page)
-        if client.client_id not in self._server.get_clients():  # it closed meanwhile
-            self._retire(client.client_id)
+            return None
 
     def _send_back(self, client: viser.ClientHandle, connection: GuardedConnection, error: Exception) -> None:
         """Show why there is no page, then close the connection: the browser connects again by itself."""
@@ -165,32 +151,29 @@ class App:
         origin, path = request.headers.get("Origin"), path_of_page(request.path)
         public = origin_for_others(self._host, origin)
         info = ClientInfo(origin and origin + path, public and public + path, self._lessons)
-        cameras = VisitorsCameras(self._camera, connection.network)
-        return Page(client, replace(self.services, camera=cameras), self._settings, info)
+        return Page(client, self.services, self._settings, info)
 
-    def _disconnect(self, client: viser.ClientHandle) -> None:
-        self._retire(client.client_id)
-        self._visitors.pop(client.client_id, None)
-        if self._collecting.acquire(blocking=False):  # one for all of a class that leaves at once
-            try:
-                gc.collect()  # viser's handles are reference cycles
-            finally:
-                self._collecting.release()
+    async def _disconnect(self, client: viser.ClientHandle) -> None:
+        await self._retire(client.client_id)
+        if self._collecting is None:  # once for all of a class that leaves at once
+            self._collecting = asyncio.get_running_loop().call_later(COLLECTS_AFTER, self._collect)
 
-    def _retire(self, client_id: int, within: float = LEAVES_WITHIN) -> None:
-        """Forget a page. within: s for its last turn to end."""
-        with self._retiring:
-            with self._lock:
-                page = self._pages.pop(client_id, None)
-            if page is None:
-                return
-            self._scheduler.remove(page)
-            self.services.landscapes.forget(client_id)
-            self.services.files.forget(client_id)
-            self.services.experiments.forget(client_id)
-            self.services.basins.forget(client_id)
-            page.model.following.let_go()
-            page.close(within)
+    def _collect(self) -> None:
+        self._collecting = None
+        gc.collect()  # viser's handles are reference cycles
+
+    async def _retire(self, client_id: int) -> None:
+        """Forget a page. Its last turn may take LEAVES_WITHIN to end."""
+        page = self._pages.pop(client_id, None)
+        if page is None:
+            return
+        self._scheduler.remove(page)
+        self.services.landscapes.forget(client_id)
+        self.services.files.forget(client_id)
+        self.services.experiments.forget(client_id)
+        self.services.basins.forget(client_id)
+        page.model.following.let_go()
+        await asyncio.to_thread(page.close)
 
 
 async def _close_soon(connection: GuardedConnection) -> None:

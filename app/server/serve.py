@@ -1,6 +1,7 @@
 """The page's command: it checks its options, then serves pages until a signal."""
 
 import contextlib
+import faulthandler
 import logging
 import os
 import signal
@@ -8,19 +9,20 @@ import sys
 import threading
 import webbrowser
 from dataclasses import replace
+from queue import Empty, SimpleQueue
 
 from viewimit.loop.session import Session
-from viewimit.processes import stop_signals, usable_cores
+from viewimit.processes import stop_signals
 
-from .address import address, invite, is_loopback, listen, require_free
+from .address import address, invite, is_loopback, require_free
 from .limits import ServerOptions
-from .processes import LOG_FORMAT, Termination, supervised
-from .seats import Seats
+from .pages import serving
 
-__all__ = ["ServerOptions", "serve", "usual_per_address", "usual_workers"]
+__all__ = ["ServerOptions", "serve", "usual_per_address"]
 
-MOST_WORKERS = 4  # by default
+LOG_FORMAT = "%(asctime)s %(message)s"
 STOPS_WITHIN = 9.0  # s, and then it is ended
+HANGS_AFTER = 20  # s without a round of the scheduler: whatever started the server starts it again
 log = logging.getLogger(__name__)
 
 
@@ -29,51 +31,43 @@ def serve(
 ) -> None:
     """Serve the page until SIGINT, SIGTERM, or until its terminal is closed. port 0 takes a free one.
 
-    Raises ValueError for settings that cannot be, PortInUse for a port that is taken, RuntimeError if the
-    processes of the server do not begin.
+    Raises ValueError for settings that cannot be, PortInUse for a port that is taken.
     """
     options = replace(options or ServerOptions(), host=host)
     Session(options.settings)  # bad settings must fail here, not in every visitor's tab
-    if options.workers > 1 and not can_share_a_port():
-        raise ValueError(f"{options.workers} workers cannot share a port on Windows: take 1")
     require_free(host, port)
     logging.basicConfig(format=LOG_FORMAT)
-    stopped = Termination()
+    stopped: SimpleQueue[None] = SimpleQueue()  # whose put is safe in a signal handler
     for number in stop_signals():
-        signal.signal(number, lambda *_: stopped.set())
+        signal.signal(number, lambda *_: stopped.put(None))
     ending = threading.Timer(STOPS_WITHIN, _end)
     ending.daemon = True
     with contextlib.ExitStack() as stack:
         stack.callback(ending.cancel)
-        if options.workers > 1:
-            listeners = listen(host, port)
-            port = listeners[0].getsockname()[1]
-            stack.enter_context(supervised(options, listeners, stopped))
-        else:
-            from .pages import serving  # what only supervises need not load viser
-
-            port = stack.enter_context(serving(options, Seats(), port=port))
+        stack.callback(faulthandler.cancel_dump_traceback_later)
+        port = stack.enter_context(serving(options, port, _watch_for_hang))
         url = address(host, port)
         print(f"viewimit is listening on {url}", flush=True)
         if not is_loopback(host):
             invite(host, port)
         if open_browser:
             webbrowser.open(url)
-        while not stopped.wait(0.5):  # a signal that the system hands to another thread is seen at the next turn
-            pass
+        while True:  # a signal that the system hands to another thread is seen at the next turn
+            with contextlib.suppress(Empty):
+                stopped.get(timeout=0.5)
+                break
         ending.start()
+
+
+def _watch_for_hang() -> None:
+    """End the process with a traceback unless this is called again in time. At a terminal, Ctrl-Z may stop it."""
+    if not sys.stderr.isatty():
+        faulthandler.dump_traceback_later(HANGS_AFTER, exit=True)
 
 
 def _end() -> None:
     log.warning("the server does not end by itself, and is ended")
     os._exit(1)
-
-
-def usual_workers(host: str) -> int:
-    """One process where only this machine comes, else one a core, up to MOST_WORKERS."""
-    if is_loopback(host) or not can_share_a_port():
-        return 1
-    return min(usable_cores(), MOST_WORKERS)
 
 
 def usual_per_address(host: str, max_clients: int) -> int:
@@ -82,8 +76,3 @@ def usual_per_address(host: str, max_clients: int) -> int:
     Else a class behind one router needs most, and a tenth is left for who comes from elsewhere.
     """
     return max_clients if is_loopback(host) else max_clients - max_clients // 10
-
-
-def can_share_a_port() -> bool:
-    """Whether processes can accept from one inherited socket: on Windows, asyncio cannot."""
-    return sys.platform != "win32"

@@ -1,47 +1,11 @@
-// What a browser may lack, and what the page does without it: WebGL, or speed for it, and a connection to the server.
+// What a browser may lack, and what happens without it: WebGL, or speed for it, and a connection to the server.
 "use strict";
 const CONNECTS_MS = 10_000;  // until the page says what to check
 const SHORT_MS = 15_000;
 const LEAST_FPS = 5, MEASURED_MS = 8_000;  // frames a second in 3-D, over this time
 
-// Without WebGL three.js would stop, and viser's whole page with it. It gets a context that draws nothing.
-const ANSWERS = {
-  getContextAttributes: () => ({alpha: true, depth: true, stencil: false, antialias: false, premultipliedAlpha: true}),
-  getParameter: name => ({
-    [WebGL2RenderingContext.VERSION]: "WebGL 2.0",
-    [WebGL2RenderingContext.SHADING_LANGUAGE_VERSION]: "WebGL GLSL ES 3.00",
-    [WebGL2RenderingContext.SCISSOR_BOX]: [0, 0, 1, 1],
-    [WebGL2RenderingContext.VIEWPORT]: [0, 0, 1, 1],
-  })[name] ?? 4096,
-  getShaderPrecisionFormat: () => ({precision: 23, rangeMin: 127, rangeMax: 127}),
-  getSupportedExtensions: () => [],
-  getExtension: () => null,
-  getProgramParameter: (program, name) => name === WebGL2RenderingContext.LINK_STATUS ? true : 0,
-  getShaderParameter: () => true,
-  getProgramInfoLog: () => "",
-  getShaderInfoLog: () => "",
-  getAttribLocation: () => -1,
-  getUniformLocation: () => null,
-  checkFramebufferStatus: () => WebGL2RenderingContext.FRAMEBUFFER_COMPLETE,
-  isContextLost: () => false,
-  getError: () => 0,
-};
-const standIn = canvas => new Proxy({canvas, drawingBufferWidth: canvas.width, drawingBufferHeight: canvas.height}, {
-  get: (own, name) => {
-    if (name in own) return own[name];
-    if (typeof WebGL2RenderingContext[name] === "number") return WebGL2RenderingContext[name];
-    return ANSWERS[name] ?? (() => String(name).startsWith("create") ? {} : undefined);
-  },
-});
-const drawsWebGL = document.createElement("canvas").getContext("webgl2") !== null;
-if (!drawsWebGL) {
-  const getContext = HTMLCanvasElement.prototype.getContext;
-  HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
-    if (kind !== "webgl2") return getContext.call(this, kind, ...options);
-    this.standIn ??= standIn(this);
-    return this.standIn;
-  };
-}
+// viser builds no page without WebGL. The lab needs none, and opens in the state that the address names.
+if (document.createElement("canvas").getContext("webgl2") === null) location.replace("lab#" + location.search.slice(1));
 
 // A line that the page itself says. It has a style of its own: without a connection the page has no stylesheet.
 const notices = new Map();
@@ -81,10 +45,10 @@ const connected = () => {
 };
 addEventListener("load", () => setTimeout(() => isConnected || notice("connection", UNREACHABLE), CONNECTS_MS));
 
-// A still picture takes the place of the 3-D view where there is no WebGL, or too little speed for it: `flatten` asks the
-// server for it, once. While it is shown, nothing is drawn in 3-D.
-let isFlat = !drawsWebGL;
-if (drawsWebGL)
+// A still picture takes the place of the 3-D view where there is too little speed for it: `flatten` asks the server for
+// it, once. While it is shown, nothing is drawn in 3-D.
+let isFlat = false;
+if (self.WebGL2RenderingContext)
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"]) {
     const draw = WebGL2RenderingContext.prototype[name];
     WebGL2RenderingContext.prototype[name] = function (...what) {
@@ -92,12 +56,6 @@ if (drawsWebGL)
     };
   }
 const watchSpeed = flatten => {
-  if (!drawsWebGL) {
-    flatten();
-    notice("flat", "This browser draws no WebGL. A still picture takes the place of the 3-D view; all else works.",
-      SHORT_MS);
-    return;
-  }
   let frames = 0, began = performance.now(), seen = !document.hidden;
   const count = () => {
     frames += 1;

@@ -168,7 +168,7 @@ const OF_MARKERS = [
 ].map(([name, marker, place]) => [name, document.getElementsByClassName(marker), place]);
 const name = () => {
   for (const [name, elements] of HELD) root.classList.toggle(name, elements.item(0) !== null);
-  isFlat = !drawsWebGL || root.classList.contains("vi-has-flat");
+  isFlat = root.classList.contains("vi-has-flat");
   for (const [name, selector] of FOUND) root.classList.toggle(name, document.querySelector(selector) !== null);
   for (const [name, markers, place] of OF_MARKERS)
     for (const marker of markers) place(marker)?.classList.toggle(name, true);

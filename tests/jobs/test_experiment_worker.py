@@ -11,18 +11,14 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
-from viewimit.app.jobs import experiments
 from viewimit.app.jobs.experiment_child import FIGURE_EVERY, SHARE_EVERY, Progress
 from viewimit.app.jobs.experiments import ExperimentWorker, Request
-from viewimit.app.page.scheduler import Scheduler
-from viewimit.app.server.seats import Seats
-from waiting import stays, wait_until
+from viewimit.app.server.scheduler import Scheduler
+from waiting import wait_until
 
 from viewimit.experiments.paper import fig9
 from viewimit.loop.settings import Settings
@@ -160,55 +156,6 @@ def test_one_at_a_time_in_the_order_asked_and_one_a_page(worker):
     assert told[1][-1].state == "cancelled"
 
 
-def waits_for_a_file(connection, folder):
-    """Work of a process: it ends once there is a file."""
-    _, _, options = connection.recv()
-    while not Path(options["until"]).exists():
-        time.sleep(0.01)
-    connection.send(("failed", "it was waited for"))
-
-
-def test_one_of_each_visitor_in_turn(tmp_path):
-    visitors = {1: "greedy", 2: "greedy", 3: "greedy", 4: "other", 5: "third", 6: "other"}
-    worker, order = ExperimentWorker(waits_for_a_file, visitors.get), []
-    told = {page: Told() for page in visitors}
-    request = Request("fig9", Settings.paper(), {"until": str(tmp_path / "go")})
-
-    def ask(page):
-        def tell(run):
-            told[page](run)
-            if run.state == "running" and page not in order:
-                order.append(page)
-
-        worker.ask(page, request, tell)
-
-    ask(1)
-    told[1].wait_for("running")
-    for page in (2, 3, 4, 5, 6):
-        ask(page)
-    assert [told[page][-1].before for page in (4, 5, 2, 6, 3)] == [1, 2, 3, 4, 5]
-    (tmp_path / "go").touch()
-    for page in told:
-        told[page].wait_for("failed")
-    worker.stop()
-    assert order == [1, 4, 5, 2, 6, 3]
-
-
-def test_a_run_that_takes_long_ends_once_another_visitor_waits(tmp_path, monkeypatch):
-    monkeypatch.setattr(experiments, "LONGEST_S", 0.0)
-    monkeypatch.setattr(experiments, "LOOK_EVERY_S", 0.05)
-    worker, long, other = ExperimentWorker(waits_for_a_file, {1: "greedy", 2: "greedy", 3: "other"}.get), Told(), Told()
-    request = Request("fig9", Settings.paper(), {"until": str(tmp_path / "go")})
-    worker.ask(1, request, long)
-    worker.ask(2, request, Told())
-    long.wait_for("running")
-    stays(lambda: long[-1].state == "running", 0.5)  # nobody else waits
-    worker.ask(3, request, other)
-    assert "others wait" in long.wait_for("failed").problem
-    other.wait_for("running")
-    worker.stop()
-
-
 def test_a_page_that_leaves_is_told_nothing_more_and_makes_room(worker):
     told = {page: Told() for page in (1, 2, 3)}
     worker.ask(1, LONG, told[1])
@@ -248,13 +195,13 @@ def test_sessions_go_on_while_an_experiment_runs(worker, event_loop):
     class Page:
         held = staticmethod(contextlib.nullcontext)
 
-        def tick(self, now):
+        def tick(self, now, budget):
             ticks.append(now)
 
-        def drawings(self):
-            return ()
+        def draw(self):
+            pass
 
-    scheduler, told = Scheduler(Seats().rows[0].live), Told()
+    scheduler, told = Scheduler(), Told()
     scheduler.add(Page())
     scheduler.start(event_loop)
     worker.ask(1, LONG, told)

@@ -379,7 +379,7 @@ def test_what_differs_from_the_experiment_is_said_and_a_run_that_cannot_go_on_st
 
 
 @pytest.mark.browser
-@pytest.mark.parametrize("field", ('<input type="password">', "<input>", '<div contenteditable>x</div>'))
+@pytest.mark.parametrize("field", ('<input type="password">', "<input>", "<div contenteditable>x</div>"))
 def test_what_is_typed_into_a_field_is_the_field_s_own(opened, field):
     page = opened()
     before = page.evaluate("[location.hash, document.documentElement.dataset.scheme]")

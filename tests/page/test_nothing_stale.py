@@ -6,12 +6,12 @@ import dataclasses
 import msgspec
 import pytest
 from page_fakes import QuietExperiments
+from quiet_client import QuietClient
 from quiet_page import Gui, QuietPage
 from viewimit.app.jobs.experiments import Run
 from viewimit.app.model.choices import View
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.panel import Layout
-from viewimit.app.quiet_client import QuietClient
 
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings

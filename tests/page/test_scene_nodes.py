@@ -10,11 +10,11 @@ import pytest
 import viser
 from page_fakes import quiet_model
 from protocol import Client
+from quiet_client import quiet_client
 from viewed_scene import ViewedScene
 from viewimit.app.commands import COMMANDS
 from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.queue import CommandQueue
-from viewimit.app.quiet_client import quiet_client
 from viewimit.app.scene.arms import share_meshes
 from viewimit.app.scene.moment import Moment
 from viewimit.app.scene.scene3d import Scene3D, share_light

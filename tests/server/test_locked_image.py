@@ -14,19 +14,18 @@ from packaging.utils import canonicalize_name
 tomllib = pytest.importorskip("tomllib")  # from Python 3.11 on, as in the image
 
 ROOT = Path(__file__).parents[2]
-DEPLOY = ROOT / "deploy"
+LOCK = ROOT / "deploy/requirements.lock"
 IMAGE = default_environment() | {
     "python_version": "3.11", "python_full_version": "3.11.0", "implementation_name": "cpython",
     "platform_python_implementation": "CPython", "sys_platform": "linux", "platform_system": "Linux",
     "platform_machine": "x86_64", "os_name": "posix", "extra": "",
 }  # fmt: skip
 PINNED = re.compile(r"([\w.-]+)==([\w.+!]+) --hash=sha256:([0-9a-f]{64})")
-LOCKS: dict[str, tuple[str, ...]] = {"requirements.lock": (), "requirements-test.lock": ("docs", "test")}
 
 
-def pinned(name: str) -> dict[str, str]:
+def pinned() -> dict[str, str]:
     """Versions by package. Every line is one, with its hash, and nothing else."""
-    lines = [line for line in (DEPLOY / name).read_text().splitlines() if not line.startswith("#")]
+    lines = [line for line in LOCK.read_text().splitlines() if not line.startswith("#")]
     found = [PINNED.fullmatch(line) for line in lines]
     assert lines and all(found), [line for line, match in zip(lines, found) if not match]
     versions = {canonicalize_name(match[1]): match[2] for match in found}
@@ -34,33 +33,26 @@ def pinned(name: str) -> dict[str, str]:
     return versions
 
 
-@pytest.mark.parametrize("name", LOCKS)
-def test_all_that_the_project_asks_for_is_pinned(name):
-    said, versions = tomllib.loads((ROOT / "pyproject.toml").read_text()), pinned(name)
-    asked = [*said["build-system"]["requires"], *said["project"]["dependencies"]]
-    groups = said["dependency-groups"]
-    included = [one["include-group"] for name in LOCKS[name] for one in groups[name] if isinstance(one, dict)]
-    asked += [one for group in (*LOCKS[name], *included) for one in groups[group] if isinstance(one, str)]
-    for requirement in map(Requirement, asked):
+def test_all_that_the_project_asks_for_is_pinned():
+    said, versions = tomllib.loads((ROOT / "pyproject.toml").read_text()), pinned()
+    for requirement in map(Requirement, [*said["build-system"]["requires"], *said["project"]["dependencies"]]):
         if requirement.marker is None or requirement.marker.evaluate(IMAGE):
             assert requirement.specifier.contains(versions[canonicalize_name(requirement.name)]), requirement
 
 
-def test_the_tests_run_with_what_the_image_has():
-    assert pinned("requirements.lock").items() <= pinned("requirements-test.lock").items()
+def test_the_lock_names_no_index_and_no_place():
+    assert not re.search(r"://|file:|index-url|find-links|trusted-host", LOCK.read_text())
 
 
-@pytest.mark.parametrize("name", LOCKS)
-def test_a_lock_names_no_index_and_no_place(name):
-    assert not re.search(r"://|file:|index-url|find-links|trusted-host", (DEPLOY / name).read_text())
+def steps() -> list[str]:
+    return re.findall(r"^RUN (pip install .*?)(?: &&|$)", (ROOT / "Dockerfile").read_text(), re.MULTILINE)
 
 
-def test_the_image_takes_the_steps_that_are_tested():
-    steps = (ROOT / "Dockerfile").read_text()
-    assert re.findall(r"^RUN (.*?) &&", steps, re.MULTILINE) == ["sh deploy/install.sh"] and "pip install" not in steps
-    copied = [word for line in re.findall(r"^COPY (.*)$", steps, re.MULTILINE) for word in line.split()[:-1]]
+def test_the_image_installs_by_hash_what_it_copies():
+    text = (ROOT / "Dockerfile").read_text()
+    copied = [word for line in re.findall(r"^COPY (.*)$", text, re.MULTILINE) for word in line.split()[:-1]]
     assert all((ROOT / word).exists() for word in copied) and "deploy/requirements.lock" in copied
-    assert "--require-hashes" in (DEPLOY / "install.sh").read_text()
+    assert len(steps()) == 2 and "--require-hashes" in steps()[0] and "--no-deps" in steps()[1]
 
 
 def test_every_image_that_others_made_is_pinned():
@@ -75,7 +67,10 @@ def test_every_image_that_others_made_is_pinned():
 @pytest.mark.skipif(sys.version_info[:2] != (3, 11) or sys.platform != "linux", reason="the lock is of another system")
 def test_the_steps_of_the_image_install_the_command(tmp_path):
     venv.create(tmp_path / "image", with_pip=True)
-    command = ["sh", "deploy/install.sh", str(tmp_path / "image/bin/python")]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert re.search(r"^viewimit \d", done.stdout.splitlines()[-1])
+    for step in steps():
+        done = subprocess.run(
+            [tmp_path / "image/bin/python", "-m", *step.split()], cwd=ROOT, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+    told = subprocess.run([tmp_path / "image/bin/viewimit", "--version"], capture_output=True, text=True)
+    assert re.search(r"^viewimit \d", told.stdout)

@@ -1,17 +1,15 @@
-"""Nothing that a client sends fills the log: a line a second and connection at most, and no traceback."""
+"""What a client sends is a line of the log that is bounded, and no traceback; a connection has few of them."""
 
 import contextlib
 import os
 import resource
 import socket
-import time
 
 import msgspec
 import pytest
 from protocol import Client
 from serving import Server
 from test_seats import HANDSHAKE, connected, framed, place_of
-from viewimit.app.server.access import FAULTS_A_SECOND
 from waiting import stays, wait_until
 
 LONGEST = 450  # characters of a line
@@ -39,14 +37,12 @@ def nested(depth: int) -> bytes:
     return b"\x91" * depth + b"\x00"
 
 
-def test_refusals_of_one_connection_are_a_line_a_second(logging_server):
+def test_refusals_of_one_connection_are_few_lines(logging_server):
     with Client(logging_server.url).ready() as client:
-        began = time.monotonic()
-        with few_lines(logging_server, 2, 4, client.socket.socket):
+        with few_lines(logging_server, 2, 30, client.socket.socket):
             for _ in range(60):
                 client.put("θ₂", "x")
             assert client.closed()[0] == 1008
-        assert time.monotonic() - began < 15
 
 
 @pytest.mark.parametrize("depth", [50, 400, 900, 982, 1000, 5000])
@@ -97,10 +93,10 @@ def test_a_server_without_file_descriptors_says_it_in_few_lines():
     most = len(os.listdir(f"/proc/{server.process.pid}/fd")) + 3
     _, hard = resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE)
     resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (most, hard))
-    before, began = len(server.lines), time.monotonic()
+    before = len(server.lines)
     with contextlib.ExitStack() as held, few_lines(server, 1, 99):
         for _ in range(20):
             held.enter_context(socket.create_connection(place_of(server.url)))
-        stays(lambda: len(server.lines) - before <= 1 + FAULTS_A_SECOND * (time.monotonic() - began), 3)
+        stays(lambda: len(server.lines) - before <= 9, 3)
     resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (hard, hard))
     assert server.stop() == 0

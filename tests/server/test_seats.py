@@ -8,8 +8,8 @@ import pytest
 import viser
 from protocol import VIEW, Client
 from serving import Here, Server
-from viewimit.app.server.limits import PENDING, Limits, PendingConnections, ServerOptions, Unsent, network_of
-from viewimit.app.server.seats import Seats
+from viewimit.app.server import connection
+from viewimit.app.server.limits import PENDING, Limits, PendingConnections, ServerOptions, network_of
 from viewimit.app.server.serve import usual_per_address
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
@@ -19,7 +19,6 @@ HANDSHAKE = (
     f"Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\nSec-WebSocket-Protocol: viser-v{viser.__version__}\r\n\r\n"
 )
 FIRST_VIEW = msgspec.msgpack.encode(VIEW)
-BRIEF = Limits(stalled_within=1.0, ping_every=0.3, pong_within=60, closed_within=0.3)
 
 
 def place_of(url: str) -> tuple[str, int]:
@@ -64,7 +63,7 @@ def framed(payload: bytes) -> bytes:
 
 
 def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here):
-    server = here(Limits(seats_of_one=40, page_within=0.5, stalled_within=600, closed_within=0.3))
+    server = here(Limits(seats_of_one=40, page_within=0.5, closed_within=0.3))
     with contextlib.ExitStack() as held:
         clients = [held.enter_context(deaf(server.url)) for _ in range(40)]
         assert all(client.recv(12) == b"HTTP/1.1 101" for client in clients)  # though the first may have left again
@@ -81,8 +80,10 @@ def test_a_page_is_refused_when_all_seats_are_taken(here, seats, status):
         assert newcomer.recv(12) == f"HTTP/1.1 {status}".encode()
 
 
-def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here):
-    server = here(BRIEF)
+@pytest.mark.skipif(not hasattr(socket, "TCP_USER_TIMEOUT"), reason="the system has no such limit")
+def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here, monkeypatch):
+    monkeypatch.setattr(connection, "TAKES_WITHIN", 2000)
+    server = here(Limits(ping_every=60))
     with deaf(server.url) as asleep, deaf(server.url, 1 << 16) as slow:
         for client in (asleep, slow):
             client.sendall(framed(FIRST_VIEW))
@@ -95,43 +96,16 @@ def test_a_tab_that_stops_reading_is_left_and_a_slow_one_is_not(here):
 
         wait_until(lambda: reads_on() and len(server.access.seats) == 2)  # before a page is there, on a busy machine
         wait_until(lambda: reads_on() and len(server.access.seats) == server.pages == 1)
-        stays(lambda: reads_on() and len(server.access.seats) == 1, 2.5 * BRIEF.stalled_within)
+        stays(lambda: reads_on() and len(server.access.seats) == 1, 3)
 
 
-def test_who_never_ends_the_head_of_a_request_is_told_so(here):
+def test_who_never_ends_the_head_of_a_request_is_closed(here):
     server = here(Limits(head_within=0.3, closed_within=0.3))
     with connected(server.url) as half, connected(server.url) as silent:
         half.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n")
-        received = b""
-        while data := half.recv(4096):
-            received += data
-        assert received.startswith(b"HTTP/1.1 408 ") and b"not whole" in received
-        silent.settimeout(0.1)
-        with pytest.raises(TimeoutError):  # it has asked for nothing
-            silent.recv(1)
-
-
-def test_a_ping_that_never_leaves_closes_the_connection(here):
-    server = here(Limits(stalled_within=600, ping_every=0.3, written_within=0.5, closed_within=0.3))
-    with deaf(server.url) as client:
-        client.sendall(framed(FIRST_VIEW))
-        wait_until(lambda: server.access.seats)
-        wait_until(lambda: not server.access.seats and not server.pages)
-
-
-def test_nothing_is_missed_where_nothing_waits_and_any_byte_counts():
-    now = [0.0]
-    unsent = Unsent(lambda: now[0])
-    now[0] = 100.0
-    assert unsent.stalled(0) == 0
-    unsent.written(0, 500)
-    now[0] = 120.0
-    unsent.written(500, 900)
-    assert unsent.stalled(900) == 20
-    now[0] = 125.0
-    assert unsent.stalled(899) == 0
-    now[0] = 126.0
-    assert unsent.stalled(899) == 1
+        for client in (half, silent):
+            with contextlib.suppress(ConnectionResetError):
+                assert client.recv(1) == b""
 
 
 def test_the_oldest_of_an_address_that_has_too_many_goes_else_the_oldest_of_all():
@@ -145,9 +119,8 @@ def test_the_oldest_of_an_address_that_has_too_many_goes_else_the_oldest_of_all(
     assert len(pending) == 3
 
 
-@pytest.mark.parametrize("options", [(), ("--workers", "2")])
-def test_silent_connections_lock_nobody_out(options):
-    server = Server(*options)
+def test_silent_connections_lock_nobody_out():
+    server = Server()
     with contextlib.ExitStack() as held:
         for _ in range(PENDING + 5):
             held.enter_context(socket.create_connection(place_of(server.url)))
@@ -156,8 +129,8 @@ def test_silent_connections_lock_nobody_out(options):
     assert server.stop() == 0
 
 
-def test_an_address_has_so_many_seats_in_all_processes_together_and_others_have_the_rest():
-    server = Server("--workers", "2", "--max-clients", "6", "--max-per-address", "3", "--host", "0.0.0.0")
+def test_an_address_has_so_many_seats_and_others_have_the_rest():
+    server = Server("--max-clients", "6", "--max-per-address", "3", "--host", "0.0.0.0")
     port = server.url.rsplit(":", 1)[1]
     url = f"http://127.0.0.1:{port}"
     clients = [Client(url) for _ in range(3)]
@@ -181,25 +154,13 @@ def test_an_address_has_so_many_seats_in_all_processes_together_and_others_have_
 
 def test_a_class_behind_one_address_has_room_by_default_and_elsewhere_too():
     most = ServerOptions().max_clients
-    options = ServerOptions(workers=2, max_per_address=usual_per_address("0.0.0.0", most))
+    options = ServerOptions(max_per_address=usual_per_address("0.0.0.0", most))
     assert 30 < options.seats_of_one < most
     assert 4 * 30 <= options.limits.pending_of_one < PENDING
     alone = ServerOptions(max_per_address=usual_per_address("127.0.0.1", most))
     assert alone.seats_of_one == most and alone.limits.pending_of_one == PENDING
     each = ServerOptions(max_per_address=2)
     assert each.limits.seats_of_one == 2 and each.limits.pending_of_one == 12
-
-
-def test_seats_are_counted_by_address_and_forgotten_with_their_process():
-    counts = Seats(2)
-    home, school = network_of(("10.0.0.7", 1)), network_of(("10.0.0.8", 1))
-    for row, address in ((0, home), (1, home), (1, school), (0, home)):
-        counts.rows[row].take(address)
-    assert (counts.taken_from(home), counts.taken_from(school), counts.taken) == (3, 1, 4)
-    counts.rows[0].leave(home)
-    assert (counts.taken_from(home), counts.taken) == (2, 3)
-    counts.rows[1].clear()
-    assert (counts.taken_from(home), counts.taken_from(school), counts.taken) == (1, 0, 1)
 
 
 @pytest.mark.parametrize(

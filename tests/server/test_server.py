@@ -8,7 +8,6 @@ import threading
 import pytest
 from protocol import Client
 from viewimit.app.server import address as address_module
-from viewimit.app.server import serve as serve_module
 from viewimit.app.server.address import (
     PortInUse,
     address,
@@ -20,7 +19,7 @@ from viewimit.app.server.address import (
     path_of_page,
     require_free,
 )
-from viewimit.app.server.serve import MOST_WORKERS, ServerOptions, serve, usual_workers
+from viewimit.app.server.serve import ServerOptions, serve
 from waiting import wait_until
 
 from viewimit.loop.settings import Settings
@@ -38,15 +37,6 @@ def test_a_taken_port_is_named_with_the_next_free_one():
 def test_bad_settings_fail_before_a_port_is_taken():
     with pytest.raises(ValueError, match="no scene 'moon'"):
         serve(port=0, options=ServerOptions(Settings.paper(scene="moon")))
-
-
-def test_a_class_is_served_by_more_than_one_process_where_that_can_be(monkeypatch):
-    assert usual_workers("127.0.0.1") == usual_workers("localhost") == 1
-    assert 1 <= usual_workers("0.0.0.0") <= MOST_WORKERS
-    monkeypatch.setattr(serve_module, "can_share_a_port", lambda: False)
-    assert usual_workers("0.0.0.0") == 1
-    with pytest.raises(ValueError, match="2 workers cannot share a port"):
-        serve(port=0, options=ServerOptions(workers=2))
 
 
 def test_an_address_of_another_machine_is_not_a_port_in_use():
@@ -119,10 +109,3 @@ def test_who_lets_others_in_is_told_the_address_and_shown_its_code(capsys, monke
     assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost", "0.0.0.0", "192.0.2.7")] == [
         True, True, True, False, False,
     ]  # fmt: skip
-
-
-def test_the_earlier_option_of_a_class_is_refused_with_the_command_of_today(ask):
-    for words in (("serve", "--lecturer"), ("--lecturer",)):
-        status, out, err = ask(*words)
-        assert (status, out) == (2, "")
-        assert err == "viewimit serve: --lecturer: a class has a server of its own now: viewimit class\n"

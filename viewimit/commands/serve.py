@@ -1,12 +1,9 @@
 """viewimit serve: the page."""
 
 import argparse
-import sys
 from pathlib import Path
 
-from ..sensing.files import escape
-from . import BadInput
-from .options import ARM, DONE, MISSED, SCENE, SIGHT, add_settings, between, naming, settings_from
+from .options import ARM, DONE, SCENE, SIGHT, add_settings, between, naming, settings_from
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -32,11 +29,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="a page elsewhere that may connect, such as https://class.example.org of a proxy; more than once for more",
     )
     parser.add_argument(
-        "--workers",
-        type=between(int, 1, 64),
-        help="processes that share the visitors (1 on this machine alone, else one a core, 4 at most)",
-    )
-    parser.add_argument(
         "--lesson",
         action="append",
         default=[],
@@ -44,35 +36,24 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a lesson of your own, offered instead of the tour; more than once for more (docs/teach/lesson-format.md)",
     )
-    parser.add_argument("--store", help=argparse.SUPPRESS)
-    parser.add_argument("--lecturer", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--open", action="store_true", help="open the page in the default browser")
     add_settings(parser, *SCENE, "demonstrator_deg", "transfer", "rectify", *SIGHT, *ARM, "servo")
 
 
 def run(args: argparse.Namespace) -> int:
-    if args.lecturer:
-        raise BadInput("--lecturer: a class has a server of its own now: viewimit class")
-    if args.store is not None:
-        raise BadInput("--store: the server stores no sessions: each visitor's browser tab keeps its own")
     settings = settings_from(args)
     # the one place below the page that knows it
     from ..app.lab.lessons.source import own
     from ..app.server.address import require_origin
-    from ..app.server.serve import ServerOptions, serve, usual_per_address, usual_workers
+    from ..app.server.serve import ServerOptions, serve, usual_per_address
 
     with naming("--origin"):
         for origin in args.origin:
             require_origin(origin)
     with naming("--lesson"):
         lessons = own(args.lesson)
-    workers = args.workers or usual_workers(args.host)
     of_one = args.max_per_address or usual_per_address(args.host, args.max_clients)
-    options = ServerOptions(settings, args.max_clients, tuple(args.origin), workers, of_one, lessons)
-    try:
-        with naming("--host, --port, --workers"):
-            serve(args.host, args.port, options, open_browser=args.open)
-    except RuntimeError as error:
-        print(f"viewimit: {escape(str(error))}", file=sys.stderr)
-        return MISSED
+    options = ServerOptions(settings, args.max_clients, tuple(args.origin), of_one, lessons)
+    with naming("--host, --port"):
+        serve(args.host, args.port, options, open_browser=args.open)
     return DONE

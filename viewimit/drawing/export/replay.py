@@ -6,6 +6,7 @@ compute the run's scene. The browser's modules become one script that needs no l
 
 import base64
 import hashlib
+import os
 import re
 import zlib
 from collections.abc import Mapping, Sequence
@@ -53,13 +54,13 @@ def bundle(entry: str) -> str:
     declarations, one name each, or names of other modules. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
-    at = lambda path: f"MODULES[{path.relative_to(SCRIPTS.resolve()).as_posix()!r}]"
+    at = lambda path: f"MODULES[{path.relative_to(SCRIPTS).as_posix()!r}]"
 
     def add(path: Path) -> str:
         if path not in parts:
             text = COMMENT.sub("", path.read_text("utf-8"))
             names = EXPORT.findall(text)
-            imported = lambda match: add((path.parent / match[2] / match[3]).resolve())
+            imported = lambda match: add(Path(os.path.normpath(path.parent / match[2] / match[3])))
             text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
             for match in REEXPORT.finditer(text):
                 names += [name.strip() for name in match[1].strip("{}").split(",")]
@@ -69,7 +70,7 @@ def bundle(entry: str) -> str:
             parts[path] = text if path == first else module
         return at(path)
 
-    first = (SCRIPTS / entry).resolve()
+    first = SCRIPTS / entry
     add(first)
     return '"use strict";\nconst MODULES = {};\n' + "\n".join(parts.values())
 

@@ -1,0 +1,102 @@
+"""One task that moves and draws all pages, in viser's own event loop."""
+
+import asyncio
+import concurrent.futures
+import logging
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Protocol
+
+from .limits import TokenBucket, in_a_line
+
+TICK = 0.05  # s: poses are drawn at 20 Hz
+SPARE = 0.01  # s of a tick in which nothing more is drawn: poses go first
+PATIENCE = 0.5  # s after which a page is drawn all the same
+FAST = 0.4  # of a tick: for sessions that run as fast as they compute
+LEAST_FAST = 0.001  # s: one motion of each, in a round that is late
+BEAT = 1.0  # s
+log = logging.getLogger(__name__)
+
+
+class Drawn(Protocol):
+    """A page. held(): nothing of it is sent inside; tick(now, budget): up to its poses, with s of a monotonic clock and
+    s for motions as fast as it computes; draw(): all else that changed; fail(error): what these raised, for it to
+    say."""
+
+    def held(self) -> AbstractContextManager: ...
+
+    def tick(self, now: float, budget: float) -> None: ...
+
+    def draw(self) -> None: ...
+
+    def fail(self, error: Exception) -> None: ...
+
+
+class Scheduler:
+    """Pages are added when they are built and removed when their tab is gone, both in the loop's own thread.
+
+    heartbeat(): called once a second.
+    """
+
+    def __init__(self, heartbeat: Callable[[], None] = lambda: None):
+        self._heartbeat = heartbeat
+        self._drawn_at: dict[Drawn, float] = {}  # s
+        self._faults = TokenBucket(1, 1)  # in the log
+        self._task: concurrent.futures.Future | None = None
+        self._running = False
+
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """From any thread."""
+        self._running = True
+        self._task = asyncio.run_coroutine_threadsafe(self._run(), loop)
+
+    def stop(self) -> None:
+        """Not from the loop's own thread."""
+        self._running = False
+        if self._task is not None:
+            concurrent.futures.wait([self._task], 2.0)
+
+    def add(self, page: Drawn) -> None:
+        self._drawn_at[page] = 0.0
+
+    def remove(self, page: Drawn) -> None:
+        """Afterwards it is ticked no more."""
+        self._drawn_at.pop(page, None)
+
+    async def _run(self) -> None:
+        due, beats_at, turn = time.monotonic(), 0.0, 0
+        while self._running:
+            if time.monotonic() >= beats_at:
+                self._heartbeat()
+                beats_at = time.monotonic() + BEAT
+            pages = list(self._drawn_at)
+            turn = (turn + 1) % max(len(pages), 1)  # another page comes first in each round
+            for page in pages[turn:] + pages[:turn]:
+                if page in self._drawn_at:
+                    self._pass(page, due)
+                    await asyncio.sleep(0)  # what it drew is sent, and what comes in is read
+            due = max(due + TICK, time.monotonic() - TICK)  # one long round is made up for, more are skipped
+            await asyncio.sleep(max(due - time.monotonic(), 0))
+
+    def _pass(self, page: Drawn, due: float) -> None:
+        """Move a page and pose its arms, and draw all else unless the round is late."""
+        now = time.monotonic()
+        try:
+            with page.held():
+                page.tick(now, max(due + FAST * TICK - now, LEAST_FAST))
+                if now - due < TICK - SPARE or now - self._drawn_at[page] > PATIENCE:
+                    self._drawn_at[page] = now
+                    page.draw()
+        except Exception as error:  # one session's fault must not stop the others; its own page says so
+            self._tell(page, error)
+
+    def _tell(self, page: Drawn, error: Exception) -> None:
+        """Let a page say its own fault; one that cannot even do that is ticked no more."""
+        if self._faults.take():
+            log.error(in_a_line("a session met an error", error))
+        try:
+            page.fail(error)
+        except Exception as worse:
+            log.error(in_a_line("a session cannot say its error and is left", worse))
+            self.remove(page)

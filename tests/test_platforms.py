@@ -16,7 +16,7 @@ SOURCES = [path for folder in ("viewimit", "app", "docs", "examples") for path i
 
 WINDOWS = """
 import asyncio, ctypes, http.server, multiprocessing.spawn, os, signal, socket, subprocess, sys, tempfile, webbrowser
-import msgspec, numpy, PIL.Image, platformdirs, starlette.applications, trimesh, uvicorn, viser, websockets, zstandard
+import msgspec, numpy, PIL.Image, platformdirs, starlette.applications, trimesh, uvicorn, viser, websockets
 
 for module in (os, signal, socket):
     for name in ("fork", "nice", "killpg", "getuid", "sched_getaffinity", "SIGHUP", "SIGKILL", "pthread_sigmask",

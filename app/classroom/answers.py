@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..lab.lessons.format import Ask, Bet, Choice, Do, Lesson, Number, Place, Pose, Predict, Select
+from ..lab.lessons.format import Ask, Bet, Choice, Do, Lesson, Number, Place, Pose, Predict
 from ..lab.lessons.source import questions
 from .protocol import Given
 
@@ -17,7 +17,6 @@ FIELD = {
     Pose: "posture",
     Number: "number",
     Do: "number",
-    Select: "values",
     Predict: "values",
     Bet: "values",
 }

@@ -59,7 +59,7 @@ def tab_link(model: PageModel) -> tuple[str, str]:
             return link.joined(_pairs(model, one, versus, motion=motion) + extra), why
         except ValueError as error:
             why = why or str(error)
-    return link.joined(_pairs(model, _posture_alone(session)) + extra), why
+    return link.joined(_pairs(model, _posture_alone(session), None) + extra), why
 
 
 def _pairs(

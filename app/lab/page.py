@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from viewimit.assets import ROOT
 
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
+from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.loop.snapshot import Snapshot
@@ -21,7 +22,6 @@ SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"
 USUAL_POINTS = 10
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
-SENT = "name", "title", "says", "transfer", "servo", "missing", "seed"  # fields of a preset, as they are
 
 
 class Preset(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -141,8 +141,6 @@ def served_page(name: str, robot: str | None) -> str:
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
 
-TRANSFERS = ("epipolar", "linear", "projective")  # that the lab has
-SERVOS = ("broyden", "gradient", "gradient-retuned")
 DIGITS = 2  # of an angle in degrees
 
 
@@ -160,8 +158,8 @@ def lab_address(now: Snapshot) -> str | None:
         "preset": found[0].name,
         "demo": _degrees(now.theta_demo),
         "start": _degrees(now.theta),
-        "law": settings.servo if settings.servo in SERVOS else None,
-        "transfer": settings.transfer if settings.transfer in TRANSFERS else None,
+        "law": settings.servo if settings.servo in lab_methods().servos else None,
+        "transfer": settings.transfer if settings.transfer in lab_methods().transfers else None,
         "points": settings.points,
         "noise": settings.noise_px,
         "lost": round(100 * settings.missing, 3),

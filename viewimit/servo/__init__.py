@@ -24,6 +24,7 @@ from .trust_region.convergence import Certificate
 from .trust_region.misfit import Misfit, MisfitKind
 from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
+from .verdict import Verdict, verdict, verdicts
 
 EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
 

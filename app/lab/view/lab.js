@@ -194,23 +194,23 @@ export class Lab {
     $("draw-of-noise").hidden = !state.noisePx;
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
-    const said = outcome(now, player.isPlaying, world.body.length, state.noisePx, posedAt);
-    $("state").className = `state ${said.state}`;
-    say($("outcome"), said.text);
-    if (said.text !== this.announced) this.#announce(said.text);
+    const said = outcome(now, player.isPlaying, world.body.length, posedAt), words = `${said.label}. ${said.text}`;
+    $("state").className = `state ${said.dot}`;
+    say($("outcome"), `${said.label}.`);
+    say($("sentence"), ` ${said.text}`);
+    if (words !== this.announced) this.#announce(words);
     const hidden = "The goal is hidden, from you as from the learner.";
     say($("truth"), goal ? truth(theta, thetaDemo, scene.names, moment.E) : hidden);
-    this.#count(now, said.state);
+    this.#count(now);
     if (moves && !player.isTicking) this.redraw();
   }
 
-  /** How many steps and points there are, and what can be done next. @param {Moment} now @param {string} state */
-  #count(now, state) {
+  /** How many steps and points there are, and what can be done next. @param {Moment} now */
+  #count(now) {
     const {player, experiment: {world}} = this, used = now.usable.length, all = world.body.length;
     say($("count"), stepsText(now.motion));
     say($("used"), used < all ? `${used} of ${all} points seen in all four` : "");
-    const rests = state === "settled" ? "Following" : "Waiting";
-    say($("play").querySelector("b"), player.isFollowing ? rests : player.isPlaying ? "Pause" : "Play");
+    say($("play").querySelector("b"), player.isFollowing ? "Following" : player.isPlaying ? "Pause" : "Play");
     $("play").disabled = all < MIN_POINTS;
     $("step").disabled = all < MIN_POINTS || player.isAtRest;
     $("undo").disabled = !now.motion;

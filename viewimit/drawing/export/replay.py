@@ -33,6 +33,7 @@ from .space import Shapes, describe_robot, describe_stage
 SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
+JSON = re.compile(r'^import (\w+) from "([^"]+\.json)" with \{type: "json"\};\n', re.M)
 REEXPORT = re.compile(r'^export (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re.M)
 
@@ -48,7 +49,7 @@ def bundle(entry: str) -> str:
     Notes
     -----
     Modules import by name, from relative paths, at the top: `import {a, b as c} from "./x.js";`. They export
-    declarations, one name each, or names of other modules. No module imports in a circle.
+    declarations, one name each, or names of other modules; JSON files come by one name. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
     at = lambda path: f"MODULES[{path.relative_to(SCRIPTS.resolve()).as_posix()!r}]"
@@ -57,6 +58,7 @@ def bundle(entry: str) -> str:
         if path not in parts:
             text = COMMENT.sub("", path.read_text("utf-8"))
             names = EXPORT.findall(text)
+            text = JSON.sub(lambda match: f"const {match[1]} = {_json(path.parent / match[2])};\n", text)
             imported = lambda match: add((path.parent / match[2] / match[3]).resolve())
             text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
             for match in REEXPORT.finditer(text):
@@ -70,6 +72,15 @@ def bundle(entry: str) -> str:
     first = (SCRIPTS / entry).resolve()
     add(first)
     return '"use strict";\nconst MODULES = {};\n' + "\n".join(parts.values())
+
+
+def _json(path: Path) -> str:
+    """Return a JSON file of the project without spaces; assets/ lies beside app/ in a clone and where it is installed."""
+    return msgspec.json.encode(msgspec.json.decode(ROOT.joinpath(*_inside(path)).read_bytes())).decode()
+
+
+def _inside(path: Path) -> tuple[str, ...]:
+    return path.resolve().relative_to(ROOT.resolve()).parts
 
 
 def packed(data: bytes) -> str:

@@ -15,7 +15,7 @@ from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot
-from viewimit.servo import SERVOS, ServoStatus, verdict
+from viewimit.servo import SERVOS, ServoStatus, verdicts
 from viewimit.simulation.scene import Scene
 from viewimit.wording import plural, sentences
 
@@ -163,7 +163,7 @@ def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: b
     said = []
     for k in which:
         status = standings[k].snapshot.status
-        label = verdict(status).label if playing or status not in ON_ITS_WAY else "Paused"
+        label = verdicts()[status].label if playing or status not in ON_ITS_WAY else "Paused"
         said.append(f"{NAMES[k]}: {label}, {svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)}° off.")
     return sentences(*said)
 

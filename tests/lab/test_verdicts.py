@@ -89,11 +89,8 @@ def main():
         session, ended = run_of(preset)
         told = in_python(session, ended)
         same = "same" if len(set(told.values())) == 1 else "DIFFERENT"
-        print(
-            f"{preset.name:12} {ended.motions:5} {ended.status:15} {same:10}",
-            *map(" / ".join, told.values()),
-            sep=" | ",
-        )
+        row = f"{preset.name:9} {ended.motions:5} {ended.status:12} {same:9}"
+        print(row, *map(" / ".join, told.values()), sep=" | ")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ MB = 1_000_000
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="a name, or the path of a .toml or .urdf file (panda)")
     parser.add_argument(
-        "--robot", metavar="NAME", help="a name, a .urdf or a .toml file; with --scene it replaces the scene's"
+        "--robot", metavar="NAME", help="a name, a .urdf or a .toml file; replaces the robot of --scene"
     )
     parser.set_defaults(base=None, tip=None)
     parser.add_argument(

@@ -268,11 +268,10 @@ def choose_bodies(args: argparse.Namespace) -> str:
     Returns the option that named the scene.
     """
     with naming("--robot"):
-        if args.scene is not None or not str(args.robot).lower().endswith(".toml"):
+        is_file = args.scene is None and str(args.robot).lower().endswith(".toml")
+        if not is_file:
             args.robot = robot_reference(args)
-    if args.scene is None and (
-        str(args.robot).lower().endswith(".toml") or args.robot in scene_names() or is_reference(args.robot)
-    ):
+    if args.scene is None and (is_file or args.robot in scene_names() or is_reference(args.robot)):
         args.scene, args.robot = args.robot, None
         return "--robot"
     return "--scene"

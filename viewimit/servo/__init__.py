@@ -30,6 +30,9 @@ EARLIER_NAMES = {"Conflict": "ResidualFunction", "Weighting": "NoiseReference"}
 
 __all__ = [
     "SERVOS",
+    "Verdict",
+    "verdict",
+    "verdicts",
     "Broyden",
     "Certificate",
     "GaussNewton",

@@ -75,12 +75,9 @@ def bundle(entry: str) -> str:
 
 
 def _json(path: Path) -> str:
-    """Return a JSON file of the project without spaces; assets/ lies beside app/ in a clone and where it is installed."""
-    return msgspec.json.encode(msgspec.json.decode(ROOT.joinpath(*_inside(path)).read_bytes())).decode()
-
-
-def _inside(path: Path) -> tuple[str, ...]:
-    return path.resolve().relative_to(ROOT.resolve()).parts
+    """Return a JSON file of assets/ without spaces. It lies beside app/, in a clone and where it is installed."""
+    name = path.as_posix().rpartition("/assets/")[2]
+    return msgspec.json.encode(msgspec.json.decode(ROOT.joinpath(name).read_bytes())).decode()
 
 
 def packed(data: bytes) -> str:

@@ -11,6 +11,7 @@ from viewimit.assets import ROOT
 
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
 from viewimit.drawing.export.lab_methods import lab_methods
+from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.loop.snapshot import Snapshot
@@ -147,12 +148,10 @@ DIGITS = 2  # of an angle in degrees
 def lab_address(now: Snapshot) -> str | None:
     """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
 
-    A servo or a transfer that the lab does not have is left to its default there.
+    A servo or a transfer that the lab does not have is left to its default there; `lab_lacks` says so.
     """
-    settings = now.settings
-    found = [preset for preset in presets() if (preset.scene or SHIPPED) == settings.scene and not preset.head]
-    own = settings.robot, settings.joints, settings.body_points
-    if not found or own != (None, None, None) or settings.sensor != "projected":
+    settings, found = now.settings, _presets_of(now)
+    if not found or _own_bodies(now) or settings.sensor != "projected":
         return None
     fields = {
         "preset": found[0].name,
@@ -166,6 +165,21 @@ def lab_address(now: Snapshot) -> str | None:
         "seed": settings.seed,
     }
     return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")
+
+
+def lab_lacks(now: Snapshot) -> list[str]:
+    """Say what of a moment the lab's address cannot carry, each in a few words."""
+    scene = [] if _presets_of(now) else ["this scene"]
+    return [*scene, *_own_bodies(now), *lacks(now)]
+
+
+def _presets_of(now: Snapshot) -> list[Preset]:
+    return [preset for preset in presets() if (preset.scene or SHIPPED) == now.settings.scene and not preset.head]
+
+
+def _own_bodies(now: Snapshot) -> list[str]:
+    own = {"robot": "this robot", "joints": "these joints", "body_points": "these points"}
+    return [words for field, words in own.items() if getattr(now.settings, field) is not None]
 
 
 def _degrees(theta: NDArray[np.float64]) -> str:

@@ -6,11 +6,14 @@ import re
 import numpy as np
 import pytest
 from browsing import sparing
-from viewimit.app.lab.page import lab_address, lab_page, presets
+from msgspec.structs import replace
+from viewimit.app.lab.page import lab_address, lab_lacks, lab_page, presets
+from viewimit.app.model.choices import PRESETS
 from viewimit.app.sessions import link
 from waiting import wait_until
 
 from viewimit import Session, Settings, load_scene
+from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.space import thinned
 
 MB = 1_000_000
@@ -570,3 +573,34 @@ def test_the_pages_link_leads_to_the_lab_in_its_state(opened):
 def test_presets_have_scenes_that_load():
     for preset in presets():
         assert preset.points == 4 or str(preset.points) in load_scene(preset.scene or "panda").points
+
+
+CARRIED = set("scene demonstrator_deg start_deg servo transfer points noise_px missing seed name".split())
+SPOILT = [
+    {"outliers": 0.05},
+    {"frames": 4},
+    {"latency": 1},
+    {"matched": False},
+    {"joints": (1, 2)},
+    {"undistort": True},
+]
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [preset.settings for preset in PRESETS]
+    + [replace(Settings.paper(), **field) for field in SPOILT if set(field) <= set(Settings.__struct_fields__)],
+    ids=str,
+)
+def test_what_an_address_cannot_carry_is_said(settings):
+    """The lab begins as the paper did, so every other field that differs must be told."""
+    plain = replace(Settings.paper(), rectify="off")
+    differs = {name for name in Settings.__struct_fields__ if getattr(settings, name) != getattr(plain, name)}
+    now = Session(settings).snapshot
+    carried = (
+        lab_address(now) is not None
+        and settings.servo in lab_methods().servos
+        and settings.transfer in lab_methods().transfers
+        and (differs - CARRIED <= {"rectify"} and now.rectification is None)
+    )
+    assert carried == (lab_lacks(now) == [])

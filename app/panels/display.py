@@ -123,10 +123,8 @@ def beside(model: PageModel) -> str:
     lacking = lab_lacks(model.snapshot)
     if not lacking:
         return "The lab shows the same on any screen."
-    opens = "It opens" if lab_address(model.snapshot) is None else "The rest opens"
-    return (
-        f"The lab does not have {listed(lacking)}. {opens} with {'its own' if opens == 'It opens' else 'these poses'}."
-    )
+    instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
+    return f"The lab does not have {listed(lacking)}. It opens with {instead}."
 
 
 def offer_of_the_lab(layout: Layout, model: PageModel) -> None:

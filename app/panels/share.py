@@ -88,11 +88,7 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
     in_lab = lab_address(model.snapshot)
     if in_lab is not None:
         lacking = lab_lacks(model.snapshot)
-        same = (
-            f"In the lab, which does not have {listed(lacking)}"
-            if lacking
-            else "The same in the lab, in the browser alone"
-        )
+        same = f"In the lab, which does not have {listed(lacking)}" if lacking else "The same in the lab"
         parts.append(_copied(same, f"{origin or ''}{in_lab}", tells=True))
     for title, said in ("The same in Python", as_python), ("The same as a command", as_command):
         try:

@@ -582,7 +582,6 @@ SPOILT = [
     {"latency": 1},
     {"matched": False},
     {"joints": (1, 2)},
-    {"undistort": True},
 ]
 
 

@@ -140,7 +140,8 @@ export class View {
     const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     still.draw({
       bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
-      eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [], labels: [],
+      eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [],
+      labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, `vi-b vi-${role}`]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");
   }
 }

@@ -14,6 +14,7 @@ from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
+from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import Scene, extended, load_scene
@@ -142,6 +143,10 @@ def served_page(name: str, robot: str | None) -> str:
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
 
+TOLD = {  # fields that the address carries, or that are told by what they do
+    "scene", "robot", "joints", "body_points", "points", "demonstrator_deg", "start_deg", "transfer", "servo",
+    "noise_px", "missing", "seed", "rectify", "sensor",
+}  # fmt: skip
 DIGITS = 2  # of an angle in degrees
 
 
@@ -170,7 +175,10 @@ def lab_address(now: Snapshot) -> str | None:
 def lab_lacks(now: Snapshot) -> list[str]:
     """Say what of a moment the lab's address cannot carry, each in a few words."""
     scene = [] if _presets_of(now) else ["this scene"]
-    return [*scene, *_own_bodies(now), *lacks(now)]
+    usual = Settings.paper()
+    fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
+    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
+    return [*scene, *_own_bodies(now), *lacks(now), *other]
 
 
 def _presets_of(now: Snapshot) -> list[Preset]:

@@ -204,6 +204,8 @@ def _fields(
 ) -> dict[str, Any]:
     start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
     posture = np.degrees(rest).round(2)
+    third = [low + (high - low) / 3 for low, high in ranges]  # no stretched pole, which conditions worst
+    posture[np.array(moving) - 1] = np.round(third, 2)
     yaw = float(np.degrees(placing.yaw).round(2))
     return {
         "title": f"{tree.path.stem}, parallel cameras",

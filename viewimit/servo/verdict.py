@@ -9,7 +9,6 @@ from functools import cache
 import msgspec
 
 from ..assets import ROOT
-from ..wording import plural
 from .status import ServoStatus
 
 ANY_JOINT = "every joint"  # where it is not known which joint the points do not show
@@ -54,7 +53,7 @@ class Verdict(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if std_error_deg is None:
             says = says.split(" It expects", 1)[0]
         return says.format(
-            steps=plural("{n} step", "{n} steps", steps).format(n=steps),
+            steps=f"{steps} {'step' if steps == 1 else 'steps'}",
             differ=f"{E**0.5:.{0 if E >= 100 else 1}f} px" if E >= 0 else "–",
             seen=seen,
             joints=joints,

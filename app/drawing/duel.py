@@ -15,7 +15,7 @@ from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot
-from viewimit.servo import SERVOS, ServoStatus
+from viewimit.servo import SERVOS, ServoStatus, verdicts
 from viewimit.simulation.scene import Scene
 from viewimit.wording import plural, sentences
 
@@ -32,19 +32,7 @@ MIN_ERROR_DEG = 1e-3  # on the axis of errors
 MAX_VERTICES = 240  # of a curve or path
 ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
 CLASSES = ("own", "opponent")
-STATES = {  # of a learner by name
-    ServoStatus.READY: "The {name} is at the start, {angle}° off.",
-    ServoStatus.REHEARSING: "The {name} is still moving, {angle}° off.",
-    ServoStatus.MOVING: "The {name} is still moving, {angle}° off.",
-    ServoStatus.CONVERGED: "The {name} converged, {angle}° off.",
-    ServoStatus.SETTLED: "The {name} settled, {angle}° off.",
-    ServoStatus.UNOBSERVABLE: "The {name} cannot determine all joints, {angle}° off.",
-    ServoStatus.NO_PROGRESS: "The {name} makes no progress, {angle}° off.",
-    ServoStatus.TOO_FEW_POINTS: "The {name} sees too few points, {angle}° off.",
-    ServoStatus.MAX_MOTIONS: "The {name} made all its steps, {angle}° off.",
-}
-PAUSED = "The {name} is paused, {angle}° off."
-NAMES = ("learner", "opponent")
+NAMES = ("Learner", "Opponent")
 TITLES = ("Learner: {transfer}", "Opponent: {transfer}")
 ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
@@ -163,20 +151,20 @@ def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, s
         "The {name} was first within {angle}°, after {n} step.",
         "The {name} was first within {angle}°, after {n} steps.",
         soonest,
-    ).format(name=NAMES[first], angle=aim, n=soonest)
+    ).format(name=NAMES[first].lower(), angle=aim, n=soonest)
     late = standings[1 - first].arrived
     if late is None:
         return won, _whereabouts(standings, (1 - first,), playing)
     text = plural("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
-    return won, text.format(name=NAMES[1 - first], n=late)
+    return won, text.format(name=NAMES[1 - first].lower(), n=late)
 
 
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: bool) -> str:
     said = []
     for k in which:
         status = standings[k].snapshot.status
-        text = STATES[status] if playing or status not in ON_ITS_WAY else PAUSED
-        said.append(text.format(name=NAMES[k], angle=svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)))
+        label = verdicts()[status].label if playing or status not in ON_ITS_WAY else "Paused"
+        said.append(f"{NAMES[k]}: {label}, {svg.short(standings[k].errors_deg[-1], ONE_DIGIT_TO)}° off.")
     return sentences(*said)
 
 

@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 from viewimit.assets import ROOT
 
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
+from viewimit.drawing.export.lab_methods import lab_methods
+from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
+from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import Scene, extended, load_scene
@@ -21,7 +24,6 @@ SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"
 USUAL_POINTS = 10
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
-SENT = "name", "title", "says", "transfer", "servo", "missing", "seed"  # fields of a preset, as they are
 
 
 class Preset(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -141,33 +143,51 @@ def served_page(name: str, robot: str | None) -> str:
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.
 
-TRANSFERS = ("epipolar", "linear", "projective")  # that the lab has
-SERVOS = ("broyden", "gradient", "gradient-retuned")
+TOLD = {  # fields that the address carries, or that are told by what they do
+    "scene", "robot", "joints", "body_points", "points", "demonstrator_deg", "start_deg", "transfer", "servo",
+    "noise_px", "missing", "seed", "rectify", "sensor",
+}  # fmt: skip
 DIGITS = 2  # of an angle in degrees
 
 
 def lab_address(now: Snapshot) -> str | None:
     """Return the lab's path and fragment for a moment; None for a scene that the lab does not have.
 
-    A servo or a transfer that the lab does not have is left to its default there.
+    A servo or a transfer that the lab does not have is left to its default there; `lab_lacks` says so.
     """
-    settings = now.settings
-    found = [preset for preset in presets() if (preset.scene or SHIPPED) == settings.scene and not preset.head]
-    own = settings.robot, settings.joints, settings.body_points
-    if not found or own != (None, None, None) or settings.sensor != "projected":
+    settings, found = now.settings, _presets_of(now)
+    if not found or _own_bodies(now) or settings.sensor != "projected":
         return None
     fields = {
         "preset": found[0].name,
         "demo": _degrees(now.theta_demo),
         "start": _degrees(now.theta),
-        "servo": settings.servo if settings.servo in SERVOS else None,
-        "transfer": settings.transfer if settings.transfer in TRANSFERS else None,
+        "servo": settings.servo if settings.servo in lab_methods().servos else None,
+        "transfer": settings.transfer if settings.transfer in lab_methods().transfers else None,
         "points": settings.points,
         "noise": settings.noise_px,
         "missing": settings.missing,
         "seed": settings.seed,
     }
     return "/lab#" + urlencode({name: value for name, value in fields.items() if value is not None}, safe=",")
+
+
+def lab_lacks(now: Snapshot) -> list[str]:
+    """Say what of a moment the lab's address cannot carry, each in a few words."""
+    scene = [] if _presets_of(now) else ["this scene"]
+    usual = Settings.paper()
+    fields = (name for name in usual.__struct_fields__ if name not in TOLD and name not in DISTURBANCES)
+    other = [name.replace("_", " ") for name in fields if getattr(now.settings, name) != getattr(usual, name)]
+    return [*scene, *_own_bodies(now), *lacks(now), *other]
+
+
+def _presets_of(now: Snapshot) -> list[Preset]:
+    return [preset for preset in presets() if (preset.scene or SHIPPED) == now.settings.scene and not preset.head]
+
+
+def _own_bodies(now: Snapshot) -> list[str]:
+    own = {"robot": "this robot", "joints": "these joints", "body_points": "these points"}
+    return [words for field, words in own.items() if getattr(now.settings, field) is not None]
 
 
 def _degrees(theta: NDArray[np.float64]) -> str:

@@ -10,11 +10,11 @@ from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural
+from viewimit.wording import listed, plural
 
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
-from ..lab.page import lab_address
+from ..lab.page import lab_address, lab_lacks
 from ..model.choices import LARGE, NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
@@ -118,13 +118,23 @@ def still(layout: Layout, model: PageModel) -> None:
     layout.drawing(key, draw, period=SLOWEST)
 
 
+def beside(model: PageModel) -> str:
+    """Say what the lab shows of this state, and what it does not have."""
+    lacking = lab_lacks(model.snapshot)
+    if not lacking:
+        return "The lab shows the same on any screen."
+    instead = "the paper's experiment" if lab_address(model.snapshot) is None else "these poses without it"
+    return f"The lab does not have {listed(lacking)}. It opens with {instead}."
+
+
 def offer_of_the_lab(layout: Layout, model: PageModel) -> None:
     """For a window that is too small for the instrument: the lab in the same state. layout.css shows it."""
     offer = layout.gui.add_html("")
 
     def draw(model: PageModel) -> None:
-        address = html.escape((lab_address(model.snapshot) or "/lab").removeprefix("/"))
-        words = "This window is small for the instrument. The lab shows the same on any screen."
+        there = lab_address(model.snapshot)
+        address = html.escape((there or "/lab").removeprefix("/"))
+        words = f"This window is small for the instrument. {html.escape(beside(model))}"
         lab, anyway = "Open the lab", "Open the instrument anyway"
         put_html(
             offer,

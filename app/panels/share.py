@@ -11,7 +11,7 @@ from viewimit.loop.codegen import as_command, as_python
 from viewimit.sensing.files import file_name
 from viewimit.wording import listed
 
-from ..lab.page import lab_address
+from ..lab.page import lab_address, lab_lacks
 from ..model.keeping import share_link
 from ..model.link import described, files_named
 from ..model.page_model import PageModel
@@ -85,7 +85,9 @@ def share_html(model: PageModel, origin: str | None, is_local: bool = False) -> 
         parts.append(f"<p>{html.escape(str(error))}</p>")
     in_lab = lab_address(model.snapshot)
     if in_lab is not None:
-        parts.append(_copied("The same in the lab, in the browser alone", f"{origin or ''}{in_lab}", tells=True))
+        lacking = lab_lacks(model.snapshot)
+        same = f"In the lab, which does not have {listed(lacking)}" if lacking else "The same in the lab"
+        parts.append(_copied(same, f"{origin or ''}{in_lab}", tells=True))
     for title, said in ("The same in Python", as_python), ("The same as a command", as_command):
         try:
             parts.append(_copied(title, said(script), lines=True, tells=True))

@@ -481,11 +481,11 @@ class TestStatus:
         assert status.describe(stepped(0).snapshot).state == "ready"
         assert status.describe(now).state == "moving"
         assert status.describe(now, playing=False).state == "paused"
-        assert status.describe(replace(now, status=ServoStatus.CONVERGED)).state == "arrived"
+        assert status.describe(replace(now, status=ServoStatus.CONVERGED)).state == "converged"
         assert status.describe(replace(now, status=ServoStatus.NO_PROGRESS)).state == "no-progress"
         assert status.describe(replace(now, status=ServoStatus.SETTLED)).state == "settled"
         lost = status.describe(stepped(0, missing=0.5).snapshot)
-        assert lost.state == "lost" and "at least 5 points that do not lie in a plane" in lost.sentence
+        assert lost.state == "too-few-points" and "plane" in lost.sentence
         method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
         monkeypatch.setitem(TRANSFERS, now.settings.transfer, method)
         assert (
@@ -496,24 +496,24 @@ class TestStatus:
     @pytest.mark.parametrize(
         "claimed, known, state, doubt",
         [
-            ("converged", assessed(), "arrived", ""),
-            ("settled", assessed(room_deg=14), "least", "By E alone, it could be up to 14° off."),
-            ("settled", assessed(room_deg=0.34), "least", "By E alone, it could be up to 0.3° off."),
-            ("settled", assessed(room_deg=0.02), "least", "By E alone, it is less than 0.1° off."),
-            ("settled", assessed(room_deg=120), "least", "By E alone, it could be anywhere."),
+            ("converged", assessed(), "converged", ""),
+            ("settled", assessed(room_deg=14), "settled", "By E alone, it could be up to 14° off."),
+            ("settled", assessed(room_deg=0.34), "settled", "By E alone, it could be up to 0.3° off."),
+            ("settled", assessed(room_deg=0.02), "settled", "By E alone, it is less than 0.1° off."),
+            ("settled", assessed(room_deg=120), "settled", "By E alone, it could be anywhere."),
             ("settled", assessed(lower_deg=3), "settled", ""),
-            ("no-progress", assessed(room_deg=14), "least", "By E alone, it could be up to 14° off."),
+            ("no-progress", assessed(room_deg=14), "no-progress", "By E alone, it could be up to 14° off."),
             ("no-progress", assessed(room_deg=14, lower_deg=3), "no-progress", ""),
             ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
             ("unobservable", assessed(told=(False, True)), "unobservable", ""),
-            ("settled", assessed((36.0, 3.0)), "unobservable", ""),
-            ("no-progress", assessed((36.0, 3.0)), "unobservable", ""),
+            ("settled", assessed((36.0, 3.0)), "settled", ""),
+            ("no-progress", assessed((36.0, 3.0)), "no-progress", ""),
             ("unobservable", assessed((36.0, 3.0), learnable=True), "unobservable", ""),
             ("settled", assessed((36.0, 3.0), lower_deg=3, learnable=True), "settled", ""),
             (
                 "no-progress",
                 assessed((36.0, 3.0), room_deg=14, learnable=True),
-                "least",
+                "no-progress",
                 "By E alone, it could be up to 14° off.",
             ),
         ],
@@ -526,20 +526,18 @@ class TestStatus:
     def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
         now = replace(session.snapshot, status=ServoStatus.UNOBSERVABLE, servo_state=None)
         one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
-        assert one.title == "Unobservable: θ₂" and one.sentence.startswith("1 px of noise would shift θ₂ by 36°. E is ")
+        assert "θ₂ by 36°" in one.sentence and "θ₄" not in one.sentence
         two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
-        assert two.title == "Unobservable: θ₄ and θ₂" and "shift θ₄ by any angle, θ₂ by 36°" in two.sentence
+        assert "θ₄ by any angle, θ₂ by 36°" in two.sentence
         level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
-        assert level.title == "Unobservable: θ₄" and level.sentence.startswith(
-            "E did not rise when the arm moved. E is "
-        )
+        assert "θ₄" in level.sentence and "θ₂" not in level.sentence
 
-    @pytest.mark.parametrize("noise_px, said", [(0.0, "An error of 0.3° would show"), (0.5, "expects to be about 0.")])
+    @pytest.mark.parametrize("noise_px, said", [(0.0, "within 0.1°"), (0.5, "within 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
         session = Session(Settings(noise_px=noise_px))
         session.run()
         claim = status.describe(session.snapshot, assessment=assess(session), joints=(2, 4))
-        assert claim.state == "arrived" and said in claim.sentence
+        assert claim.state == "converged" and said in claim.sentence
 
     def test_the_trend_is_the_geometric_mean(self, session):
         E = (100.0, 50.0, 25.0)
@@ -586,7 +584,7 @@ def drawings(session, silhouettes, picture):
         curves.draw_curves(few.history, 0, None, (2, 4)),
         equations.draw_equations(session.snapshot),
         equations.draw_equations(few.snapshot),
-        *(status.draw_status(status.StatusMessage(state, "x", "y", "z"), "w") for state in status.TITLES),
+        *(status.draw_status(status.StatusMessage(state, "x", "y"), "w") for state in (*status.TITLES, *ServoStatus)),
     ]
 
 
@@ -616,7 +614,7 @@ class TestEverything:
 
     def test_escapes_what_people_write(self):
         hostile = '<img src=x onerror="1">&'
-        strip = status.draw_status(status.StatusMessage("message", hostile, hostile, hostile), hostile)
+        strip = status.draw_status(status.StatusMessage("message", hostile, hostile), hostile)
         assert "<img" not in strip and "<img" not in svg.text(0, 0, hostile)
         assert parsed(strip)
 
@@ -651,4 +649,4 @@ def test_equations_and_status_survive_the_loss_of_points(seed):
         session.step()
         ElementTree.fromstring(equations.draw_equations(session.snapshot).replace("&nbsp;", " "))
         said = status.describe(session.snapshot)
-        assert (said.state == "lost") == (session.snapshot.transfer is None)
+        assert (said.state == "too-few-points") == (session.snapshot.transfer is None)

@@ -102,20 +102,20 @@ class TestDuel:
     @pytest.mark.parametrize(
         "own, other, states, first, second",
         [
-            (None, None, "moving moving", "Neither is within 1°", "The learner is still moving, 3.00° off. The opp"),
+            (None, None, "moving moving", "Neither is within 1°", "3.00° off. Opponent: "),
             (
                 None,
                 None,
                 "stalled converged",
                 "Neither came within 1°",
-                "no progress, 3.00° off. The opponent converged",
+                "Stuck, 3.00° off. Opponent: Arrived",
             ),
-            (6, None, "converged moving", "The learner was first within 1°", "The opponent is still moving, 4.00°"),
+            (6, None, "converged moving", "The learner was first within 1°", "Opponent: Moving, 4.00°"),
             (6, 9, "converged converged", "The learner was first within 1°", "The opponent followed after 9 steps."),
             (9, 6, "converged converged", "The opponent was first within 1°", "The learner followed after 9 steps."),
-            (None, 1, "ready converged", "within 1°, after 1 step.", "The learner is at the start, 3.00° off."),
+            (None, 1, "ready converged", "within 1°, after 1 step.", "Learner: Ready, 3.00° off."),
             (7, 7, "converged moving", "A tie: both were within 1° of the demonstrator after 7 steps.", ""),
-            (0, None, "ready moving", "The learner was first within 1°, after 0 steps.", "opp"),
+            (0, None, "ready moving", "The learner was first within 1°, after 0 steps.", "Opp"),
         ],
     )
     def test_the_verdict_names_who_arrived_first(self, race, own, other, states, first, second):

@@ -14,7 +14,7 @@ from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS
+from ..servo import SERVOS, verdict
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
         _report(result)
     if result["converged"]:
         return DONE
-    print(f"viewimit imitate: not converged after {result['motions']} motions. {ended.message}", file=sys.stderr)
+    tell(ended)
     return MISSED
 
 
@@ -111,6 +111,11 @@ def _played(args: argparse.Namespace) -> tuple[Session, RunResult]:
         return session, session.run(args.max_motions)
     moved = np.abs([past.moved for past in session.history[1:]])
     return session, RunResult(len(moved), float(moved.max(-1).sum()), moved.sum(0), session.snapshot)
+
+
+def tell(ended: RunResult) -> None:
+    """Say how a run ended, as every front end does."""
+    print(f"viewimit imitate: {verdict(ended.status).label}. {ended.message}", file=sys.stderr)
 
 
 def _report(result: dict) -> None:

@@ -5,14 +5,16 @@ import sys
 from pathlib import Path
 
 from . import BadInput
-from .options import DONE, add_chain_options, naming, robot_reference
+from .options import DONE, add_chain_options, choose_bodies, naming
 
 MB = 1_000_000
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="a name, or the path of a .toml or .urdf file (panda)")
-    parser.add_argument("--robot", metavar="NAME", help="replaces the scene's: a name, or the path of a .urdf file")
+    parser.add_argument(
+        "--robot", metavar="NAME", help="a name, a .urdf or a .toml file; replaces the robot of --scene"
+    )
     add_chain_options(parser)
     parser.add_argument(
         "--lesson",
@@ -52,9 +54,7 @@ def _lab(args: argparse.Namespace) -> str:
     from ..app.lab.page import SHIPPED, lab_page
     from ..simulation.scene import load_scene
 
-    with naming("--robot"):
-        args.robot = robot_reference(args)
-    with naming("--scene"):
+    with naming(choose_bodies(args)):
         own = args.scene is not None or args.robot is not None
         scene = load_scene(args.scene or SHIPPED, args.robot) if own else None
         return lab_page(scene, args.scene or SHIPPED)

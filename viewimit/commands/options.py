@@ -198,12 +198,7 @@ def naming_words(naming: dict) -> str:
 
 def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Settings:
     """Settings from the options that were given, and defaults for the rest. Raises BadInput that names the option."""
-    with naming("--robot"):
-        args.robot = robot_reference(args)
-    asked = "--scene"
-    if args.scene is None and (args.robot in scene_names() or is_reference(args.robot)):
-        args.scene, args.robot = args.robot, None  # every robot has a scene of its own
-        asked = "--robot"
+    asked = choose_bodies(args)
     del args.base, args.tip, args.meshes  # the robot's name says them now
     settings = defaults
     later = (
@@ -259,6 +254,21 @@ def settings_from(args: argparse.Namespace, defaults: Settings = PAPER) -> Setti
         points=points,
         **postures,
     )
+
+
+def choose_bodies(args: argparse.Namespace) -> str:
+    """Take --robot for the scene where it has one of its own: a URDF, a shipped name, or a scene file.
+
+    Returns the option that named the scene.
+    """
+    with naming("--robot"):
+        is_file = args.scene is None and str(args.robot).lower().endswith(".toml")
+        if not is_file:
+            args.robot = robot_reference(args)
+    if args.scene is None and (is_file or args.robot in scene_names() or is_reference(args.robot)):
+        args.scene, args.robot = args.robot, None
+        return "--robot"
+    return "--scene"
 
 
 def robot_reference(args: argparse.Namespace) -> str | None:

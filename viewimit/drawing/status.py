@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
 from ..estimation.transfers.registry import FLAT, FLATNESS
-from ..geometry.affine import MIN_POINTS
-from ..loop.history import MAX_HISTORY
 from ..loop.snapshot import Snapshot
-from ..servo import Certificate, ServoStatus
+from ..servo import Certificate, ServoStatus, verdict, verdicts
 from ..servo.trust_region.options import MAX_STD_PER_PX
+from ..servo.verdict import ANY_JOINT
 from ..wording import listed, plural, sentences
 from . import svg
 from .glossary import ask, glossary
@@ -24,17 +23,8 @@ EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
 WHOLE = np.radians(1.0)  # larger angles are written in whole degrees
 COPIED, NEARLY = np.radians(1.0), np.radians(5.0)  # the demonstrator's posture is called copied, or nearly so
 ANY = np.radians(90.0)  # larger angles allow any posture
-TITLES = {
-    ServoStatus.READY: "Ready",
+TITLES = {  # of states that only the page has; those of a learner are in assets/verdicts.json
     "paused": "Paused",
-    ServoStatus.MOVING: "Moving",
-    "arrived": "Converged",
-    "least": "At a local minimum",
-    ServoStatus.SETTLED: "Settled",
-    ServoStatus.UNOBSERVABLE: "Unobservable:",
-    ServoStatus.NO_PROGRESS: "No progress",
-    "lost": "Too few points",
-    ServoStatus.MAX_MOTIONS: "Step limit",
     "message": "Note",
     "recording": "Recording",
     "replaying": "Moving the demonstrator",
@@ -64,19 +54,14 @@ AIM = (
     '<path d="M0 11h8m6 0h8M11 0v8m0 6v8" fill="none" stroke="var(--ink)" stroke-width="2"/>'
 )
 IDLE = RING.format("secondary")
+DOTS = {"blue": DOT.format("learner"), "green": DOT.format("recovered"), "amber": DIAMOND, "red": SQUARE}
+DOTS |= {"grey": DOT.format("secondary"), "none": IDLE}
 SHAPES = {
-    ServoStatus.MOVING: DOT.format("learner"),
-    "arrived": DOT.format("recovered"),
-    "least": RING.format("recovered"),
-    ServoStatus.SETTLED: RING.format("recovered"),
-    ServoStatus.UNOBSERVABLE: DIAMOND,
-    ServoStatus.NO_PROGRESS: DIAMOND,
-    "lost": SQUARE,
-    ServoStatus.MAX_MOTIONS: SQUARE,
     "recording": DOT.format("stopped"),
     "replaying": PLAY,
     "see-through": AIM,
     "editing": RING.format("chosen"),
+    **{status: DOTS[told.dot] for status, told in verdicts().items()},
 }
 BETWEEN = (
     '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'
@@ -88,9 +73,8 @@ BETWEEN = (
 class StatusMessage:
     """What the learner says of itself."""
 
-    state: str  # of TITLES
+    state: str  # of TITLES, or a status
     sentence: str
-    subject: str = ""  # of the title, such as names of joints
     doubt: str = ""  # what makes the learner unsure
     probe: bool = False  # whether it moves to learn how its images change
 
@@ -101,8 +85,8 @@ class StatusMessage:
 
     @property
     def title(self) -> str:
-        """State and subject."""
-        return f"{TITLES[self.state]} {self.subject}".strip()
+        """State, in a few words."""
+        return TITLES[self.state] if self.state in TITLES else verdict(ServoStatus(self.state)).label
 
 
 def describe(
@@ -141,14 +125,14 @@ def describe(
     if snapshot.awaits_names:
         return _without_names(snapshot, playing)
     if snapshot.transfer is None:
-        return StatusMessage("lost", _too_few(int(snapshot.usable.sum())))
+        return StatusMessage(ServoStatus.TOO_FEW_POINTS, _too_few(snapshot))
     E, doubt = svg.short_E(snapshot.E), _swapped(snapshot) or _named(snapshot) or _ill_conditioned(snapshot)
     if snapshot.status == ServoStatus.MAX_MOTIONS:
-        sentence = f"E is {E} px² after {MAX_HISTORY} steps, the most that are made."
+        sentence = verdict(snapshot.status).sentence(snapshot.motion, snapshot.E)
         advice = "Reset to go on." if advises else ""
         return StatusMessage(ServoStatus.MAX_MOTIONS, sentences(sentence, advice), doubt=doubt)
     if snapshot.status.is_at_rest:
-        said = _resting(snapshot, E, assessment, joints, advises)
+        said = _resting(snapshot, assessment, joints, advises)
         return replace(said, doubt=doubt or said.doubt)
     if snapshot.motion == 0:
         advice = "Press Play, or drag the demonstrator." if advises else ""
@@ -165,30 +149,21 @@ def describe(
     return StatusMessage(state, sentences(sentence, doing if playing else ""), doubt=doubt, probe=snapshot.probe)
 
 
-def _resting(
-    snapshot: Snapshot, E: str, assessment: Assessment | None, joints: Sequence[int], advises: bool
-) -> StatusMessage:
-    n, why = snapshot.motion, _says(snapshot, joints)
-    after = plural("E is {E} px² after {n} step.", "E is {E} px² after {n} steps.", n).format(E=E, n=n)
+def _resting(snapshot: Snapshot, assessment: Assessment | None, joints: Sequence[int], advises: bool) -> StatusMessage:
+    """Say how a servo rests: the verdict of its status, then its own reason or what E alone tells."""
+    status, why = snapshot.status, _says(snapshot, joints)
     known = snapshot.certificate if assessment is None else assessment.certificate
-    if snapshot.status.is_claim:
-        if known is not None and known.simultaneous_std_error > EXACT:
-            angle = f"{svg.short(float(np.degrees(known.simultaneous_std_error)))}°"
-            expects = f"It expects to be about {angle} off."
-            why = sentences(expects, why if snapshot.misfit is not None else "")
-        return StatusMessage("arrived", sentences(after, why))
-    unobservable = [] if known is None else known.reportable_joints(snapshot.status)
-    if known is not None and unobservable:
-        names = listed([svg.joint_symbol(joints[k]) for k in unobservable])
-        return StatusMessage(ServoStatus.UNOBSERVABLE, sentences(_costs(known, joints), after, why), names)
-    if assessment is not None and assessment.at_local_minimum:
-        text = plural("E is {E} px², not 0, after {n} step.", "E is {E} px², not 0, after {n} steps.", n)
-        doubt = _could_be_off(assessment.max_displacement)
-        return StatusMessage("least", sentences(text.format(E=E, n=n), why), doubt=doubt)
-    if snapshot.status == ServoStatus.SETTLED:
-        return StatusMessage(ServoStatus.SETTLED, sentences(after, why))
-    advice = "It no longer falls." + (" Move an arm, or reset." if advises else "")
-    return StatusMessage(ServoStatus.NO_PROGRESS, sentences(after, why or advice))
+    unobservable = [] if known is None else known.reportable_joints(status)
+    names = listed([svg.joint_symbol(joints[k]) for k in unobservable]) if unobservable else ANY_JOINT
+    off = None if known is None else float(np.degrees(known.simultaneous_std_error))
+    said = verdict(status).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()), names, off)
+    if status.is_claim:
+        return StatusMessage(status, sentences(said, why if snapshot.misfit is not None else ""))
+    costs = _costs(known, joints) if known is not None and unobservable else ""
+    if assessment is not None and assessment.at_local_minimum and not unobservable:
+        return StatusMessage(status, sentences(said, why), doubt=_could_be_off(assessment.max_displacement))
+    advice = "Move an arm, or reset." if advises and status == ServoStatus.NO_PROGRESS else ""
+    return StatusMessage(status, sentences(said, costs, why or advice))
 
 
 def _costs(known: Certificate, joints: Sequence[int]) -> str:
@@ -215,13 +190,9 @@ def _could_be_off(rad: float) -> str:
     return f"By E alone, it could be up to {angle} off."
 
 
-def _too_few(used: int) -> str:
-    if used == 0:
-        seen = "All four images show no point in common."
-    else:
-        seen = plural("All four images show only {n} point.", "All four images show only {n} points.", used)
-    needed = "The method needs at least {n} points that do not lie in a plane."
-    return sentences(seen.format(n=used), needed.format(n=MIN_POINTS))
+def _too_few(snapshot: Snapshot) -> str:
+    said = verdict(ServoStatus.TOO_FEW_POINTS).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()))
+    return sentences(said, "They must not lie in a plane.")
 
 
 def _swapped(snapshot: Snapshot) -> str:

@@ -14,7 +14,7 @@ from ..estimation.transfers import TRANSFERS, FittedTransfer, TransferMethod
 from ..estimation.views import FourViews, Pairs
 from ..geometry.affine import MIN_POINTS, PairGeometry
 from ..geometry.rectification import Rectification
-from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus
+from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus, verdict
 from ..servo.observation import repeat_xy
 from ..wording import sentences
 from .evaluation import Evaluation
@@ -442,16 +442,6 @@ def _equal(one: NDArray, other: NDArray) -> bool:
     return one is other or np.array_equal(one, other)
 
 
-WHY = {
-    ServoStatus.CONVERGED: "The learner claims to have arrived.",
-    ServoStatus.SETTLED: "It rests, without evidence of having arrived.",
-    ServoStatus.UNOBSERVABLE: "The points do not determine every joint.",
-    ServoStatus.NO_PROGRESS: "It found no way to a smaller E.",
-    ServoStatus.TOO_FEW_POINTS: "Too few points are seen in all four images.",
-    ServoStatus.MAX_MOTIONS: "It made as many motions as it was allowed.",
-}
-
-
 @dataclass(frozen=True, repr=False)
 class RunResult:
     """Why `Session.run` ended, and how far the arm went."""
@@ -478,20 +468,15 @@ class RunResult:
 
     @property
     def message(self) -> str:
-        """Why the run ended, in sentences: those of the servo where it made no progress, if it has any."""
-        status, last, why = self.status, self.last, ""
+        """What is told of the run in every front end, and why it ended, in sentences."""
+        status, last, known = self.status, self.last, self.last.certificate
+        off = None if known is None else float(np.degrees(known.simultaneous_std_error))
+        reasons = [verdict(status).sentence(last.motion, last.E, int(last.usable.sum()), std_error_deg=off)]
         if status == ServoStatus.NO_PROGRESS:
-            why = last.servo.describe_status(last.servo_state, status)
-        elif status == ServoStatus.MAX_MOTIONS and last.motion == 0:
-            why = "No motion was made."
-        reasons = [why or WHY[status]]
-        if last.transfer is None and not last.awaits_names:
-            if status != ServoStatus.TOO_FEW_POINTS:
-                reasons.append(WHY[ServoStatus.TOO_FEW_POINTS])
-            if last.n_rejected:
-                reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head.")
-        text = sentences(*reasons)
-        return text[0].upper() + text[1:]
+            reasons.append(last.servo.describe_status(last.servo_state, status))
+        if last.transfer is None and not last.awaits_names and last.n_rejected:
+            reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head.")
+        return sentences(*reasons)
 
     @property
     def travel_deg(self) -> float:

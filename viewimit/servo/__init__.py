@@ -22,9 +22,13 @@ from .trust_region.convergence import Certificate
 from .trust_region.misfit import Misfit, MisfitKind
 from .trust_region.naming import Naming
 from .trust_region.options import TrustRegionOptions
+from .verdict import Verdict, verdict, verdicts
 
 __all__ = [
     "SERVOS",
+    "Verdict",
+    "verdict",
+    "verdicts",
     "Broyden",
     "Certificate",
     "GaussNewton",

@@ -32,6 +32,7 @@ export class Form {
     check("servo", servo, SERVO_WORDS);
     check("transfer", transfer, TRANSFER_WORDS);
     const wrong = misread.length ? `This link asks for what the lab does not have: ${misread.join(", ")}.` : "";
+    $("says").classList.toggle("misread", Boolean(wrong));
     say($("says"), wrong || this.#changed() || preset.says);
     $("noise").value = noisePx;
     $("lost").value = 100 * missing;

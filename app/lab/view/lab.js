@@ -60,9 +60,12 @@ export class Lab {
 
   /** @param {State} state */
   enter(state) {
+    const isOther = state.preset !== this.experiment.state.preset;
+    if (isOther) this.#write("replaceState");
     this.player.play(false);
     this.experiment.misread = [];
     this.#entered(() => this.experiment.enter(state), true);
+    if (isOther) this.#write("pushState"); // the browser's Back leads to the preset before
   }
 
   /** Be on display again. */
@@ -194,23 +197,23 @@ export class Lab {
     $("draw-of-noise").hidden = !state.noisePx;
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
-    const said = outcome(now, player.isPlaying, world.body.length, state.noisePx, posedAt);
-    $("state").className = `state ${said.state}`;
-    say($("outcome"), said.text);
-    if (said.text !== this.announced) this.#announce(said.text);
+    const said = outcome(now, player.isPlaying, world.body.length, posedAt), words = `${said.label}. ${said.text}`;
+    $("state").className = `state ${said.dot}`;
+    say($("outcome"), `${said.label}.`);
+    say($("sentence"), ` ${said.text}`);
+    if (words !== this.announced) this.#announce(words);
     const hidden = "The goal is hidden, from you as from the learner.";
     say($("truth"), goal ? truth(theta, thetaDemo, scene.names, moment.E) : hidden);
-    this.#count(now, said.state);
+    this.#count(now);
     if (moves && !player.isTicking) this.redraw();
   }
 
-  /** How many steps and points there are, and what can be done next. @param {Moment} now @param {string} state */
-  #count(now, state) {
+  /** How many steps and points there are, and what can be done next. @param {Moment} now */
+  #count(now) {
     const {player, experiment: {world}} = this, used = now.usable.length, all = world.body.length;
     say($("count"), stepsText(now.motion));
     say($("used"), used < all ? `${used} of ${all} points seen in all four` : "");
-    const rests = state === "settled" ? "Following" : "Waiting";
-    say($("play").querySelector("b"), player.isFollowing ? rests : player.isPlaying ? "Pause" : "Play");
+    say($("play").querySelector("b"), player.isFollowing ? "Following" : player.isPlaying ? "Pause" : "Play");
     $("play").disabled = all < MIN_POINTS;
     $("step").disabled = all < MIN_POINTS || player.isAtRest;
     $("undo").disabled = !now.motion;
@@ -229,11 +232,23 @@ export class Lab {
   /** Write the state into the address. */
   #remember() {
     clearTimeout(this.remembering);
-    this.remembering = setTimeout(() => {
-      if (!this.isOpen) return;
-      if (this.isServed) $("open").href = `./?${this.experiment.pageLink()}`;
-      try { history.replaceState(null, "", this.experiment.address()); } catch { /* a frame without an address */ }
-    }, REMEMBER_MS);
+    this.remembering = setTimeout(() => this.#write("replaceState"), REMEMBER_MS);
+  }
+
+  /** @param {"replaceState" | "pushState"} how */
+  #write(how) {
+    clearTimeout(this.remembering);
+    if (!this.isOpen) return;
+    if (this.isServed) $("open").href = `./?${this.experiment.pageLink()}`;
+    try { history[how](null, "", this.experiment.address()); } catch { /* a frame without an address */ }
+  }
+
+  /** Copy what opens elsewhere: of a page that is a file, what stands behind the file's address. */
+  #copyLink() {
+    const state = this.experiment.address(), hasAddress = location.protocol.startsWith("http");
+    if (!hasAddress) say($("says"),
+      "This page is a file, so no link opens it elsewhere. Send the file, and add what was copied to its address.");
+    void copy($("link"), hasAddress ? location.href.split("#")[0] + state : state, "The link to this:");
   }
 
   #recolour() {
@@ -247,7 +262,7 @@ export class Lab {
       play: () => this.play(), step: () => this.step(),
       undo: () => this.undo(), reset: () => this.reset(),
       help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.#recolour(),
-      link: () => void copy($("link"), location.href.split("#")[0] + this.experiment.address(), "The link to this:"),
+      link: () => this.#copyLink(),
     };
     for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
   }

@@ -208,8 +208,8 @@ export class EnergyMap {
         : `<path class="vi-axis" d="M${left} ${px(b)}h-4"/><text class="vi-2nd vi-end" x="${left - 7}" y="${px(b + 4)}">${text}</text>`;
     }).join("");
     const html = `<rect class="vi-rule" x="${left}" y="${PAD.top}" width="${px(width - left - PAD.right)}" height="${px(bottom - PAD.top)}"/>${ticks(1)}${ticks(0)}
-<text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${joints[1]}</text>
-<text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${joints[0]}</text>`;
+<text class="vi-2nd vi-mid vi-halo" x="${px((left + width - PAD.right) / 2)}" y="${bottom + 29}">${escaped(joints[1])}</text>
+<text class="vi-2nd vi-mid vi-halo" transform="translate(12 ${px((PAD.top + bottom) / 2)}) rotate(-90)">${escaped(joints[0])}</text>`;
     this.#write(this.standing, html);
   }
 
@@ -286,3 +286,6 @@ function nice(low, high, most) {
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }
+
+/** A URDF names its joints as it likes. @param {string} text */
+const escaped = text => text.replace(/[&<>]/g, sign => `&#${sign.charCodeAt(0)};`);

@@ -1,8 +1,8 @@
 /** Playing: while it is on, a learner at rest wakes when the demonstrator moves. */
 import {smoothstep} from "./svg.js";
+import {SERVO_WORDS} from "./words.js";
 
-/** ms of a step, by law */
-const PERIOD_MS = {broyden: 620, gradient: 6, "gradient-retuned": 20}, PROBE_MS = 1100;
+const PROBE_MS = 1100; // of a test move
 const MAX_BEHIND_MS = 400, ADVANCE_MS = 10; // that slow drawing puts steps off for, and that steps take in a frame
 const GLIDE = 0.75, MIN_GLIDE_MS = 100; // share of a period in which the arm moves
 const HELD = .25; // share of a period while something is dragged
@@ -103,7 +103,7 @@ export class Player {
       this.restedAt = session.now;
       return false;
     }
-    const usual = session.now.probe ? PROBE_MS : PERIOD_MS[/** @type {keyof typeof PERIOD_MS} */ (state.servo)];
+    const usual = session.now.probe ? PROBE_MS : SERVO_WORDS[state.servo].periodMs;
     const period = usual * (this.isHeld ? HELD : 1), now = performance.now(), isQuick = usual < MIN_GLIDE_MS;
     this.glide = this.still.matches || period < MIN_GLIDE_MS ? null : {from, began: now, lasts: GLIDE * period};
     this.due = (isQuick ? Math.max(this.due, now - MAX_BEHIND_MS) : now) + period;

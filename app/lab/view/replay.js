@@ -8,7 +8,7 @@ import {byId as $, copy} from "./page.js";
 import {Recorded} from "./recorded.js";
 import {Sliders} from "./sliders.js";
 import {energyText, fixed, say, smoothstep} from "./svg.js";
-import {residualText, SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
+import {residualText, SERVO_WORDS, TRANSFER_WORDS, verdicts} from "./words.js";
 
 /** @typedef {import("./recorded.js").Run} Run @typedef {import("./view.js").View} View */
 
@@ -16,10 +16,6 @@ const GLIDE = 0.75; // share of a motion's time in which the arm moves
 /** Motions a second, of runs of more motions than these. */
 const SPEEDS = /** @type {const} */ ([[200, "25"], [60, "10"], [24, "4"], [-1, "2"]]);
 const LEAP = 10; // motions by Page Up and Page Down
-/** Marks of what the learner says; of others that it is stuck. @type {Record<string, string>} */
-const STATES = {
-  moving: "moving", arrived: "settled", least: "settled", settled: "settled", ready: "ready", paused: "ready",
-};
 
 export class Replay {
   /**
@@ -176,7 +172,7 @@ export class Replay {
   #say() {
     const {moment, now, chosen, recorded} = this, {run} = recorded, one = run.snapshots[now];
     const method = run.methods[one.method];
-    $("state").className = `state ${STATES[one.state] ?? "stuck"}`;
+    $("state").className = `state ${verdicts[one.state]?.dot ?? "none"}`;
     say($("outcome"), one.title);
     say($("sentence"), ` · ${one.sentence}${one.doubt ? ` ${one.doubt}` : ""}`);
     $("word").hidden = !one.word;

@@ -7,6 +7,7 @@ import {Curve} from "./curve.js";
 import {Images} from "./images.js";
 import {EnergyMap} from "./map.js";
 import {byId as $} from "./page.js";
+import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
 import {fixed, say} from "./svg.js";
 
@@ -37,6 +38,13 @@ export class View {
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
     this.space = opened(robot, meshes);
+    /** In place of the 3-D view, where there is no WebGL. */
+    this.still = this.space ? null : new Outside($("still"), hulls);
+    this.azimuth = robot.view.azimuth;
+    this.elevation = robot.view.elevation;
+    this.isSpaceDue = false;
+    /** @type {() => void} */
+    this.show = () => {};
     /** @type {Scene | null} */
     this.scene = null;
     for (const [drawing, box] of /** @type {const} */ ([[this.images, $("images")], [this.curve, $("curve")]])) {
@@ -82,7 +90,8 @@ export class View {
   /** @param {World} world @param {Shown} shown */
   drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
     const {space, scene} = this;
-    if (!space || !scene) return;
+    if (!scene) return;
+    if (!space) return this.#drawStill(world, theta, thetaDemo, goal);
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
     const points = {
       demonstrator: triples(demonstrator.points(thetaDemo, world.body)),
@@ -99,7 +108,7 @@ export class View {
       const who = /** @type {Who} */ (k < 2 ? "demonstrator" : "learner");
       return strip(camera.centre, points[who][chosen], who, LINES.points);
     });
-    space.show({
+    this.#later(() => space.show({
       points, plates, rays, recovered: found,
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
       ghost: goal ? learner.linkFrames(thetaDemo) : null,
@@ -107,7 +116,33 @@ export class View {
         ...chosenPoints, ...lines.length ? rayOf(scene, points.demonstrator[chosen]) : [],
         ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
       ] : [],
+    }));
+  }
+
+  /** Draw in 3-D, which may be slow, once the pictures and E are on the screen. @param {() => void} show */
+  #later(show) {
+    this.show = show;
+    if (this.isSpaceDue) return;
+    this.isSpaceDue = true;
+    setTimeout(() => {
+      this.isSpaceDue = false;
+      this.show();
     });
+  }
+
+  /** @param {World} world @param {number[]} theta @param {number[]} thetaDemo @param {boolean} goal */
+  #drawStill({arms, scene: {cameras}}, theta, thetaDemo, goal) {
+    const {still} = this, frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
+    if (!still) return;
+    still.measure();
+    const landmarks = this.scene?.stage.landmarks ?? [];
+    still.aim(this.azimuth, this.elevation, [...landmarks, ...cameras.map(({centre}) => centre)]);
+    const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
+    still.draw({
+      bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
+      eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [],
+      labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, `vi-b vi-${role}`]),
+    }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");
   }
 }
 
@@ -117,7 +152,7 @@ function opened(robot, meshes) {
   try { space = openSpace($("space"), $("labels"), robot, meshes); } catch (error) { console.warn(error); }
   if (!space) {
     document.body.classList.add("flat");
-    say($("labels"), "This browser draws no WebGL: everything but the 3-D view is here.");
+    $("still").hidden = false;
   }
   return space;
 }

@@ -1,74 +1,48 @@
 /** What the page says of a moment, in sentences. */
+import METHODS from "../../../assets/lab/methods.json" with {type: "json"};
+import VERDICTS from "../../../assets/verdicts.json" with {type: "json"};
+import {MIN_POINTS} from "../engine/engine.js";
 import {fixed} from "./svg.js";
 
 /** @typedef {import("../engine/session.js").Moment} Moment */
 
 const DEGREE = Math.PI / 180, EXACT_DEG = 0.05;
-const AGREE_PX = 3, AGREE_PER_NOISE = 2.5; // typical residuals that count as agreement, and more for each px of noise
 
+/** @type {Record<string, {title: string, says: string, periodMs: number}>} ms of a step */
+export const SERVO_WORDS = METHODS.servos;
 /** @type {Record<string, {title: string, says: string}>} */
-export const SERVO_WORDS = {
-  broyden: {
-    title: "Broyden",
-    says: "Learns how each joint moves its points, then goes where it expects the smallest E: 5 to 10 steps.",
-  },
-  "gradient-retuned": {
-    title: "Retuned",
-    says: "The paper’s law with larger steps. At first it turns too far, and E rises again: some hundred steps.",
-  },
-  gradient: {
-    title: "Paper’s",
-    says: "As printed in 2001. It may turn too far at first. Its steps shrink with E, so it crawls.",
-  },
-};
+export const TRANSFER_WORDS = METHODS.transfers;
 
-/** @type {Record<string, {title: string, says: string}>} */
-export const TRANSFER_WORDS = {
-  epipolar: {
-    title: "Epipolar",
-    says: "The paper’s: each point lies where its lines cross. It neglects that near things look bigger.",
-  },
-  linear: {
-    title: "Linear",
-    says: "Without lines: each place in L or R is a weighted sum of the places in l and r.",
-  },
-  projective: {
-    title: "Projective",
-    says: "It also knows that near things look bigger. Exact if both cameras look the same way.",
-  },
-};
+/**
+ * How a status is told, as in every front end. Colour of the mark: none, blue, green, amber, red or grey.
+ *
+ * @type {Record<string, {label: string, says: string, dot: string}>}
+ */
+export const verdicts = VERDICTS;
 
 /**
  * @param {Moment} now
  * @param {boolean} playing
  * @param {number} points of the body
- * @param {number} noisePx
  * @param {number} posedAt the motion at which the demonstrator moved last
- * @returns {{state: string, text: string}}
+ * @returns {{status: string, label: string, text: string, dot: string}}
  */
-export function outcome(now, playing, points, noisePx, posedAt) {
-  const residual = residualText(now.E), steps = stepsText(now.motion);
-  const when = posedAt ? `${stepsText(now.motion - posedAt)} after the demonstrator moved` : `after ${steps}`;
-  const said = (/** @type {string} */ state, /** @type {string} */ text) => ({state, text});
-  if (now.status === "too-few-points")
-    return said("stuck", "Too few points are visible in all four pictures: it needs five.");
-  if (points < 5) return said("stuck", "With four points, E is 0 in every pose: the pictures cannot disagree.");
-  const agrees = Math.sqrt(now.E) < AGREE_PX + AGREE_PER_NOISE * noisePx;
-  if (now.status === "settled" || now.status === "no-progress") {
-    const rests = now.status === "settled", still = `but the pictures still disagree by ${residual}`;
-    const next = playing ? " Move the demonstrator, and it follows." : "";
-    if (agrees) return said("settled",
-      `${rests ? "Converged" : "E no longer falls"} ${when}: the pictures agree to ${residual}.${next}`);
-    return said("stuck", rests
-      ? `Stopped ${when} without success. By what it has learned, no small turn would lower E, ${still}.`
-      : `E no longer falls ${when}, ${still}.`);
-  }
-  if (playing && now.probe) return said("moving", "A test move: it turns one joint to see how its pictures change.");
-  if (playing) return said("moving", "Copying: it goes where it expects a smaller E.");
-  if (now.motion) return said("moving", `After ${steps}, the pictures disagree by ${residual}.`);
-  if (agrees) return said("ready", `Ready. The pictures already agree to ${residual}.`);
-  return said("ready", `Ready. The pictures disagree by ${residual}. Press Play, or pose the demonstrator.`);
+export function outcome(now, playing, points, posedAt) {
+  const few = points < MIN_POINTS, ended = few ? "too-few-points" : now.status;
+  const isUnderWay = ended === "moving" && (playing || now.motion > 0);
+  const status = ended in verdicts && ended !== "moving" ? ended : isUnderWay ? "moving" : "ready";
+  const {label, says, dot} = verdicts[status], seen = now.usable.length;
+  const text = fill(says, {steps: stepsText(now.motion - posedAt), differ: residualText(now.E), seen, joints: "every joint"});
+  const more = few ? "With fewer, E is 0 in every pose."
+    : posedAt && (status === "settled" || status === "no-progress") ? "Steps count from the demonstrator’s last pose."
+    : status === "ready" ? "Press Play, or pose the demonstrator."
+    : status !== "moving" || !playing ? "" : now.probe
+      ? "A test move: it turns one joint to see how its pictures change." : "It goes where it expects a smaller E.";
+  return {status, label, text: [text, more].filter(Boolean).join(" "), dot};
 }
+
+/** @param {string} text with {places} @param {Record<string, string | number>} parts */
+const fill = (text, parts) => text.replace(/\{(\w+)\}/g, (_, name) => String(parts[name] ?? ""));
 
 /**
  * The truth, which the learner does not know.

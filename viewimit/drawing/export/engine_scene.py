@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...simulation.appearance import extreme_vertices
 from ...simulation.camera import Camera
 from ...simulation.robot import BodyPoints, link_meshes, robot_names
-from ...simulation.scene import Scene
+from ...simulation.scene import Scene, load_robot
 from ...simulation.world import World
 from ..svg import joint_symbol
 
@@ -106,9 +106,10 @@ def describe_hulls(robot: str) -> dict[str, Sequence]:
 
 
 def joint_name(scene: Scene, joint: int) -> str:
-    """What a joint is called, with its symbol: the shipped robots' are those of a human arm."""
-    named = JOINT_NAMES if scene.robot in robot_names() else {}
-    return named.get(joint, "Joint {symbol}").format(symbol=joint_symbol(joint))
+    """What a joint is called, with its symbol: the shipped robots' are those of a human arm, others have their own."""
+    if scene.robot in robot_names():
+        return JOINT_NAMES.get(joint, "Joint {symbol}").format(symbol=joint_symbol(joint))
+    return f"{load_robot(scene.robot).joints[joint - 1].name} {joint_symbol(joint)}"
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

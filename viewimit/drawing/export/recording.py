@@ -15,13 +15,14 @@ from ...analysis.landscape import Landscape, conflict_at
 from ...analysis.observability import joint_uncertainty
 from ...analysis.self_assessment import assess
 from ...loop.session import Session
-from ...loop.settings import DISTURBANCES, Settings
+from ...loop.settings import DISTURBANCES
 from ...loop.snapshot import Snapshot
 from ...simulation.appearance import Silhouettes
 from .. import svg
 from ..images.panel import gauge
 from ..landscape import HEIGHT, WIDTH, draw_observability
 from ..status import describe, describe_truth
+from .lab_methods import lab_methods
 from .panels import TOO_FEW, compute_landscape, landscape_key
 
 MAX_SNAPSHOTS = 150  # of a longer run, evenly spread
@@ -32,8 +33,6 @@ MAP_DEG = 2.0  # step of a map's grid
 FOLLOWS = "The map of E follows the demonstrator."
 PX, RAD, SHARE = 100, 1e6, 1000  # units of what is recorded in a px, a rad, and the logarithm of E
 MAX_WHOLE = 1e8  # hundredths of a px: nothing so far off is drawn
-LAB_TRANSFERS = "epipolar", "linear", "projective"  # that the lab has, the first one in place of others
-LAB_SERVOS = "broyden", "gradient", "gradient-retuned"
 LAB_DISTURBANCES = "noise_px", "missing"
 
 
@@ -85,8 +84,9 @@ def record(session: Session, motions: Sequence[int], chosen: int | None) -> dict
 def describe_method(moment: Snapshot) -> dict[str, Any]:
     """Say how the learner learns at a moment, and with which of the lab's methods the run can go on there."""
     settings = moment.settings
-    transfer = settings.transfer if settings.transfer in LAB_TRANSFERS else LAB_TRANSFERS[0]
-    servo = settings.servo if settings.servo in LAB_SERVOS else LAB_SERVOS[0]
+    offered = lab_methods()
+    transfer = settings.transfer if settings.transfer in offered.transfers else next(iter(offered.transfers))
+    servo = settings.servo if settings.servo in offered.servos else next(iter(offered.servos))
     return {
         "transferTitle": moment.method.title,
         "servoTitle": moment.servo.title,
@@ -100,23 +100,24 @@ def describe_method(moment: Snapshot) -> dict[str, Any]:
             "seed": settings.seed,
             "points": len(moment.views.demo),
         },
-        "lacks": _lacks(moment, settings),
+        "lacks": lacks(moment),
     }
 
 
-def _lacks(moment: Snapshot, settings: Settings) -> list[str]:
+def lacks(moment: Snapshot) -> list[str]:
     """Say what of a run the lab has not, each in a few words."""
-    lacks = []
-    if settings.transfer not in LAB_TRANSFERS:
-        lacks.append(f"the transfer “{moment.method.title}”")
-    if settings.servo not in LAB_SERVOS:
-        lacks.append(f"the servo “{moment.servo.title}”")
+    settings = moment.settings
+    lacking = []
+    if settings.transfer not in lab_methods().transfers:
+        lacking.append(f"the transfer “{moment.method.title}”")
+    if settings.servo not in lab_methods().servos:
+        lacking.append(f"the servo “{moment.servo.title}”")
     if moment.rectification is not None:
-        lacks.append("rectified images")
+        lacking.append("rectified images")
     if settings.sensor != "projected":
-        lacks.append("rendered pictures")
+        lacking.append("rendered pictures")
     disturbed = (name for name in DISTURBANCES if name not in LAB_DISTURBANCES and getattr(settings, name))
-    return [*lacks, *(name.removesuffix("_deg").replace("_", " ") for name in disturbed)]
+    return [*lacking, *(name.removesuffix("_deg").replace("_", " ") for name in disturbed)]
 
 
 def _said(session: Session, moment: Snapshot) -> dict[str, Any]:

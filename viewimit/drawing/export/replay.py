@@ -35,6 +35,7 @@ from .space import Shapes, describe_robot, describe_stage
 SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
+JSON = re.compile(r'^import (\w+) from "([^"]+\.json)" with \{type: "json"\};\n', re.M)
 REEXPORT = re.compile(r'^export (\{[^}]*\}) from "(\./|\.\./)([^"]+)";\n', re.M)
 SCRIPT = re.compile(r"<script>(.*?)</script>", re.S)
 EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re.M)
@@ -51,7 +52,7 @@ def bundle(entry: str) -> str:
     Notes
     -----
     Modules import by name, from relative paths, at the top: `import {a, b as c} from "./x.js";`. They export
-    declarations, one name each, or names of other modules. No module imports in a circle.
+    declarations, one name each, or names of other modules; JSON files come by one name. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
     at = lambda path: f"MODULES[{path.relative_to(SCRIPTS).as_posix()!r}]"
@@ -60,6 +61,7 @@ def bundle(entry: str) -> str:
         if path not in parts:
             text = COMMENT.sub("", path.read_text("utf-8"))
             names = EXPORT.findall(text)
+            text = JSON.sub(lambda match: f"const {match[1]} = {_json(path.parent / match[2])};\n", text)
             imported = lambda match: add(Path(os.path.normpath(path.parent / match[2] / match[3])))
             text = IMPORT.sub(lambda match: f"const {match[1].replace(' as ', ': ')} = {imported(match)};\n", text)
             for match in REEXPORT.finditer(text):
@@ -93,6 +95,12 @@ def with_policy(page: str, *inserted: str) -> str:
     digests = (hashlib.sha256(script.encode()).digest() for script in (*SCRIPT.findall(page), *inserted))
     names = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     return page.replace("script-src 'own'", f"script-src {names}", 1)
+
+
+def _json(path: Path) -> str:
+    """Return a JSON file of assets/ without spaces. It lies beside app/, in a clone and where it is installed."""
+    name = path.as_posix().rpartition("/assets/")[2]
+    return msgspec.json.encode(msgspec.json.decode(ROOT.joinpath(name).read_bytes())).decode()
 
 
 def packed(data: bytes) -> str:

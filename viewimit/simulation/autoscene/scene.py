@@ -205,7 +205,9 @@ def _fields(
     placing: Placing,
 ) -> dict[str, Any]:
     start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
-    posture = np.degrees(rest).round(2)
+    shown = rest.copy()
+    shown[np.array(moving) - 1] = np.radians([low + (high - low) / 3 for low, high in ranges])  # no stretched pole
+    posture = np.degrees(robot.with_mimics(shown)).round(2)
     yaw = float(np.degrees(placing.yaw).round(2))
     return {
         "title": f"{tree.path.stem}, parallel cameras",

@@ -61,8 +61,8 @@ SHAPES = {
     "replaying": PLAY,
     "see-through": AIM,
     "editing": RING.format("chosen"),
-    **{status: DOTS[told.dot] for status, told in verdicts().items()},
 }
+SHAPES |= {str(status): DOTS[told.dot] for status, told in verdicts().items()}
 BETWEEN = (
     '<path d="M6 11h10" stroke="var(--residual)" stroke-width="2.4"/>'
     '<circle cx="5" cy="11" r="4" fill="var(--learner)"/><path d="M17 6l5 5-5 5-5-5z" class="vi-amber"/>'

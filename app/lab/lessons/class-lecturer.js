@@ -141,7 +141,7 @@ export class Lecturer {
 
   #isAtQuestion() {
     const {asked} = this.room.orders, here = this.here();
-    return asked && here?.lesson === asked.lesson && here.step === asked.step;
+    return asked !== null && here?.lesson === asked.lesson && here?.step === asked.step;
   }
 
   #goToQuestion() {

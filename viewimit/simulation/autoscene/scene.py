@@ -207,7 +207,7 @@ def _fields(
     start = [round(low + share * (high - low), 2) for (low, high), share in zip(ranges, START)]
     shown = rest.copy()
     shown[np.array(moving) - 1] = np.radians([low + (high - low) / 3 for low, high in ranges])  # no stretched pole
-    posture = np.degrees(robot.with_mimics(shown)).round(2)
+    posture = np.degrees(np.asarray(robot.with_mimics(shown))).round(2)
     yaw = float(np.degrees(placing.yaw).round(2))
     return {
         "title": f"{tree.path.stem}, parallel cameras",

@@ -48,6 +48,8 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     search, naming = state.search, state.naming
     if state.explanation is not None and status.is_at_rest:
         return state.explanation.misfit.describe()
+    if state.refusal is not None and status.is_at_rest:
+        return state.refusal.describe()
     if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
         return "No naming of the demonstrator's points explains its images."
     if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:

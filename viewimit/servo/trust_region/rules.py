@@ -126,7 +126,7 @@ def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState
     """Evaluate E at all visits, update the radius, and solve the subproblem."""
     options, transfer = context.options, current_transfer(state, context)
     visited = evaluate_visits(context.images, context.residuals, transfer, state.search.min_points, options)
-    state = replace(state, region=updated_region(state, visited.E, options))
+    state = replace(state, region=updated_region(state, visited.E, options), refusal=None)
     context.plan = solve_subproblem(
         context.images, visited, state.effective_radius, context.observation, context.residuals, transfer, options
     )

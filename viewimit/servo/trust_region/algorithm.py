@@ -155,7 +155,8 @@ class TrustRegion:
         self, state: TrustRegionState, observation: Observation, residuals: ResidualFunction
     ) -> tuple[TrustRegionState, Displacement]:
         """Return the next state and the displacement to make, (m,) rad; 0 to rest."""
-        tracking, options = state.is_tracking, self.options  # read before `record_visit` shifts `target_moved`
+        options = replace(self.options, seed=observation.seed)
+        tracking = state.is_tracking  # read before `record_visit` shifts `target_moved`
         observation = in_units(replace(observation, calibration=()), state.unit_px)
         state, observation = record_visit(state, observation, options)
         residuals = ScaledResiduals(residuals, state.unit_px)

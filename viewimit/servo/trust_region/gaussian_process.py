@@ -144,7 +144,9 @@ def cross_validated_noise(visits: Sequence[Visit], noise_px: float, slack: float
     displacement, own = np.array([visit.displacement for visit in visits]), np.array([visit.own for visit in visits])
     seen, noise = np.all([visit.seen for visit in visits], -1), noise_px
     patterns, index = np.unique(seen, axis=1, return_inverse=True)
-    groups = [(at, own[at][:, index.ravel() == k]) for k, at in enumerate(patterns.T) if at.sum() > len(displacement[0]) + 1]
+    groups = [
+        (at, own[at][:, index.ravel() == k]) for k, at in enumerate(patterns.T) if at.sum() > len(displacement[0]) + 1
+    ]
     while groups and noise < MAX_NOISE_PX and _squared_errors(displacement, groups, noise) > slack**2:
         noise *= NOISE_STEP
     return noise

@@ -92,9 +92,9 @@ class Misfit:
     kind: MisfitKind
     points: tuple[int, ...] = ()  # indices of the points concerned
     links: tuple[LinkChange, ...] = ()  # of another body
-    limits: tuple[BeyondLimit, ...] = ()  # that exclude the posture
     amount: float | None = None  # of a lens: px by which it moves an image coordinate at most; of an arm: the share of
     # each motion by which it stops short, negative if it goes too far; None if unknown
+    limits: tuple[BeyondLimit, ...] = ()  # that exclude the posture
 
     def per_pixel(self, unit_px: float) -> "Misfit":
         """Convert images from image units of unit_px pixels to px."""
@@ -270,7 +270,7 @@ class _Reasons:
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
         problem, kinematics, options = self.adjustment.problem, self.adjustment.kinematics, self.options
-        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid)
+        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid, options.seed)
         visible, frame = problem.visible_in_both[0], kinematics.frame
         own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
         H = fit_homography(own, np.broadcast_to(demo, own.shape))

@@ -18,6 +18,8 @@ def _deg(angle: float) -> float:
 class TrustRegionOptions:
     """Tuning of `TrustRegion`, its subproblem, its local model and its convergence test."""
 
+    seed: int = 0  # of random searches; `TrustRegion` sets that of the session
+
     # Region and steps
     first_radius: float = _deg(25.0)  # rad: a probe of 15° predicts images about this far
     max_radius: float = _deg(45.0)  # rad

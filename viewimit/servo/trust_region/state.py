@@ -92,6 +92,7 @@ class TrustRegionState:
     naming: Naming | None = None  # of a demonstrator's points that came without names; of the last search
     unnamed: NDArray[np.float64] | None = None  # (N, 4), the points it names, as they came; None once they have moved
     n_naming_motions: int = 0  # made because no naming explained the images
+    naming_grid: int = 0  # postures of the grid that names were last searched at
     n_renamings: int = 0  # corrections of the names
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere

@@ -101,7 +101,7 @@ def _block_diagonal(blocks: Sequence[NDArray], rows: int) -> NDArray:
 def _demo_images(world: World, theta: NDArray, one_head: bool, another_body: bool) -> tuple[NDArray, NDArray]:
     """Derivatives of the demonstrator's images by the joints, (4 N, m) px/rad, and by H, frame and body, (4 N, 32 + P).
 
-    The frame moves none of them. With one head H is a similarity, 7 instead of 16 unknowns, and the frame is that of the
+    The frame moves none of them. With one head H is a similarity, 7 instead of 16 unknowns, and the frame is of the
     head, so it moves both bodies' images. In another body each joint is shifted, too: 3 m more.
     """
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))

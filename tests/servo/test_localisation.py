@@ -95,7 +95,7 @@ def run(k, **disturbed):
     "disturbed", [{"encoder_step_deg": 0.5}, {"encoder_step_deg": 1.0}, {"encoder_step_deg": 1.0, "noise_px": 0.2}]
 )
 def test_an_arm_that_moves_in_steps_comes_as_near_as_they_allow_and_knows_its_error(disturbed):
-    """Noise adds to how far off it ends, and often leaves it without evidence: its images are less exact than the noise at rest."""
+    """Noise leaves it without evidence: where the arm is was learned less exactly than by noise at rest."""
     ends, noisy = [run(k, **disturbed) for k in range(8)], "noise_px" in disturbed
     claims = [end for end in ends if end.status == "converged"]
     assert len(claims) >= (4 if noisy else 8)

@@ -264,7 +264,7 @@ class _Search:
     @cached_property
     def postures(self) -> Array:
         """Postures that namings are searched at, (G, m) rad."""
-        return _grid(self.lower, self.upper, self.options)
+        return search_postures(self.lower, self.upper, self.options)
 
     @cached_property
     def demo_hat(self) -> Array:
@@ -520,7 +520,7 @@ def _grid_counts(lower: Array, upper: Array, options: TrustRegionOptions) -> lis
     return [max(round(share), 1) + 1 for share in ((upper - lower) / options.naming_grid_step).tolist()]
 
 
-def _grid(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
+def search_postures(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
     """Postures to search at, (G, m) rad: a grid, or random ones."""
     counts = _grid_counts(lower, upper, options)
     if prod(counts) > options.naming_postures:

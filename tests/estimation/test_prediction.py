@@ -3,10 +3,8 @@
 import msgspec
 import numpy as np
 
-from viewimit.estimation import prediction
 from viewimit.estimation.noise import HomographyResiduals
 from viewimit.estimation.prediction import VELOCITY_LOOKS, target_velocity
-from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
@@ -97,29 +95,6 @@ def test_a_batch_equals_the_loop():
         together = ask(batch, by)
         for index in np.ndindex(2, 3):
             np.testing.assert_allclose(together[index], ask(batch[index], by), atol=1e-8)
-
-
-def test_residuals_of_past_looks_are_reused_while_nothing_else_changes(monkeypatch):
-    session = Session(Settings.paper(transfer="projective", servo="trust-region"))
-    for _ in range(3):
-        session.step()
-    now, moments = session.snapshot, list(session.history)
-    own = np.array([moment.views.own for moment in moments])
-    anew, fitted = predicted_residuals(now)(own), []
-    monkeypatch.setattr(prediction, "fit_transfer", lambda *args: fitted.append(args) or fit_transfer(*args))
-    np.testing.assert_allclose(predicted_residuals(now, past=moments)(own), anew, atol=1e-10)
-    assert not fitted
-    elsewhere = now.views.demo.copy()
-    elsewhere[:, ::2] += 3.0 * np.arange(len(elsewhere))[:, None]
-    moved = now.with_fields(views=FourViews(elsewhere, now.views.own, now.views.visible))
-    other = now.with_fields(settings=msgspec.structs.replace(now.settings, transfer="linear"))
-    for changed in (moved, other):
-        asked = predicted_residuals(changed, past=moments)(own)
-        np.testing.assert_allclose(asked, predicted_residuals(changed)(own), atol=1e-10)
-        assert not np.allclose(asked, anew, atol=0.1)
-    ahead = np.full_like(now.views.demo, 3.0) * np.arange(len(elsewhere))[:, None]
-    drifted = predicted_residuals(now, ahead, past=moments)(own)
-    np.testing.assert_allclose(drifted, predicted_residuals(now, ahead)(own), atol=1e-10)
 
 
 def test_residuals_use_the_points_of_a_moving_demonstrator_at_the_next_look():

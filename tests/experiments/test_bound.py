@@ -128,3 +128,10 @@ def test_it_goes_with_the_noise(world, visited):
     np.testing.assert_allclose(
         bound(world, THERE, 3.0, list(visited)), 3 * bound(world, THERE, 1.0, list(visited)), rtol=1e-6
     )
+
+
+def test_a_head_that_sees_both_bodies_tells_more_than_any_map_between_them(world, visited):
+    by_E, one_head = bound(world, THERE, 1.0, list(visited)), bound(world, THERE, 1.0, list(visited), one_head=True)
+    assert (one_head < by_E).all() and (one_head > 0.4 * by_E).all()
+    another = bound(world, THERE, 1.0, list(visited), another_body=True)
+    assert (one_head <= another * (1 + 1e-6)).all()  # shifted joints are unknown besides

@@ -77,7 +77,8 @@ def test_every_start_of_a_seeded_set_of_scenes_arrives_also_with_any_head_if_ima
 def test_what_the_bound_allows_is_what_normal_errors_reach():
     rng = np.random.default_rng(0)
     bounds = rng.choice([0.0, 0.2, 0.6, 1.5], 4000)
-    of = lambda b: Run(np.array([0.0, abs(rng.normal(0, b))]), np.array([0.0, b]), np.array([0.0, 2 * b]), 5, True, 1.0)
+    worst = lambda error: np.array([0.0, error])
+    of = lambda b: Run(worst(abs(rng.normal(0, b))), worst(b), worst(2 * b), worst(b), 5, True, 1.0)
     runs = [of(b) for b in bounds]
     found = outcome("row", runs)
     for near, reached in found.ended.items():

@@ -9,7 +9,7 @@ from viewimit.app.model.choices import PRESETS, presets_from
 from viewimit.app.server.limits import ServerOptions
 
 from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing.images.panel import RED
+from viewimit.estimation.transfers.registry import BADLY_CONDITIONED
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import Snapshot
@@ -45,7 +45,7 @@ ENDS: dict[str, Callable[[End], bool]] = {
     "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
     "Demonstrator faces the learner": lambda end: end.known.at_local_minimum and end.off > 10 and end.last.E > 20,
     "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
-    "Nearly coplanar points": lambda end: end.last.flatness > RED,
+    "Nearly coplanar points": lambda end: end.last.flatness > BADLY_CONDITIONED,
     "Half a pixel of noise": lambda end: end.off > 1,
     "Points get lost": lambda end: end.last.usable.sum() < len(end.last.usable),
     "Points without names": lambda end: (

@@ -190,4 +190,4 @@ def test_certify_is_called_with_the_options_of_the_servo(monkeypatch):
     monkeypatch.setattr(subproblem, "certify", recorded)
     options = replace(OPTIONS, verification_step=0.05)
     driven(TrustRegion(options), LinearWorld(2, np.random.default_rng(1), 9), 8)
-    assert seen and all(one is options for one in seen)
+    assert seen and all(one == options for one in seen)

@@ -34,7 +34,7 @@ def known_with(times_seen: int) -> tuple[EstimationData, np.ndarray]:
         return e - e.mean(-2, keepdims=True)
 
     model = GaussianProcessImages.fit(list(visits), best, 0.0)
-    observed = SimpleNamespace(noise_px=0.0, motion=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
+    observed = SimpleNamespace(noise_px=0.0, motion=0, seed=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
     return EstimationData(visits, best, 0.0, np.ones(POINTS, bool), model, observed, residual_of), place
 
 
@@ -57,7 +57,7 @@ def test_what_noise_hides_near_by_can_be_learned_from_farther_away(reach_deg, hi
     places = PLACES / PLACES.max() * np.radians(reach_deg)
     images = [y + J @ d + noise_px * rng.standard_normal(y.shape) for d in places]
     visits = tuple(Visit(d, own, np.ones((POINTS, 2), bool)) for d, own in zip(places, images))
-    observed = SimpleNamespace(noise_px=noise_px, motion=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
+    observed = SimpleNamespace(noise_px=noise_px, motion=0, seed=0, lower=np.full(2, -9.0), upper=np.full(2, 9.0))
     model, place = GaussianProcessImages.fit(list(visits), len(visits) - 1, noise_px), places[-1]
     residual_of = lambda own: (own - images[-1]) - (own - images[-1]).mean(-2, keepdims=True)
     found = minimise(lambda theta: residual_of(model.predict(theta)), place[None], place - 0.1, place + 0.1)

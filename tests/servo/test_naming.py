@@ -14,7 +14,8 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
 from viewimit.servo import ServoStatus
-from viewimit.servo.trust_region.naming import Naming, hat_matrix, without_point
+from viewimit.servo.trust_region.naming import Naming, hat_matrix, search_postures, without_point
+from viewimit.servo.trust_region.options import DEFAULTS
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -187,3 +188,9 @@ def test_names_are_settled_where_no_pair_is_left_without():
     doubtful = replace(naming, names=np.array([2, 0, 1]), probability=np.array([1.0, 1.0, 0.6]))
     assert not doubtful.is_settled and doubtful.used.tolist() == [2, 0, -1]
     assert replace(doubtful, enough=3).used.tolist() == [2, 0, 1]
+
+
+@pytest.mark.parametrize("joints", [2, 7, 14, 40])
+def test_the_poses_that_names_are_searched_at_are_bounded_in_number(joints):
+    postures = search_postures(np.full(joints, -np.pi), np.full(joints, np.pi), DEFAULTS)
+    assert postures.shape == (min(37**joints, DEFAULTS.naming_postures), joints)

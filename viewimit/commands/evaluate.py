@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from ..analysis.leave_one_out import leave_one_out
 from ..analysis.timing import TimeShift, find_time_shift
-from ..drawing.images.panel import AMBER
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.rectification import fit_transfer
 from ..estimation.residuals import conflict
 from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
-from ..estimation.transfers.registry import FLAT, FLATNESS, PROJECTIVE_MIN_POINTS
+from ..estimation.transfers.registry import FLAT, FLATNESS, ILL_CONDITIONED, PROJECTIVE_MIN_POINTS
 from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
 from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
 from ..geometry.handedness import Handedness, principal_axes
@@ -218,10 +217,10 @@ def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, o
     """What speaks against the result of a frame of `count` points. demo, own: their extents, (4,) px each."""
     if method is TRANSFERS["projective"] and count < PROJECTIVE_MIN_POINTS:
         return f"{count} points: fewer than {PROJECTIVE_MIN_POINTS} fit the projective transfer wherever the arms are"
-    if condition >= AMBER:
+    if condition >= ILL_CONDITIONED:
         return f"{method.condition_name} {condition:.3g}: {method.degenerate_message}"
     for of, sigma in (("", demo), (" of [L R]", own)):
-        if sigma[0] >= AMBER * sigma[2]:
+        if sigma[0] >= ILL_CONDITIONED * sigma[2]:
             return f"{FLATNESS}{of} {sigma[0] / sigma[2]:.3g}: {FLAT}"
         if sigma[0] < MIN_SPREAD * sigma[3]:
             return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the spread is little more than noise, E may mislead"

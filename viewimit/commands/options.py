@@ -173,6 +173,11 @@ def misfit_json(misfit: Misfit | None, joints: Sequence[int], names: Sequence[st
     ]
     points = [names[point] for point in misfit.points] if names else misfit.points
     said = {"kind": misfit.kind, "points": points, "links": links, "amount": misfit.amount}
+    if misfit.limits:
+        said["limits"] = [
+            {"joint": joints[one.joint], "beyond_deg": np.degrees(one.beyond), "std_deg": np.degrees(one.std)}
+            for one in misfit.limits
+        ]
     return said | {"text": misfit.describe(joints, names)}
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..analysis.self_assessment import Assessment
 from ..estimation.equations import with_minus
-from ..estimation.transfers.registry import FLAT, FLATNESS
+from ..estimation.transfers.registry import BADLY_CONDITIONED, FLAT, FLATNESS, ILL_CONDITIONED
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus, verdict, verdicts
 from ..servo.trust_region.options import MAX_STD_PER_PX
@@ -16,7 +16,6 @@ from ..servo.verdict import ANY_JOINT
 from ..wording import listed, plural, sentences
 from . import svg
 from .glossary import ask, glossary
-from .images.panel import AMBER, RED
 
 TREND = 4  # motions over which the change of E is averaged
 EXACT = np.radians(0.05)  # smaller errors are written as 0.0°
@@ -234,11 +233,11 @@ def _ill_conditioned(snapshot: Snapshot) -> str:
     assert snapshot.transfer is not None
     condition, method = float(snapshot.transfer.condition), snapshot.method
     high, too_high = "{name} is {value}, which is high.", "{name} is {value}, far too high."
-    if snapshot.flatness >= RED > condition:
+    if snapshot.flatness >= BADLY_CONDITIONED > condition:
         return sentences(high.format(name=FLATNESS, value=svg.number(snapshot.flatness, 0)), FLAT)
-    if condition < AMBER:
+    if condition < ILL_CONDITIONED:
         return ""
-    text = too_high if condition >= RED else high
+    text = too_high if condition >= BADLY_CONDITIONED else high
     number = text.format(name=method.condition_name, value=svg.number(condition, 0))
     return sentences(number, method.degenerate_message)
 

@@ -1,6 +1,6 @@
 """Residuals of own images that a servo predicts, and the velocity of the demonstrator's images meanwhile."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -71,9 +71,6 @@ class PredictedResiduals:
         The transfer at the last convergence.
     past : sequence of FourViews
         Looks whose matches determine the head's geometry, besides this one.
-    computed : iterable of pairs of arrays
-        Own images (N, 4) px and their residuals, computed before from the same demonstrator, transfer and
-        rectification. It is read when first needed: a servo asks about all its visits at every motion.
     mirror_columns : bool
         Whether own images that fit only a mirror image of the demonstrator have three further columns, as
         `ServoMethod.mirror_columns` says. They hold the additional residuals of the best fit that does not reflect.
@@ -89,7 +86,6 @@ class PredictedResiduals:
         velocity: NDArray[np.float64] = AT_REST,
         converged: FittedTransfer | None = None,
         past: Sequence[FourViews] = (),
-        computed: Iterable[tuple[NDArray[np.float64], NDArray[np.float64]]] = (),
         mirror_columns: bool = True,
     ):
         self.views: FourViews = views
@@ -100,7 +96,6 @@ class PredictedResiduals:
         self._in_both = np.asarray(views.visible[:, :2].all(-1))
         self._velocity, self._past, self._mirror_columns = velocity, past, mirror_columns
         self._converged = converged if noise_px > 0 and velocity.any() else None
-        self._computed = () if velocity.any() else computed
         self._affine_weights: dict[tuple[bytes, float, bytes], NDArray[np.float64]] = {}
         self._rigs: dict[int, ResidualFunction] = {}
         self._handedness: dict[bytes, Handedness | None] = {}
@@ -161,10 +156,6 @@ class PredictedResiduals:
         reference: NoiseReference | None,
     ) -> NDArray[np.float64]:
         """(..., n, C) px of views of the known points, (N,) bool."""
-        if transfer is None and reference is None:
-            computed = self._look_up(views.own) if views.own.ndim == 3 else None
-            if computed is not None:
-                return computed
         if reference is not None and transfer is None and self._converged is None and self._by_homography is not None:
             if len(views.demo) >= HOMOGRAPHY_MIN_POINTS:
                 return self._by_homography.of(views, known, reference).residual(views)
@@ -176,20 +167,6 @@ class PredictedResiduals:
         if reference is None or reference.own is None or is_whitened(fitted):
             return e
         return e @ self._affine_weight(views.with_own(reference.own[known]), reference.own_variance_ratio)
-
-    @cached_property
-    def _residual_cache(self) -> dict[bytes, NDArray[np.float64]]:
-        return {_cache_key(own): e for own, e in self._computed}
-
-    def _look_up(self, own: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """Residuals (n, N, 4) px of own images (n, N, 4) px; None if those of one were not computed before."""
-        found: list[NDArray[np.float64]] = []
-        for image in own:
-            e = self._residual_cache.get(_cache_key(image))
-            if e is None:
-                return None
-            found.append(e)
-        return np.array(found) if found else None
 
     @cached_property
     def _by_homography(self) -> HomographyWeighting | None:
@@ -260,8 +237,3 @@ class PartialPointResiduals:
 
     def with_partially_visible(self) -> ResidualFunction:
         return self
-
-
-def _cache_key(own: NDArray[np.float64]) -> bytes:
-    """Equal for images that differ by rounding only, as those that a servo keeps in units of its own."""
-    return own.astype(np.float32).tobytes()

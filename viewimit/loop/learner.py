@@ -104,7 +104,12 @@ class Learner:
                 failed_looks += 1
             else:
                 break
-        return RunResult(motions, travel, joint_travel, self.snapshot)
+        return RunResult(motions, travel, joint_travel, self.snapshot, self._joint_numbers)
+
+    @property
+    def _joint_numbers(self) -> tuple[int, ...]:
+        """As `RunResult.joints`."""
+        return ()
 
     def step(self) -> bool:
         """Make one pass of the loop: ask the servo, move the arm, look.

@@ -174,6 +174,10 @@ class Session(Learner):
         """The scene of the simulated world."""
         return self.world.scene
 
+    @property
+    def _joint_numbers(self) -> tuple[int, ...]:
+        return self.scene.moving_joints if isinstance(self.embodiment, SimulatedRobot) else ()
+
     def change(self, **fields: Any) -> None:
         """Change fields of the settings from here on.
 

@@ -1,6 +1,6 @@
 """The records of the loop: `Snapshot`, of one pass, and `RunResult`, of a whole run."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple, TypeVar
 from weakref import WeakKeyDictionary
@@ -394,6 +394,7 @@ def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], no
         rectification=now.rectification,
         max_step=now.settings.max_step,
         max_restarts=now.settings.restarts,
+        seed=now.settings.seed,
     )
 
 
@@ -407,7 +408,7 @@ def predicted_residuals(
     """The residuals of predicted images against a snapshot's demonstrator.
 
     velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate; past:
-    earlier snapshots, whose matches and residuals are reused; mirror_columns: as of `PredictedResiduals`.
+    earlier snapshots, whose matches are reused; mirror_columns: as of `PredictedResiduals`.
     """
     return PredictedResiduals(
         now.views,
@@ -417,29 +418,8 @@ def predicted_residuals(
         velocity=velocity,
         converged=now.converged_transfer,
         past=[one.views for one in past],
-        computed=_computed(now, past),
         mirror_columns=mirror_columns,
     )
-
-
-def _computed(now: Snapshot, past: Sequence[Snapshot]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Own images and residuals of snapshots that differ from `now` in nothing else."""
-    if now.transfer is None or not now.views.complete:
-        return
-    for one in past:
-        if (
-            one.views.matched
-            and _equal(one.views.demo, now.views.demo)
-            and _equal(one.views.visible, now.views.visible)
-            and one.rectification is now.rectification
-            and one.settings.transfer == now.settings.transfer
-        ):
-            yield one.views.own, one.residual
-
-
-def _equal(one: NDArray, other: NDArray) -> bool:
-    """Compare arrays, which are mostly identical, except in a resumed session."""
-    return one is other or np.array_equal(one, other)
 
 
 @dataclass(frozen=True, repr=False)
@@ -450,6 +430,7 @@ class RunResult:
     travel: float  # rad, sum over the motions of the joint that moved most in each
     joint_travel: NDArray[np.float64]  # (m,) rad, the path length of each joint
     last: Snapshot  # at which the run ended
+    joints: tuple[int, ...] = ()  # numbers of the moving joints, if they are not counted from 1
 
     def __repr__(self) -> str:
         return f"RunResult(status={self.status.value!r}, motions={self.motions}, travel_deg={self.travel_deg:.4g})"
@@ -472,7 +453,9 @@ class RunResult:
         status, last, known = self.status, self.last, self.last.certificate
         off = None if known is None else float(np.degrees(known.simultaneous_std_error))
         reasons = [verdict(status).sentence(last.motion, last.E, int(last.usable.sum()), std_error_deg=off)]
-        if status == ServoStatus.NO_PROGRESS:
+        if status.is_at_rest and not status.is_claim and last.misfit is not None:
+            reasons.append(last.misfit.describe(self.joints))
+        elif status == ServoStatus.NO_PROGRESS:
             reasons.append(last.servo.describe_status(last.servo_state, status))
         if last.transfer is None and not last.awaits_names and last.n_rejected:
             reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head.")

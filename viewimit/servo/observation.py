@@ -58,6 +58,7 @@ class Observation:
     # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
+    seed: int = 0  # of the session, for random searches
     matched: bool = True  # whether these are the own points, one by one; otherwise they are in an unknown order
 
     def with_origin(self, offset: NDArray[np.float64]) -> "Observation":

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...analysis.construction import Construction
-from ...estimation.transfers.registry import FLATNESS
+from ...estimation.transfers.registry import BADLY_CONDITIONED, FLATNESS, ILL_CONDITIONED
 from ...estimation.views import VIEWS
 from ...geometry.affine import LINE_VIEWS, MIN_POINTS, POINT_VIEWS
 from ...loop.snapshot import Snapshot
@@ -26,7 +26,6 @@ READOUT_UP = 8  # px from the bottom of L and R
 READOUT_LETTER = 5.7  # px, width of a letter of the readout
 GOAL_DOT = 3.4  # px, radius
 SMALL, MAX_ARROW = 8.0, 20.0  # px: residuals below SMALL are drawn larger, up to MAX_ARROW
-AMBER, RED = 40.0, 200.0  # conditions from which a transfer is called ill-conditioned, and badly so
 COLUMNS = (0, 74, 140, 236, 302, 372)  # px: of the metrics in print
 LEGEND_SIZE, METRICS_SIZE = (424, 31), (424, 36)  # px, in print
 SPARK, SPARK_MOTIONS = (96, 34), 60  # px of the small curve of E, and the motions that it shows at most
@@ -389,7 +388,7 @@ def _metrics(snapshot: Snapshot, lengths: NDArray[np.float64]) -> tuple[Metric, 
     ]
     if name != FLATNESS:
         flat = snapshot.flatness if known else np.nan
-        found.append(Metric("amber" if flat >= RED else "", FLATNESS, _short(flat, 100)))
+        found.append(Metric("amber" if flat >= BADLY_CONDITIONED else "", FLATNESS, _short(flat, 100)))
     if used < count:
         level, text = "red" if used < MIN_POINTS else "", "{value} of {n}".replace("{n}", str(count))
         counted = "seen" if snapshot.views.matched else "named"
@@ -446,9 +445,9 @@ def draw_metrics(metrics: Sequence[Metric]) -> str:
 
 def gauge(condition: float, name: str) -> tuple[str, str]:
     """Return the colour of a transfer's condition, and its name with a word if it is high."""
-    if condition >= RED:
+    if condition >= BADLY_CONDITIONED:
         return "red", f"{name}: too high"
-    if condition >= AMBER:
+    if condition >= ILL_CONDITIONED:
         return "amber", f"{name}: high"
     return "", name
 

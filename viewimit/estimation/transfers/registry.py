@@ -24,6 +24,7 @@ from .transfer import FittedTransfer, TransferFunction, fit_function
 
 PROJECTIVE_MIN_POINTS = 8  # 32 coordinates for the 19 parameters of the projective transfer
 LINE_PAIRS = tuple("lrLR"[p] + "lrLR"[q] for p, q in np.delete(VIEW_PAIRS, DEMO_PAIR, 0))  # of the rows of 𝐀, Eq. (4)
+ILL_CONDITIONED, BADLY_CONDITIONED = 40.0, 200.0  # condition numbers from which a transfer is, and is badly
 FLATNESS = "σ₁/σ₃"  # of the centred [l r]
 FLAT = "The points nearly lie in a plane, so E may mislead."
 

@@ -1,7 +1,10 @@
 """The Cramér-Rao bound: the smallest standard error of the joints that an unbiased estimator can have.
 
-Unknown about the two bodies is one projective map of space: the demonstrator's points are H times the learner's, with H
-of shape (4, 4). So the demonstrator's images depend on θ and H.
+There are two bounds for bodies that are alike. The demonstrator's points are H times the learner's, with H (4, 4).
+
+Bound by E   H is any projective map of space, 16 unknowns. E leaves as many open: this is the bound of any method by E.
+Bound with one head   H is a similarity, 7 unknowns: one head sees both bodies, and they have one shape. It is smaller.
+    The final adjustment of the trust region knows this.
 
 Either the learner's own images are granted at every posture without noise. Or they are as noisy, and the learner knows
 its body from the postures visited only. Then these are unknown too: the points and joint axes, a factor for each
@@ -29,6 +32,7 @@ def bound(
     noise_px: float,
     visited: Sequence[NDArray[np.float64]] | None = None,
     seen: NDArray[np.bool_] | None = None,
+    one_head: bool = False,
     another_body: bool = False,
     earlier: Sequence[NDArray[np.float64]] = (),
 ) -> NDArray[np.float64]:
@@ -46,6 +50,8 @@ def bound(
         Postures at which the learner has seen its own body, rad; None: its images are granted.
     seen : (N, 2) bool array, optional
         Which points are in which image of the demonstrator; None: all.
+    one_head : bool
+        Whether it is the bound with one head; else that by E.
     another_body : bool
         Whether its joints may be attached elsewhere, which is the same in each posture. That one head sees both bodies
         is used then. Needs `visited`.
@@ -57,18 +63,19 @@ def bound(
     (m,) array
         Standard deviations, rad; inf for unobservable joints.
     """
-    J, unknown = _demo_images(world, theta, another_body)
+    one_head = one_head or another_body
+    J, unknown = _demo_images(world, theta, one_head, another_body)
     if seen is not None:
         J, unknown = J[np.repeat(seen, 2)], unknown[np.repeat(seen, 2)]
     angles = [J]
     for posture in earlier:
-        further, by_others = _demo_images(world, posture, another_body)
+        further, by_others = _demo_images(world, posture, one_head, another_body)
         angles, unknown = [*angles, further], np.vstack([unknown, by_others])
     if visited is not None:
-        own = np.vstack([_own_images(world, posture, another_body) for posture in visited])
+        own = np.vstack([_own_images(world, posture, one_head, another_body) for posture in visited])
         unknown = np.vstack([unknown, own])
     else:
-        unknown = unknown[:, :PROJECTIVE]
+        unknown = unknown[:, : SIMILARITY if one_head else PROJECTIVE]
     by_angles = _block_diagonal(angles, len(unknown))
     J, unknown = by_angles[:, : J.shape[1]], np.hstack([by_angles[:, J.shape[1] :], unknown])
     size = np.linalg.norm(unknown, axis=0)
@@ -91,18 +98,18 @@ def _block_diagonal(blocks: Sequence[NDArray], rows: int) -> NDArray:
     return found
 
 
-def _demo_images(world: World, theta: NDArray, another_body: bool) -> tuple[NDArray, NDArray]:
+def _demo_images(world: World, theta: NDArray, one_head: bool, another_body: bool) -> tuple[NDArray, NDArray]:
     """Derivatives of the demonstrator's images by the joints, (4 N, m) px/rad, and by H, frame and body, (4 N, 32 + P).
 
-    The frame moves none of them. For another body H is a similarity, and each joint is shifted: 7 + 3 m instead of 16
-    unknowns. The frame is that of the head then, so it moves both bodies' images.
+    The frame moves none of them. With one head H is a similarity, 7 instead of 16 unknowns, and the frame is of the
+    head, so it moves both bodies' images. In another body each joint is shifted, too: 3 m more.
     """
     demo, own = (world.points_world(theta, T) for T in (world.T_world_demo, world.T_world_own))
     H = _similarity(own, demo)[:, :3]
-    if another_body:
-        alike = _similarity_motions(demo, world.T_world_demo[:3, 3])
-        shifted = np.concatenate(_joint_shifts(world, theta, of_parent=True)) @ H.T
-        first, frame = np.concatenate([alike, shifted]), _head_motions(world.demo_cameras[0], demo)
+    if one_head:
+        first, frame = _similarity_motions(demo, world.T_world_demo[:3, 3]), _head_motions(world.demo_cameras[0], demo)
+        if another_body:
+            first = np.concatenate([first, *(shift @ H.T for shift in _joint_shifts(world, theta, of_parent=True))])
     else:
         first, frame = _projective_motions(demo), np.zeros((PROJECTIVE, *demo.shape))
     by_image = _image_derivatives(world.demo_pair, demo)
@@ -110,11 +117,12 @@ def _demo_images(world: World, theta: NDArray, another_body: bool) -> tuple[NDAr
     return _image_motions(by_image, _joint_motions(world, theta) @ H.T), _image_motions(by_image, motions)
 
 
-def _own_images(world: World, theta: NDArray, another_body: bool) -> NDArray:
+def _own_images(world: World, theta: NDArray, one_head: bool, another_body: bool) -> NDArray:
     """Derivatives of the own images at a posture by H, frame and body, (4 N, 32 + P). H moves none of them."""
     own = world.points_world(theta, world.T_world_own)
-    frame = _head_motions(world.own_cameras[0], own) if another_body else _projective_motions(own)
-    first = np.zeros((SIMILARITY + 3 * len(theta) if another_body else PROJECTIVE, *own.shape))
+    frame = _head_motions(world.own_cameras[0], own) if one_head else _projective_motions(own)
+    unknowns = (SIMILARITY if one_head else PROJECTIVE) + (3 * len(theta) if another_body else 0)
+    first = np.zeros((unknowns, *own.shape))
     motions = np.concatenate([first, frame, _body_motions(world, theta)])
     return _image_motions(_image_derivatives(world.own_pair, own), motions)
 

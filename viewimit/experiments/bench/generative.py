@@ -289,7 +289,7 @@ def infer(
         images = model.predict(theta.reshape(-1, theta.shape[-1]))
         return residuals(np.where(known[:, None], images, np.nan).reshape(*theta.shape[:-1], *images.shape[1:]))
 
-    rng = np.random.default_rng(observation.motion)
+    rng = np.random.default_rng([observation.seed, observation.motion])
     samples = rng.uniform(observation.lower, observation.upper, (N_SAMPLES, len(observation.lower)))
     E = conflict(residual_at(samples))
     if not np.isfinite(E).any():

@@ -122,11 +122,21 @@ def stretched(scene: Scene, robot: Robot, stretch: Floats) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
+def _every_link(share: float, rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
+    """Each joint, moving or not, is attached farther or nearer by a share of its own."""
+    robot, joints = World(scene, points).robot, []
+    for joint in robot.joints:
+        T = joint.T_parent_joint.copy()
+        T[:3, 3] *= 1 + rng.uniform(-share, share)
+        joints.append(replace(joint, T_parent_joint=T))
+    return OtherDemonstrator(scene, points, replace(robot, joints=tuple(joints)))
+
+
 def _clean(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     return ProjectedEyes(scene, points)
 
 
-def _links(share: float, rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
+def _moving_joints(share: float, rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
     robot = World(scene, points).robot
     stretch = rng.uniform(-share, share, len(scene.moving))
     return OtherDemonstrator(scene, points, stretched(scene, robot, stretch))
@@ -185,12 +195,12 @@ def _lens(rng: Rng, scene: Scene, points: int) -> SimulatedEyes:
 
 
 def _links_cases(also: str, postures: int) -> tuple[Case, ...]:
-    """Cases of other links, with `also` after their names."""
-    word, few, more = MisfitKind.ANOTHER_BODY, partial(_links, 0.05), partial(_links, 0.1)
+    """Cases of moving joints attached farther or nearer, with `also` after their names; all else stays in place."""
+    word, few, more = MisfitKind.ANOTHER_BODY, partial(_moving_joints, 0.05), partial(_moving_joints, 0.1)
     return (
-        Case(f"links ±5%{also}", word, few, has_other_links=True, postures=postures),
-        Case(f"links ±10%{also}", word, more, has_other_links=True, postures=postures),
-        Case(f"links ±5%, seven joints{also}", word, few, SEVEN, SEVEN_OFFSET_DEG, True, postures),
+        Case(f"moving joints ±5%{also}", word, few, has_other_links=True, postures=postures),
+        Case(f"moving joints ±10%{also}", word, more, has_other_links=True, postures=postures),
+        Case(f"moving joints ±5%, seven joints{also}", word, few, SEVEN, SEVEN_OFFSET_DEG, True, postures),
     )
 
 
@@ -198,6 +208,7 @@ CASES = (
     Case("none", None, _clean),
     *_links_cases("", 1),
     *_links_cases(", five postures", SEVERAL),
+    *(Case(f"every link ±{share:.0%}", MisfitKind.ANOTHER_BODY, partial(_every_link, share)) for share in (0.05, 0.1)),
     Case("one point elsewhere", MisfitKind.POINT, _point),
     Case("points of one link elsewhere", MisfitKind.LINK_POINTS, _link_points),
     Case("three to five points mixed up", MisfitKind.MIXED_UP, _mixed_up),

@@ -285,6 +285,11 @@ def fit_homography(source: Array, target: Array) -> Array:
     return np.linalg.eigh(rows.swapaxes(-1, -2) @ rows)[1][..., 0].reshape(*h.shape[:-2], 4, 4)
 
 
+def reverses_orientation(H: Array) -> NDArray[np.bool_]:
+    """Whether maps of space, (..., 4, 4), mirror it. Where H gives a point the depth w, its Jacobian is det H / w⁴."""
+    return np.asarray(np.linalg.det(H) < 0)
+
+
 def with_shared_metric(kinematics: ProjectiveKinematics, H: Array) -> ProjectiveKinematics:
     """Return the same kinematics in the frame whose metric the map between both bodies preserves, too.
 

@@ -65,6 +65,7 @@ import numpy as np
 from ...estimation.residuals import ResidualFunction
 from ..observation import Observation, ScaledResiduals, in_units, probe_motion, unit_of
 from ..status import ServoStatus
+from .claims import with_claim_reviewed, with_kinematics_sought
 from .image_models import ImageData
 from .localisation import is_consistent
 from .motions import maximin, sample_box
@@ -154,7 +155,8 @@ class TrustRegion:
         self, state: TrustRegionState, observation: Observation, residuals: ResidualFunction
     ) -> tuple[TrustRegionState, Displacement]:
         """Return the next state and the displacement to make, (m,) rad; 0 to rest."""
-        tracking, options = state.is_tracking, self.options  # read before `record_visit` shifts `target_moved`
+        options = replace(self.options, seed=observation.seed)
+        tracking = state.is_tracking  # read before `record_visit` shifts `target_moved`
         observation = in_units(replace(observation, calibration=()), state.unit_px)
         state, observation = record_visit(state, observation, options)
         residuals = ScaledResiduals(residuals, state.unit_px)
@@ -246,10 +248,13 @@ def verify(state: TrustRegionState, context: StepContext) -> Outcome:
     if e_leaves_no_room(state, context) or certificate.unobservable_at_minimum:
         if may_verify(certificate, state, context):
             return Phase.VERIFY, *verification_motion(state, context, certificate.verification_step)
+        before, state = state, with_kinematics_sought(state, context)
+        if state is not before:
+            return Phase.PLAN, state, None
         state = with_estimate(state, context)
         if state.trusts_kinematics and not kinematics_suffice(state, context):
             return Phase.PLAN, with_kinematics_doubted(state, context), None
-        state = with_final_adjustment(state, context)
+        state = with_claim_reviewed(with_final_adjustment(state, context), context)
         state, context.status = status_at_rest(context.status, state, context)
         return Phase.REST, state, None
     return Phase.SEARCH, state, None

@@ -109,7 +109,7 @@ def find_swaps(
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)
 
-    postures = posture_grid(lower, upper, options.swap_grid)
+    postures = posture_grid(lower, upper, options.swap_grid, options.seed)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
     E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
     if not objective_floor <= E_none < np.inf:
@@ -123,7 +123,7 @@ def find_swaps(
         return one
     if mixed_up := name_all():
         return mixed_up
-    postures = posture_grid(lower, upper, options.swap_grid_two)
+    postures = posture_grid(lower, upper, options.swap_grid_two, options.seed)
     first = [single[k] for k in order[: options.swap_first_pairs]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
     E = evaluate(postures, double)

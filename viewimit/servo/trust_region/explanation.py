@@ -48,8 +48,14 @@ def describe_status(state: TrustRegionState, status: ServoStatus, options: Trust
     search, naming = state.search, state.naming
     if state.explanation is not None and status.is_at_rest:
         return state.explanation.misfit.describe()
+    if state.refusal is not None and status.is_at_rest:
+        return state.refusal.describe()
     if status == ServoStatus.NO_PROGRESS and state.phase is Phase.MATCH:
-        return "No naming of the demonstrator's points explains its images."
+        found = "No naming of the demonstrator's points explains its images."
+        if state.naming_grid <= options.naming_postures:
+            return found
+        tried = f"{options.naming_postures:,} random poses were tried, of {state.naming_grid:.3g} on the grid"
+        return f"{found} {tried}: try fewer moving joints."
     if status == ServoStatus.SETTLED and naming is not None and naming.is_ambiguous:
         return "There are two answers: other names of the points explain the images as well, in another pose."
     if status == ServoStatus.CONVERGED and state.mismatch is not None:

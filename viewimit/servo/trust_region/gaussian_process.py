@@ -24,6 +24,7 @@ from ..observation import Visit, repeat_xy
 OFFSET_PX, SLOPE_PX, BEND_PX = 30.0, 200.0, 100.0  # prior standard deviations: px, px/rad, px
 LENGTH_RAD = float(np.radians(100.0))  # over which images deviate from linear functions
 MIN_NOISE_PX = 0.02  # keeps K regular
+NOISE_STEP, MAX_NOISE_PX = 1.25, 100.0  # factor between tested sizes of the noise, and the largest
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,39 @@ def kernel(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64
 def gram_matrix(offsets: NDArray[np.float64], noise_px: float) -> NDArray[np.float64]:
     """Covariance of the visited images with their noise: (n, m) rad → (n, n) px²."""
     return kernel(offsets, offsets) + max(noise_px, MIN_NOISE_PX) ** 2 * np.eye(len(offsets))
+
+
+def cross_validated_noise(visits: Sequence[Visit], noise_px: float, slack: float) -> float:
+    """Return the noise of an image coordinate with which the process predicts each visit from all others.
+
+    It is at least `noise_px`, the noise at rest, which may be exceeded `slack` times. Errors of prediction follow from
+    one fit: that of visit i is (K⁻¹ y)_i / (K⁻¹)_ii, with the variance 1 / (K⁻¹)_ii.
+    """
+    displacement, own = np.array([visit.displacement for visit in visits]), np.array([visit.own for visit in visits])
+    seen, noise = np.all([visit.seen for visit in visits], -1), noise_px
+    patterns, index = np.unique(seen, axis=1, return_inverse=True)
+    groups = [
+        (at, own[at][:, index.ravel() == k]) for k, at in enumerate(patterns.T) if at.sum() > len(displacement[0]) + 1
+    ]
+    while groups and noise < MAX_NOISE_PX and _squared_errors(displacement, groups, noise) > slack**2:
+        noise *= NOISE_STEP
+    return noise
+
+
+def _squared_errors(
+    displacement: NDArray[np.float64],
+    groups: Sequence[tuple[NDArray[np.bool_], NDArray[np.float64]]],
+    noise_px: float,
+) -> float:
+    """Mean square of the errors of prediction over their variance. groups: visits that show some points, (n,) bool, and
+    their images, (k, N, 4) px."""
+    squares, count = 0.0, 0
+    for at, images in groups:
+        y = (images - images.mean(0)).reshape(len(images), -1)
+        inverse = np.linalg.inv(gram_matrix(displacement[at] - displacement[at].mean(0), noise_px))
+        squares += float(((inverse @ y) ** 2 / np.diag(inverse)[:, None]).sum())
+        count += y.size
+    return squares / count
 
 
 def _fit_partial(

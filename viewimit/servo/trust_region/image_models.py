@@ -93,7 +93,7 @@ class KinematicImages:
         return np.where(self._known[:, 0], 0.0, others)
 
     def posterior_samples(
-        self, displacement: NDArray[np.float64], count: int, seed: int
+        self, displacement: NDArray[np.float64], count: int, seed: Sequence[int]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Draw errors of the images predicted at (m,) rad, and of their derivatives, as the noise of all visits makes.
 
@@ -188,7 +188,7 @@ def estimate_own_noise(
     place: NDArray[np.float64],
     noise_px: float,
     degrees_of_freedom: int,
-    seed: int,
+    seed: Sequence[int],
 ) -> OwnNoise:
     """Estimate, by drawing noise, how noise of the own images changes the derivatives of E at a posture.
 
@@ -204,7 +204,7 @@ def estimate_own_noise(
         Standard deviation of an image coordinate.
     degrees_of_freedom : int
         Of the residuals.
-    seed : int
+    seed : sequence of int
         Of the noise.
     """
     if isinstance(model, KinematicImages):
@@ -228,7 +228,7 @@ def _kinematic_noise(
     residuals: Callable[[NDArray[np.float64]], NDArray[np.float64]],
     place: NDArray[np.float64],
     degrees_of_freedom: int,
-    seed: int,
+    seed: Sequence[int],
 ) -> OwnNoise:
     """As `estimate_own_noise`, where the noise of all visits together moves every image and every derivative."""
     images = model.predict(place + FD_STEP * fd_steps(len(place)))

@@ -135,7 +135,10 @@ def local_model(
     of_images = of_jacobian = np.zeros((1, len(place)))
     if data.observation.noise_px > 0:
         freedom = degrees_of_freedom(points, len(place))
-        residuals, seed = _restricted(data, data.residuals, learned, place), data.observation.motion
+        residuals, seed = (
+            _restricted(data, data.residuals, learned, place),
+            [data.observation.seed, data.observation.motion],
+        )
         noise = estimate_own_noise(data.model, residuals, place, data.observation.noise_px, freedom, seed)
         hessian, hessians, single = (noise.debias_hessian(one) for one in (hessian, hessians, single))
         of_images, of_jacobian = noise.grad_samples_images, noise.grad_samples_jacobian

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
 from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
-from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography
+from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography, reverses_orientation
 from ..observation import Observation, Visit
 from .final_adjustment import FinalAdjustment, PairFit, PostureEstimate, fit_same_body
 from .image_models import observations_of
@@ -39,7 +39,7 @@ MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
 
 
 class MisfitKind(str, Enum):
-    """Reasons why a demonstrator is no body like the own one."""
+    """Reasons why a demonstrator is no body like the own one, or why its posture cannot be reached or claimed."""
 
     ANOTHER_BODY = "another-body"
     """Links between moving joints are longer or shorter, or joints are attached elsewhere."""
@@ -57,6 +57,10 @@ class MisfitKind(str, Enum):
     """A lens bends the images."""
     ARM = "arm"
     """The arm is not where it was sent."""
+    LIMIT = "limit"
+    """The demonstrator's posture is beyond a joint limit of the learner."""
+    NOT_RIGID = "not-rigid"
+    """The learner's own images fit no rigid links: an estimate may be wrong by more than noise explains."""
     NONE = "none"
     """None of these explains the images."""
 
@@ -73,6 +77,15 @@ class LinkChange:
 
 
 @dataclass(frozen=True)
+class BeyondLimit:
+    """By how much the demonstrator's posture is beyond a joint limit."""
+
+    joint: int  # index of the moving joint
+    beyond: float  # rad, above the highest angle; negative: below the lowest
+    std: float  # rad, of that
+
+
+@dataclass(frozen=True)
 class Misfit:
     """The reason, as far as it was found."""
 
@@ -81,6 +94,7 @@ class Misfit:
     links: tuple[LinkChange, ...] = ()  # of another body
     amount: float | None = None  # of a lens: px by which it moves an image coordinate at most; of an arm: the share of
     # each motion by which it stops short, negative if it goes too far; None if unknown
+    limits: tuple[BeyondLimit, ...] = ()  # that exclude the posture
 
     def per_pixel(self, unit_px: float) -> "Misfit":
         """Convert images from image units of unit_px pixels to px."""
@@ -97,6 +111,13 @@ class Misfit:
                 for link in self.links
             ]
             return "the demonstrator is another body" + (": " + "; ".join(lengths) if lengths else "")
+        if self.kind is MisfitKind.LIMIT:
+            beyond = [
+                f"{np.degrees(abs(one.beyond)):.2f} ± {np.degrees(one.std):.2g}° "
+                f"{'above the highest' if one.beyond > 0 else 'below the lowest'} angle of joint {number(one.joint)}"
+                for one in self.limits
+            ]
+            return f"the demonstrator's pose is beyond the limits: {' and '.join(beyond)}"
         return {
             MisfitKind.LINK_POINTS: f"points {points}, of one link, sit elsewhere on the demonstrator",
             MisfitKind.POINT: f"point {points} sits elsewhere on the demonstrator",
@@ -105,6 +126,7 @@ class Misfit:
             MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
             MisfitKind.LENS: f"a lens bends the images, by up to {self.amount or 0:.2g} px",
             MisfitKind.ARM: _of_arm(self.amount),
+            MisfitKind.NOT_RIGID: "the arm or its points do not move as rigid bodies",
             MisfitKind.NONE: "the demonstrator is no body like the own one, for none of the known reasons",
         }[self.kind]
 
@@ -248,14 +270,13 @@ class _Reasons:
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
         problem, kinematics, options = self.adjustment.problem, self.adjustment.kinematics, self.options
-        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid)
+        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid, options.seed)
         visible, frame = problem.visible_in_both[0], kinematics.frame
         own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
         H = fit_homography(own, np.broadcast_to(demo, own.shape))
         mapped = np.concatenate([own, np.ones((*own.shape[:-1], 1))], -1) @ H.swapaxes(-1, -2)
         cost = (((mapped[..., :3] / mapped[..., 3:] - demo) * frame.unit_px) ** 2).sum((-1, -2))
-        # A map of space turns orientation at a point by the sign of its determinant over the depth there.
-        reflects = np.linalg.det(H) * np.prod(np.sign(mapped[:, :1, 3]), -1) < 0
+        reflects = reverses_orientation(H)
         if not reflects.any():
             return None
         theta = postures[np.where(reflects, cost, np.inf).argmin()]

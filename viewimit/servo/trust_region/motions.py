@@ -27,14 +27,14 @@ def farthest_offset(visits: tuple[Visit, ...], observation: Observation, place: 
 
 def sample_box(observation: Observation, count: int) -> Postures:
     """Draw postures inside the joint limits: (count, m) rad."""
-    rng = np.random.default_rng(observation.motion)
+    rng = np.random.default_rng([observation.seed, observation.motion])
     return rng.uniform(observation.lower, observation.upper, (count, len(observation.lower)))
 
 
-def posture_grid(lower: Postures, upper: Postures, count: int) -> Postures:
+def posture_grid(lower: Postures, upper: Postures, count: int, seed: int) -> Postures:
     """Return `count` postures per joint, (n, m) rad; for three joints or more as many random ones as for two."""
     if len(lower) > 2:
-        return np.random.default_rng(count).uniform(lower, upper, (count**2, len(lower)))
+        return np.random.default_rng([seed, count]).uniform(lower, upper, (count**2, len(lower)))
     return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))
 
 

@@ -31,7 +31,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
-from math import comb
+from math import comb, prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -264,7 +264,7 @@ class _Search:
     @cached_property
     def postures(self) -> Array:
         """Postures that namings are searched at, (G, m) rad."""
-        return _grid(self.lower, self.upper, self.options)
+        return search_postures(self.lower, self.upper, self.options)
 
     @cached_property
     def demo_hat(self) -> Array:
@@ -405,8 +405,8 @@ class _Search:
         least = 2 * self.options.naming_min_std_px**2
         if self.model.noise_px == 0:
             return least
-        own_errors = self.model.posterior_samples(theta, count, 0)[0][:, self.placed[seen]]
-        noise = np.random.default_rng(1).standard_normal((count, int(seen.sum()), 4))
+        own_errors = self.model.posterior_samples(theta, count, [self.options.seed, 0])[0][:, self.placed[seen]]
+        noise = np.random.default_rng([self.options.seed, 1]).standard_normal((count, int(seen.sum()), 4))
         views = self.views(names, self.predict(theta)).select(seen)
         demo, own = views.demo + self.model.noise_px * noise, views.own + own_errors
         fit = lambda demo, own: fit_transfer(
@@ -510,11 +510,21 @@ def _subsets(hat: Array, left_out: int) -> Iterator[tuple[Names, Array]]:
         yield np.setdiff1d(np.arange(count), out), smaller
 
 
-def _grid(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
+def grid_size(lower: Array, upper: Array, options: TrustRegionOptions) -> int:
+    """Number of postures of the grid that a naming is searched at; beyond `naming_postures`, only as many are."""
+    return prod(_grid_counts(lower, upper, options))
+
+
+def _grid_counts(lower: Array, upper: Array, options: TrustRegionOptions) -> list[int]:
+    """Postures of the grid for each joint: Python's integers, as the product of many exceeds those of numpy."""
+    return [max(round(share), 1) + 1 for share in ((upper - lower) / options.naming_grid_step).tolist()]
+
+
+def search_postures(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
     """Postures to search at, (G, m) rad: a grid, or random ones."""
-    counts = np.maximum(np.round((upper - lower) / options.naming_grid_step), 1).astype(int) + 1
-    if counts.prod() > options.naming_postures:
-        rng = np.random.default_rng(0)
+    counts = _grid_counts(lower, upper, options)
+    if prod(counts) > options.naming_postures:
+        rng = np.random.default_rng([options.seed, 0])
         return rng.uniform(lower, upper, (options.naming_postures, len(lower)))
     axes = (np.linspace(*limits) for limits in zip(lower, upper, counts))
     return np.array(list(product(*axes)))

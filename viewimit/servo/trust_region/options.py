@@ -18,6 +18,8 @@ def _deg(angle: float) -> float:
 class TrustRegionOptions:
     """Tuning of `TrustRegion`, its subproblem, its local model and its convergence test."""
 
+    seed: int = 0  # of random searches; `TrustRegion` sets that of the session
+
     # Region and steps
     first_radius: float = _deg(25.0)  # rad: a probe of 15° predicts images about this far
     max_radius: float = _deg(45.0)  # rad
@@ -102,6 +104,7 @@ class TrustRegionOptions:
     max_imitated_std: float = _deg(3.0)  # rad, expected error: if larger, the angles of an explanation are not imitated
     max_earlier: int = 7  # earlier postures of a demonstrator that is another body, adjusted with the present one
     misfit_grid: int = 13  # postures per joint, in which a mirror image is looked for
+    max_limit_sigmas: float = 3.0  # expected errors beyond a joint limit, from which it excludes the posture
     same_minimum: float = 3.0  # expected errors between the adjusted posture and a tested one that count as the same
 
     # Convergence test

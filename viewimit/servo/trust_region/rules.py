@@ -22,7 +22,7 @@ from .image_models import ImageData, KinematicImages, observations_of
 from .local_model import degrees_of_freedom
 from .misfit import Explanation, MisfitKind, explain, explain_again
 from .motions import distance_to_visits, farthest_offset, maximin, offset_inside_limits, sample_box, sample_line
-from .naming import find_naming, find_rival, mixed_up, review_naming
+from .naming import find_naming, find_rival, grid_size, mixed_up, review_naming
 from .options import TrustRegionOptions
 from .state import Destination, Region, Search, Swaps, TrustRegionState, first_region
 from .subproblem import StepPlan, argmin_last, evaluate_visits, solve_subproblem
@@ -68,7 +68,8 @@ def with_naming(state: TrustRegionState, context: StepContext) -> TrustRegionSta
     options = replace(context.options, naming_grid_step=step)
     found = find_naming(observation.demo, model, observation.lower, observation.upper, options)
     found = None if found is None else found.per_pixel(state.unit_px)
-    return replace(state, naming=found, unnamed=observation.demo)
+    grid = grid_size(observation.lower, observation.upper, options)
+    return replace(state, naming=found, unnamed=observation.demo, naming_grid=grid)
 
 
 def with_names_reviewed(state: TrustRegionState, context: StepContext) -> TrustRegionState:
@@ -126,7 +127,7 @@ def with_plan(state: TrustRegionState, context: StepContext) -> TrustRegionState
     """Evaluate E at all visits, update the radius, and solve the subproblem."""
     options, transfer = context.options, current_transfer(state, context)
     visited = evaluate_visits(context.images, context.residuals, transfer, state.search.min_points, options)
-    state = replace(state, region=updated_region(state, visited.E, options))
+    state = replace(state, region=updated_region(state, visited.E, options), refusal=None)
     context.plan = solve_subproblem(
         context.images, visited, state.effective_radius, context.observation, context.residuals, transfer, options
     )

@@ -92,11 +92,13 @@ class TrustRegionState:
     naming: Naming | None = None  # of a demonstrator's points that came without names; of the last search
     unnamed: NDArray[np.float64] | None = None  # (N, 4), the points it names, as they came; None once they have moved
     n_naming_motions: int = 0  # made because no naming explained the images
+    naming_grid: int = 0  # postures of the grid that names were last searched at
     n_renamings: int = 0  # corrections of the names
     status: ServoStatus = ServoStatus.MOVING
     certificate: Certificate | None = None  # of the posture to rest at; None before E was small anywhere
     estimate: PostureEstimate | None = None  # by the final adjustment; None before it, and without noise
     explanation: Explanation | None = None  # why no posture explains the demonstrator's images; None: not needed yet
+    refusal: Misfit | None = None  # why nothing is claimed although E is small enough; None: it is, or not yet known
     earlier: tuple[PostureEstimate, ...] = ()  # earlier postures of a demonstrator that is another body, newest first
     target_moved: tuple[bool, bool] = (False, False)  # whether the demonstrator moved since the last motion; before it
     calibration: tuple[Visit, ...] = ()  # visits of an earlier calibration, until images contradict them
@@ -123,6 +125,8 @@ class TrustRegionState:
         """Why the demonstrator is no body like the own one, or the arm not where it was sent; None: no such sign."""
         if self.explanation is not None:
             return self.explanation.misfit
+        if self.refusal is not None:
+            return self.refusal
         if len(mixed_up := {point for pair in self.swaps.pairs for point in pair}) > MAX_SWAPPED:
             return Misfit(MisfitKind.MIXED_UP, tuple(sorted(mixed_up)))
         if self.shortfall is not None:

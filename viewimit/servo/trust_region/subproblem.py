@@ -279,7 +279,9 @@ def _search(
         share = _unit_grid(joints, options.grid)
         candidates = (1 - share) * low + share * high
     else:
-        candidates = np.random.default_rng(observation.motion).uniform(low, high, (options.samples, joints))
+        candidates = np.random.default_rng([observation.seed, observation.motion]).uniform(
+            low, high, (options.samples, joints)
+        )
     E = conflict(residual_at(candidates))
     starts = np.concatenate([centre[None], candidates[np.argsort(E)[: options.refined]]])
     found = minimise(residual_at, starts, low, high)

@@ -409,28 +409,28 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
 @pytest.mark.parametrize(
     "settings, max_motions, status, said",
     [
-        (Settings(start_deg=(25, -45)), 100, "converged", "The learner claims to have arrived."),
-        (Settings.paper(start_deg=(25, -45)), 100, "settled", "It rests, without evidence of having arrived."),
+        (Settings(start_deg=(25, -45)), 100, "converged", "prove the pose"),
+        (Settings.paper(start_deg=(25, -45)), 100, "settled", "does not prove the pose"),
         (
             Settings(points=5, demonstrator_deg=(20, -30)),
             100,
             "unobservable",
-            "The points do not determine every joint.",
+            "do not show",
         ),
         (
             Settings.paper(servo="gradient", start_deg=(25, -45)),
             3,
             "max-motions",
-            "It made as many motions as it was allowed.",
+            "after 3 steps, the most that it was allowed",
         ),
-        (Settings(), 0, "max-motions", "No motion was made."),
-        (Settings(missing=1.0), 5, "too-few-points", "Too few points are seen in all four images."),
+        (Settings(), 0, "max-motions", "after 0 steps"),
+        (Settings(missing=1.0), 5, "too-few-points", "Five points are needed"),
     ],
 )
 def test_a_run_says_why_it_ended(settings, max_motions, status, said):
     session = Session(settings)
     ended = session.run(max_motions, patience=3)
-    assert (ended.status, ended.success, ended.message) == (status, status == "converged", said)
+    assert (ended.status, ended.success) == (status, status == "converged") and said in ended.message
     assert ended.last is session.snapshot and ended.theta is ended.last.theta and ended.motions == session.cursor
     assert status in repr(ended) and len(repr(ended)) < 100
 
@@ -438,7 +438,7 @@ def test_a_run_says_why_it_ended(settings, max_motions, status, said):
 def test_a_run_that_stalled_says_so_in_the_servos_words():
     ended = Session(Settings.paper(servo="kalman", scene="panda-facing", noise_px=1.0, start_deg=(75, -150))).run(200)
     assert ended.status == "no-progress" and not ended.success
-    assert ended.message == "No lower E in 30 steps."
+    assert ended.message.endswith("No lower E in 30 steps.")
 
 
 def test_travel_is_that_of_the_run_joint_by_joint_and_of_the_joint_that_moved_most():

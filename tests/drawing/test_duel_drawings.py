@@ -106,7 +106,7 @@ class TestDuel:
             (
                 None,
                 None,
-                "stalled converged",
+                "no-progress converged",
                 "Neither came within 1°",
                 "Stuck, 3.00° off. Opponent: Arrived",
             ),

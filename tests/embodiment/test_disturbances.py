@@ -27,7 +27,6 @@ KNOWN_BY_NAME = {
     "self_calibration.py",
     "rehearse.py",
     "settings.py",
-    "renamed.py",
     "link.py",  # words that a format of texts begins with
     "outliers.py",  # a kind of outlier
     "recording.py",  # for the lab, which goes on with a replay

@@ -48,7 +48,7 @@ def test_evaluate_refuses_degenerate_points(ask, ask_json, tmp_path, reason, tra
             for view, image in zip(VIEWS, (*np.split(views.demo[0], 2, 1), *np.split(views.own[0], 2, 1))):
                 file.writelines(f"{number},{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
     status, out, err = ask("evaluate", path, "--transfer", transfer)
-    assert status == 0 and "1 of 2 frames refused: frame 0: " in err and reason in err and err.count("\n") <= 2
+    assert status == 0 and "1 of 2 frames refused: frame 0: " in err and reason in err and err.count("\n") <= 3
     _, output = ask_json("evaluate", path, "--transfer", transfer)
     assert output["frames"][0]["E"] is None and reason in output["frames"][0]["refused"]
     assert output["frames"][1]["E"] < 0.01 and output["frames"][1]["refused"] is None
@@ -59,7 +59,7 @@ def test_evaluate_refuses_degenerate_points(ask, ask_json, tmp_path, reason, tra
 
 
 @pytest.mark.parametrize("whose", ["", " of [L R]"])
-@pytest.mark.parametrize("reason, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line"), ("σ₁/σ₄", "one place")])
+@pytest.mark.parametrize("reason, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line")])
 def test_noisy_degenerate_points_are_called_weak(ask_json, tmp_path, whose, reason, shape):
     path, rng = tmp_path / "points.csv", np.random.default_rng(1)
     flat, good = FLATTENED[shape] @ SOLID + 200, SHAPE @ SOLID + 200

@@ -110,7 +110,9 @@ def _played(args: argparse.Namespace) -> tuple[Session, RunResult]:
     if not session.snapshot.motion:
         return session, session.run(args.max_motions)
     moved = np.abs([past.moved for past in session.history[1:]])
-    return session, RunResult(len(moved), float(moved.max(-1).sum()), moved.sum(0), session.snapshot, session.scene.moving_joints)
+    return session, RunResult(
+        len(moved), float(moved.max(-1).sum()), moved.sum(0), session.snapshot, session.scene.moving_joints
+    )
 
 
 def tell(ended: RunResult) -> None:

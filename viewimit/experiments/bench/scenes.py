@@ -177,8 +177,8 @@ def run_once(settings: Settings, size: float, max_motions: int) -> Run:
     as_seen, one_head = (bound_of(visited), bound_of(visited, one_head=True)) if settings.noise_px else [granted] * 2
     error = np.degrees(np.abs(last.theta - last.theta_demo))
     claimed = last.status.is_claim
-    bounds = np.degrees([granted, as_seen, one_head])
-    return Run(error, *bounds, last.motion, claimed, expected_deg(last, np.inf))
+    in_degrees = map(np.degrees, (granted, as_seen, one_head))
+    return Run(error, *in_degrees, last.motion, claimed, expected_deg(last, np.inf))
 
 
 def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:

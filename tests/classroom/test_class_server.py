@@ -241,14 +241,6 @@ def test_a_restart_loses_nothing():
         server.stop()
 
 
-def test_a_killed_server_leaves_no_process_behind():
-    psutil = pytest.importorskip("psutil")
-    with ClassServer() as server:
-        others = wait_until(lambda: psutil.Process(server.process.pid).children(recursive=True))
-        server.kill()
-        wait_until(lambda: not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in others))
-
-
 def test_without_a_lecturer_students_are_let_go():
     with ClassServer() as server:
         lecturer, student = Lecturer(server), Student(server)

@@ -148,6 +148,6 @@ def test_without_storage_a_short_session_is_in_the_address_and_a_long_one_is_sai
         wait_until_complete(page)
         wait(page, lambda: posture(page) == stepped(2))
         assert "would lose" not in status(page)
-        long = "kept.take(JSON.stringify({text: 'x'.repeat(2000), acted: 0}))"
-        page.evaluate(f"{long}; tellProblem()")
+        page.evaluate("Object.defineProperty(TabSession.prototype, 'address', {get: () => ''})")  # as of a long one
+        step(page, 1, before=2)
         wait_for_status(page, "a reload would lose this session")

@@ -457,7 +457,11 @@ class RunResult:
             reasons.append(last.misfit.describe(self.joints))
         elif status == ServoStatus.NO_PROGRESS:
             reasons.append(last.servo.describe_status(last.servo_state, status))
-        if last.transfer is None and not last.awaits_names and last.n_rejected:
+        sees_too_few = last.transfer is None and not last.awaits_names
+        if sees_too_few and status != ServoStatus.TOO_FEW_POINTS:
+            few = verdict(ServoStatus.TOO_FEW_POINTS)
+            reasons.append(few.sentence(last.motion, last.E, int(last.usable.sum())))
+        if sees_too_few and last.n_rejected:
             reasons.append(f"{last.n_rejected} points contradict the one epipolar geometry of a rigid stereo head.")
         return sentences(*reasons)
 

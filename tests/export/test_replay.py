@@ -358,7 +358,7 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     assert "rectified images" in page.locator("#says").inner_text()  # the lab has none
     page.locator("#step").click()
     wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)
-    wait_until(lambda: "preset=replay" in page.evaluate("location.hash"))
+    wait_until(lambda: page.evaluate("location.hash").endswith("steps=1"))
     address = page.evaluate("location.hash")
     page.keyboard.press("t")
     wait_until(lambda: page.locator("#run").is_visible())

@@ -474,8 +474,11 @@ def test_a_step_goes_on_from_what_was_shown_and_not_from_an_unfinished_try(opene
 SIGNS = "abcdefghjkmnpqrstuvwxyz23456789"  # of a lecturer's code
 FIELDS = """() => [...["password", "text", "search", "email", null].map(type =>
     `<input class="typed" ${type ? `type="${type}"` : ""}>`), '<textarea class="typed"></textarea>',
-    '<div class="typed" contenteditable>x</div>'].map(html => document.body.insertAdjacentHTML("afterbegin",
-    `<form novalidate onsubmit="this.dataset.sent = 1; return false">${html}</form>`))"""
+    '<div class="typed" contenteditable>x</div>'].map(html => {
+      document.body.insertAdjacentHTML("afterbegin", `<form novalidate>${html}</form>`);
+      const form = document.body.firstElementChild;
+      form.addEventListener("submit", event => { event.preventDefault(); form.dataset.sent = "1"; });
+    })"""
 TYPED = "() => [...document.querySelectorAll('.typed')].map(one => one.value ?? one.textContent.slice(1))"
 
 

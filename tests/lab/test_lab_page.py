@@ -160,7 +160,9 @@ def test_it_plays_to_where_the_library_comes_to_rest(opened):
     wait_until(lambda: now(page)["motion"] > here["motion"], 30)
     page.keyboard.press(" ")
     page.keyboard.press("r")
-    assert now(page)["motion"] == 0 and degrees(now(page)["thetaDemo"]) == pytest.approx(degrees([0.9, -1.2]), abs=0.006)
+    assert now(page)["motion"] == 0 and degrees(now(page)["thetaDemo"]) == pytest.approx(
+        degrees([0.9, -1.2]), abs=0.006
+    )
     page.keyboard.press("r")  # again: back to the poses of the experiment
     assert degrees(now(page)["thetaDemo"]) == [45, -90]
 

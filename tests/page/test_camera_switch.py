@@ -114,7 +114,7 @@ def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
         client.put("Preset", "Camera images")
         wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
         client.press("Play or pause")
-        wait_until(lambda: "Converged" in client.status, 60)
+        wait_until(lambda: "Arrived" in client.status, 60)
 
         def off() -> float:  # the bars are drawn in their own time
             bars = learners_bars(client.html.values())

@@ -165,9 +165,9 @@ def test_after_a_choice_in_a_list_the_keys_are_the_pages(page):
         for key in keys:
             press(page, key)
         press(page, "Space")
-        wait_for_status(page, "Moving|Settled|local minimum")
+        wait_for_status(page, "Moving|At rest")
         press(page, "Space")
-        wait_for_status(page, "Paused|Settled|local minimum")
+        wait_for_status(page, "Paused|At rest")
         press(page, "r")
         wait_for_status(page, "Ready")
     page.keyboard.press("Tab")

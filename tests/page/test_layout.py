@@ -77,7 +77,7 @@ def page(browser, server):
     press(page, "Escape")
     press(page, "n")
     press(page, "Space")
-    wait_for_status(page, "Settled|local minimum")
+    wait_for_status(page, "At rest")
     press(page, "Space")
     yield page
     page.close()

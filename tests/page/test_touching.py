@@ -106,7 +106,7 @@ def test_a_look_moves_nothing_until_the_learner_starts_there(page):
 def test_a_click_on_a_moment_of_the_curves_goes_there_also_while_the_arm_moves(page):
     start = posture(page)
     press(page, "Space")
-    wait_for_status(page, "Settled|local minimum")
+    wait_for_status(page, "At rest")
     if page.get_by_role("tab", name="Curves").count():  # else they stand over the scene
         page.get_by_role("tab", name="Curves").click()
     touch(page, "a[data-do='moment/0'] path")

@@ -69,7 +69,7 @@ def work(client: Client) -> None:
     client.press("Play or pause")
     wait_until(lambda: (client.value("History") or 0) >= 6)
     client.press("Play or pause")
-    wait_until(lambda: re.search("Paused|Converged|Settled|minimum", client.status))  # on a busy host at rest already
+    wait_until(lambda: re.search("Paused|Arrived|At rest", client.status))  # on a busy host at rest already
     last = once_drawn(client)
     client.put("History", 4)
     client.values[client.widgets["History"]] = 4

@@ -101,7 +101,6 @@ def test_it_settles_at_the_transfers_minimum_and_claims_nothing(name):
     least = landscape_over(world, TRANSFERS["linear"], demo, seen, near).minimum
     off = np.degrees(np.abs(np.array(ends) - least)).max(1)  # a Jacobian of some motions ago may end it early
     assert (off < 1).all() and (off < 0.2).sum() >= 2
-    assert SERVOS[name].describe_status(last.servo_state, "settled") == "The next step would be under 0.1°."
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -129,10 +129,6 @@ def _not_lower(steps: int) -> str:
     return plural("No lower E in {n} step.", "No lower E in {n} steps.", steps).format(n=steps)
 
 
-def _next_is_small() -> str:
-    return "The next step would be under {angle}.".format(angle=f"{np.degrees(MIN_STEP_RAD):g}°")
-
-
 def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[Equation, ...]:
     if state is None:
         return (Equation("", NO_STEP, _BROYDEN_LAW, wide=True),)
@@ -169,7 +165,7 @@ def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
 def _describe_broyden(state: BroydenState, status: ServoStatus) -> str:
     if status == ServoStatus.MOVING:
         return TEST_MOVE if state.probe else ""
-    return _next_is_small() if status == ServoStatus.SETTLED else ""
+    return ""
 
 
 def _probe_note(motion: LastMotion, jacobian: str = "Ĵ") -> str:
@@ -208,8 +204,6 @@ def _gauss_newton_equations(state: GaussNewtonState | None, motion: LastMotion) 
 def _describe_recursive(state: RecursiveState, status: ServoStatus) -> str:
     if status == ServoStatus.NO_PROGRESS:
         return "There is no way on from here." if state.has_patience else _not_lower(state.n_since_best)
-    if status == ServoStatus.SETTLED:
-        return _next_is_small()
     return TEST_MOVE if state.probe and status == ServoStatus.MOVING else ""
 
 

@@ -115,10 +115,15 @@ def _said(action: Action, base: Settings) -> Iterator[tuple[str, str]]:
     elif isinstance(action, Calibrate):
         yield "rehearse", ";".join(map(_degrees, action.postures))
     else:
-        ((name, value),) = action.fields.items() if len(action.fields) == 1 else (("", None),)
-        if name in ("", "demonstrator_deg", "body_points", "workspace_deg"):
-            raise NotReadable(f"no field says a change of {' and '.join(action.fields)}")
-        yield WORDS[name], _plain(value)
+        yield _changed(action)
+
+
+def _changed(action: ChangeSettings) -> tuple[str, str]:
+    """Say a change of one setting; `demo` would be a move, and fields in a row are changes one after another."""
+    names = list(action.fields)
+    if len(names) != 1 or names[0] not in WORDS or names[0] == "demonstrator_deg":
+        raise NotReadable(f"no field says a change of {' and '.join(names)}")
+    return WORDS[names[0]], _plain(action.fields[names[0]])
 
 
 def _differences(settings: Settings, base: Settings) -> Iterator[tuple[str, str]]:

@@ -25,6 +25,7 @@ MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take
 MESSAGE_STAYS = 30.0  # s
 FROM_LINK = "From a link"
+BODIES = ("scene", "robot", "joints", "body_points")  # settings of which a preset's sentence speaks
 
 
 def share_link(model: PageModel, hides: bool = False) -> str:
@@ -132,7 +133,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
     offered = presets_from(model.begun).values()
     same = [preset for preset in (page.preset, *offered) if complete(preset.settings) == begun]
     model.presets.chosen = same[0] if same else page.preset
-    if not (same or played.is_own):
+    if any(getattr(begun, name) != getattr(complete(page.preset.settings), name) for name in BODIES) and not same:
         model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
     model.player.speed = page.speed
     model.tour_offered = model.tour_offered and page.offers_tour

@@ -96,7 +96,10 @@ def said(script: Script, base: Settings) -> list[tuple[str, str]]:
         if not has_begun and isinstance(action, MoveDemonstrator | ChangeSettings):
             pairs.append(("steps", "0"))  # it had looked already, which takes draws of noise
         has_begun = not isinstance(action, Begin)
-        pairs += _said(action, base)
+        for name, text in _said(action, base):
+            if name == "steps" and pairs and pairs[-1][0] == name:
+                text = str(int(text) + int(pairs.pop()[1]))  # the last step may have made no motion
+            pairs.append((name, text))
     return pairs
 
 

@@ -182,7 +182,7 @@ def test_too_few_points_hold_the_arm_still_and_say_so(session):
     page = session
     set_number(page, "Images averaged", 1)  # of 25, one or another shows each point
     set_number(page, "Points lost (%)", 50)
-    wait_for_status(page, "Too few points · All four images show (only|no)")
+    wait_for_status(page, "Too few points · Five points are needed")
     before = posture(page)
     press(page, "ArrowRight")
     page.wait_for_timeout(700)

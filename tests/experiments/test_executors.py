@@ -100,7 +100,7 @@ RESULTS_OF = {
     calibration.run_once: calibration.Ending(ServoStatus.UNOBSERVABLE, 4, True, 1e-17, math.inf),
     robustness.run_once: (0.1, 2 / 3, 7, False),
     tracking.run_once: array(),
-    scenes.run_scene: [scenes.Run(array()[0], array()[1], array()[0], 5, np.bool_(True), np.float64(0.7))],
+    scenes.run_scene: [scenes.Run(array()[0], array()[1], array()[0], array()[1], 5, np.bool_(True), np.float64(0.7))],
     compare.run_draw: [compare.Row("a", 3, "kalman", 9, ServoStatus.SETTLED, 0.1 + 0.2, math.nan, 5e-324)],
 }
 

@@ -354,7 +354,7 @@ def test_a_learner_that_watches_itself_first_imitates_in_few_motions(session):
     wait_for_status(page, "Ready")
     press(page, "Space")
     after = wait_for_status(page, r"Arrived.*After 1 step\b")
-    wait_for_text(page, f"Imitated in {re.search('after (.*?)[.]', after)[1]}.")
+    wait_for_text(page, f"Imitated in {re.search('After (.*?),', after)[1]}.")
     page.get_by_role("button", name="Forget").click()
     watch.wait_for(timeout=PATIENCE_MS)
     fold(page, "Start")

@@ -410,7 +410,7 @@ def test_an_arm_that_obeys_badly_is_not_where_the_learner_believes_and_still_arr
     "settings, max_motions, status, said",
     [
         (Settings(start_deg=(25, -45)), 100, "converged", "prove the pose"),
-        (Settings.paper(start_deg=(25, -45)), 100, "settled", "does not prove the pose"),
+        (Settings.paper(start_deg=(25, -45)), 100, "settled", "that is no proof"),
         (
             Settings(points=5, demonstrator_deg=(20, -30)),
             100,

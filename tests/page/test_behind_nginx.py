@@ -24,7 +24,7 @@ def test_the_page_plays_to_its_end_below_its_own_address(window, address):
     ended = window.wait_for(
         f"!/^(Ready|Moving|Probing|Test move)/.test({STATUS}) && /[Aa]fter 9/.test({STATUS}) && {STATUS}"
     )
-    assert "differ by 1.3 px" in ended
+    assert "agree to 1.3 px" in ended
     assert window.evaluate("location.href").startswith(address) and "websocket=" not in window.evaluate("location.href")
 
 

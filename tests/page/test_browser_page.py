@@ -115,7 +115,7 @@ def test_playing_converges_and_says_so(session):
     page = session
     press(page, "Space")
     text = wait_for_status(page, "At rest")
-    assert "differ by 1.3 px" in text
+    assert "agree to 1.3 px" in text
     assert np.abs(np.array(posture(page)) - [45, -90]).max() < 2
 
 

@@ -13,11 +13,10 @@ from viewimit.loop.link import NotReadable
 from viewimit.loop.script import Script
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.simulated_robot import complete
 
 from .choices import SWITCHES, Preset, View, presets_from, switched
 from .following import Played
-from .link import VERSUS, described, nearest
+from .link import VERSUS, described, nearest, usual
 from .page_model import PageModel
 from .services import Redraw
 
@@ -68,7 +67,7 @@ def _pairs(
 ) -> list[tuple[str, str]]:
     """The fields of the preset and of the scripts. Raises ValueError if they are too long."""
     preset = model.preset if model.preset.key else nearest(script.settings)
-    base = complete(preset.settings)
+    base = usual(preset)
     pairs = [("preset", preset.key), *_said(script, base, hides, motion)]
     if opponent is not None:
         pairs.append((VERSUS, link.joined(_said(opponent, base, hides))))
@@ -131,9 +130,9 @@ def become(model: PageModel, played: Played, now: float) -> None:
         model.past.replace(())
     begun = page.script.settings
     offered = presets_from(model.begun).values()
-    same = [preset for preset in (page.preset, *offered) if complete(preset.settings) == begun]
+    same = [preset for preset in (page.preset, *offered) if usual(preset) == begun]
     model.presets.chosen = same[0] if same else page.preset
-    if any(getattr(begun, name) != getattr(complete(page.preset.settings), name) for name in BODIES) and not same:
+    if any(getattr(begun, name) != getattr(usual(page.preset), name) for name in BODIES) and not same:
         model.presets.chosen = Preset(FROM_LINK, begun, page.speed, "As it was sent.")
     model.player.speed = page.speed
     model.tour_offered = model.tour_offered and page.offers_tour

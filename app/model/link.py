@@ -6,6 +6,7 @@ a duel the opponent's own query; and for the tab alone, the colours and whether 
 
 import math
 from collections.abc import Iterator
+from functools import cache
 
 import msgspec
 import numpy as np
@@ -91,7 +92,7 @@ def read_link(query: str, begun: Settings) -> Linked:
             page[name] = text
     own = {name(place): place for place in (begun.scene, begun.robot) if place for name in (file_name, described)}
     preset = _preset(page.get("preset"), begun)
-    base = complete(preset.settings)
+    base = usual(preset)
     script, motion = _script(page.pop(link.PACKED, None), script_pairs, base)
     scripts = [script]
     if VERSUS in page:
@@ -123,11 +124,21 @@ def _script(packed: str | None, pairs: link.Pairs, base: Settings) -> tuple[Scri
     return found.script, found.motion
 
 
+@cache
+def _completed(settings: Settings) -> Settings:
+    return complete(settings)
+
+
+def usual(preset: Preset) -> Settings:
+    """Return the settings of a preset with the postures of its scene, against which links are said."""
+    return _completed(preset.settings)
+
+
 def nearest(settings: Settings) -> Preset:
     """Return the preset with a key from which settings differ least."""
 
     def differing(preset: Preset) -> int:
-        base = complete(preset.settings)
+        base = usual(preset)
         return sum(getattr(settings, name) != getattr(base, name) for name in Settings.__struct_fields__)
 
     return min((preset for preset in PRESETS if preset.settings.sensor == settings.sensor), key=differing)

@@ -7,9 +7,10 @@ import contextlib
 import io
 
 import pytest
-from viewimit.app.lab.page import SHIPPED, _named_on_the_page, lab_page, presets
+from viewimit.app.lab.page import lab_page
+from viewimit.app.presets import LAB_PRESETS
 
-from viewimit import Session, Settings
+from viewimit import Session
 from viewimit.commands import imitate
 from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.recording import record
@@ -23,17 +24,12 @@ const said = document.getElementById("outcome"), dot = document.getElementById("
 return [said.textContent.replace(/[.]$/, ""), dot, s.now.status]; }"""
 IN_REPLAY = """() => [document.getElementById("outcome").textContent,
 document.getElementById("state").className.split(" ").pop()]"""
-PRESETS = {preset.name: preset for preset in presets() if preset.name not in ("printed", "four")}
+PRESETS = {preset.key: preset for preset in LAB_PRESETS if preset.key not in ("printed", "four")}
 # One crawls on for thousands of steps, the other has a body that the library's scene has not
 
 
 def run_of(preset):
-    session = Session(
-        Settings.paper(
-            scene=_named_on_the_page(preset, SHIPPED), transfer=preset.transfer, servo=preset.servo, rectify="off",
-            noise_px=preset.noise_px, missing=preset.missing, seed=preset.seed, points=preset.points,
-        )
-    )  # fmt: skip
+    session = Session(preset.settings)
     return session, session.run(MOTIONS)
 
 
@@ -60,7 +56,8 @@ def test_green_is_a_claim_and_nothing_else():
 
 def test_the_lab_offers_methods_of_the_library():
     assert set(lab_methods().servos) <= set(SERVOS) and set(lab_methods().transfers) <= set(TRANSFERS)
-    assert all(one.servo in lab_methods().servos and one.transfer in lab_methods().transfers for one in presets())
+    assert all(one.settings.servo in lab_methods().servos for one in LAB_PRESETS)
+    assert all(one.settings.transfer in lab_methods().transfers for one in LAB_PRESETS)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +86,7 @@ def main():
         session, ended = run_of(preset)
         told = in_python(session, ended)
         same = "same" if len(set(told.values())) == 1 else "DIFFERENT"
-        row = f"{preset.name:9} {ended.motions:5} {ended.status:12} {same:9}"
+        row = f"{preset.key:9} {ended.motions:5} {ended.status:12} {same:9}"
         print(row, *map(" / ".join, told.values()), sep=" | ")
 
 

@@ -180,7 +180,7 @@ CROSSED = (
     ("l", "This is point {point} in l."),
     ("left", "Its epipolar lines in L and R: the point is somewhere on them."),
     ("r", "This is point {point} in r."),
-    ("right", "It gives a second line in each image."),
+    ("right", "It gives a second line in each picture."),
     ("recovered", "The diamond is where the two lines cross."),
     ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
@@ -220,7 +220,7 @@ def describe_construction(construction: Construction | None, point: int, stage: 
         words = (CROSSED if crossed else REPEATED)[stage][1]
         return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(point=name)}"
     if construction is None:
-        return f"Point {name} is not visible in all four images."
+        return f"Point {name} is not visible in all four pictures."
     if construction.angle is None:
         return f"Point {name}: transferred by the steps {svg.sample(STEPS_SAMPLE, 0, 20)}."
     left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))

@@ -105,9 +105,9 @@ def run(args: argparse.Namespace) -> int:
     views, points, named = lenses.without_distortion(args, images), tracked.points, None
     body = _learn_body(args, tracked.frames, views)
     if body is not None and args.unmatched:
-        found = name_points(body, views)
-        named = _naming_json(found, body, tracked.frames, points)
-        views = found.views
+        matched = name_points(body, views)
+        named = _naming_json(matched, body, tracked.frames, points)
+        views = matched.views
     elif body is not None:
         views = own_points(body, views)
     if body is not None:

@@ -27,8 +27,8 @@ export const SERVO = "broyden";
 const MAX_ROBOT = 30; // steps, after which it has failed
 const EDGE_DEG = 8, ELBOW_DEG = [20, 160], FAR_DEG = [30, 100], ROBOT_STEPS = [4, 8], MAX_DRAWS = 400;
 
-/** Degrees by which each joint is off. @param {number[]} theta @param {number[]} goal */
-export const jointsOff = (theta, goal) => theta.map((v, k) => Math.abs(v - goal[k]) / DEGREE);
+/** Degrees by which each joint is off: exactly 5 where whole degrees are 5 apart. @param {number[]} theta @param {number[]} goal */
+export const jointsOff = (theta, goal) => theta.map((v, k) => Number((Math.abs(v - goal[k]) / DEGREE).toFixed(6)));
 
 /** Degrees of the joint that is farthest off. @param {number[]} theta @param {number[]} goal */
 export const degreesOff = (theta, goal) => Math.max(...jointsOff(theta, goal));

@@ -16,8 +16,8 @@ from urllib.parse import parse_qsl
 
 import pytest
 from viewimit.app.lab.article.page import FIGURES
-from viewimit.app.lab.page import presets
 from viewimit.app.model.link import read_link
+from viewimit.app.presets import LAB_PRESETS
 
 import viewimit
 from viewimit.commands.cli import COMMANDS, main
@@ -182,7 +182,7 @@ def test_all_that_a_page_links_to_or_loads_is_there(site):
             path = (site / place).parent / target.partition("?")[0] if target else site / place
             assert path.is_file(), (place, address)
             if path.name == "lab.html" and "=" in anchor:  # a state of the lab
-                assert dict(parse_qsl(anchor))["preset"] in {preset.name for preset in presets()}, (place, address)
+                assert dict(parse_qsl(anchor))["preset"] in {preset.key for preset in LAB_PRESETS}, (place, address)
             elif anchor and path.suffix == ".html":
                 assert f'id="{anchor}"' in path.read_text("utf-8"), (place, address)
         assert not re.search(r'<link[^>]*href="https?:', page) and "@import" not in page

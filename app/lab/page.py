@@ -7,7 +7,6 @@ from urllib.parse import urlencode
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from viewimit.assets import ROOT
 
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene, require_scene
 from viewimit.drawing.export.lab_methods import lab_methods
@@ -16,37 +15,14 @@ from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
-from viewimit.sensing.files import parse_toml
-from viewimit.simulation.scene import Scene, extended, load_scene
+from viewimit.simulation.scene import Scene, load_scene
 from viewimit.simulation.world import World
+
+from ..presets import LAB_PRESETS, Preset
 
 SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"
-USUAL_POINTS = 10
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
-
-
-class Preset(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One of the lab's experiments, described in one sentence. Angles are in degrees."""
-
-    name: str
-    title: str
-    says: str
-    scene: str = ""  # the scene that the lab was given, if empty
-    head: dict[str, Any] = {}  # fields of the scene's head that differ
-    points: int = USUAL_POINTS
-    transfer: str = "epipolar"
-    servo: str = "broyden"
-    noise_px: float = 0.0
-    missing: float = 0.0  # share of points that a picture does not show
-    seed: int = 7
-
-
-@cache
-def presets() -> tuple[Preset, ...]:
-    """Return the shipped presets, in their order."""
-    fields = parse_toml(ROOT.joinpath("lab", "presets.toml").read_bytes())
-    return msgspec.convert(fields["preset"], tuple[Preset, ...])
 
 
 def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
@@ -69,15 +45,11 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     robot = describe_robot(given.robot, shapes, MAX_FACES)
     for preset in _offered(scene):
         used = _scene_of(preset, given)
-        key = preset.name if preset.scene else "given"
+        key = "given" if used is given else preset.key
         if key not in scenes:
-            page = {"scene": _named_on_the_page(preset, name), "layouts": list(used.points)}
+            page = {"scene": name if used is given else preset.settings.scene, "layouts": list(used.points)}
             scenes[key] = {**engine_scene(with_few_points(used)), "stage": _stage(used, shapes), "page": page}
-        layout = min(map(int, scenes[key]["layouts"]), key=lambda count: abs(count - preset.points))
-        fields = {
-            name: getattr(preset, name) for name in ("name", "title", "says", "transfer", "servo", "missing", "seed")
-        }
-        chosen.append({**fields, "scene": key, "points": layout, "noisePx": preset.noise_px})
+        chosen.append(_described(preset, key, list(scenes[key]["layouts"])))
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
@@ -86,20 +58,29 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
 
 def _offered(scene: Scene | None) -> list[Preset]:
     """The presets of a lab that was given a scene, or None."""
-    return [preset for preset in presets() if scene is None or not preset.scene]
+    return [preset for preset in LAB_PRESETS if scene is None or preset.settings.scene == SHIPPED]
 
 
 def _scene_of(preset: Preset, given: Scene) -> Scene:
-    used = load_scene(preset.scene) if preset.scene else given
-    return extended(used, {"head": preset.head}) if preset.head else used
+    return given if preset.settings.scene == SHIPPED else load_scene(preset.settings.scene)
 
 
-def _named_on_the_page(preset: Preset, given: str) -> str:
-    """A preset's scene as `Settings.scene` takes it: its name, or the text of a scene file."""
-    if not preset.head:
-        return preset.scene or given
-    head = "".join(f"{field} = {value}\n" for field, value in preset.head.items())
-    return f'extends = "{preset.scene or given}"\n[head]\n{head}'
+def _described(preset: Preset, scene: str, layouts: list[str]) -> dict[str, Any]:
+    """A preset as app/lab/view/address.js documents it."""
+    settings = preset.settings
+    return {
+        "name": preset.key,
+        "title": preset.name,
+        "says": preset.says,
+        "transfer": settings.transfer,
+        "servo": settings.servo,
+        "noisePx": settings.noise_px,
+        "missing": settings.missing,
+        "seed": settings.seed,
+        "scene": scene,
+        **({} if settings.start_deg is None else {"start": np.radians(settings.start_deg).tolist()}),
+        "points": min(map(int, layouts), key=lambda count: abs(count - settings.points)),
+    }
 
 
 def with_few_points(scene: Scene) -> Scene:
@@ -127,7 +108,7 @@ def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, di
         except ValueError:
             scene = None
     given = scene or load_scene(SHIPPED)
-    return {preset.name: engine_scene(with_few_points(_scene_of(preset, given))) for preset in _offered(scene)}
+    return {preset.key: engine_scene(with_few_points(_scene_of(preset, given))) for preset in _offered(scene)}
 
 
 @cache
@@ -159,7 +140,7 @@ def lab_address(now: Snapshot) -> str | None:
     if not found or _own_bodies(now) or settings.sensor != "projected":
         return None
     fields = {
-        "preset": found[0].name,
+        "preset": found[0].key,
         "demo": _degrees(now.theta_demo),
         "start": _degrees(now.theta),
         "servo": settings.servo if settings.servo in lab_methods().servos else None,
@@ -182,7 +163,12 @@ def lab_lacks(now: Snapshot) -> list[str]:
 
 
 def _presets_of(now: Snapshot) -> list[Preset]:
-    return [preset for preset in presets() if (preset.scene or SHIPPED) == now.settings.scene and not preset.head]
+    """The lab's presets of a moment's scene, the one of the most equal settings first."""
+    there = [preset for preset in LAB_PRESETS if preset.settings.scene == now.settings.scene]
+    fields = ("transfer", "servo", "points", "noise_px", "missing")
+    return sorted(
+        there, key=lambda one: sum(getattr(one.settings, name) != getattr(now.settings, name) for name in fields)
+    )
 
 
 def _own_bodies(now: Snapshot) -> list[str]:

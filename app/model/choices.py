@@ -12,6 +12,8 @@ from viewimit.servo import SERVOS
 from viewimit.simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
 from viewimit.simulation.scene import Scene, load_robot, load_scene
 
+from ..presets import PRESETS, Preset
+
 FLAGS = {"0": False, "1": True}  # as links have them
 
 SPEEDS = {
@@ -154,146 +156,14 @@ def _number(count: int) -> str:
     return WORDS[count] if count < len(WORDS) else str(count)
 
 
-# Presets: situations worth seeing, as data. Those that break the method say how.
-
-
-@dataclass(frozen=True)
-class Preset:
-    """name: as listed; settings: its values; motions_per_second: 0 is as fast as it computes; key: in links."""
-
-    name: str
-    settings: Settings
-    motions_per_second: float
-    lesson: str
-    key: str = ""
-
-
-PRESETS = [
-    Preset(
-        "Paper, Section 5.3",
-        Settings.paper(),
-        2,
-        "Ten points, four pictures. Press Play and watch the conflict shrink.",
-        "paper",
-    ),
-    Preset(
-        "Beyond the paper",
-        Settings(),
-        2,
-        "Our best method: exact in three steps, as it predicts images before it moves.",
-        "best",
-    ),
-    Preset(
-        "The paper's own law",
-        Settings.paper(servo="gradient", start_deg=(30, -60)),
-        0,
-        "The paper's law as printed. Its steps shrink with E, so it slows to a crawl.",
-        "gradient",
-    ),
-    Preset(
-        "The paper's law, retuned",
-        Settings.paper(servo="gradient-retuned", start_deg=(25, -45)),
-        0,
-        "With a larger gain it comes near in hundreds of steps, but never stands still.",
-        "retuned",
-    ),
-    Preset(
-        "Linear combination of views",
-        Settings.paper(transfer="linear", start_deg=(75, -150)),
-        2,
-        "Just as accurate. It intersects no lines, so parallel ones cannot spoil it.",
-        "linear",
-    ),
-    Preset(
-        "Seven joints",
-        Settings(
-            joints=tuple(range(1, 8)),
-            points=16,
-            demonstrator_deg=(10, 40, -10, -80, 15, 100, 30),
-            start_deg=(-10, 25, 10, -50, -15, 75, 60),
-        ),
-        2,
-        "Seven unknowns. The wrist is hardest to see, as it moves its points least.",
-        "seven",
-    ),
-    Preset(
-        "Verged cameras",
-        Settings.paper(scene="panda-verged", start_deg=(25, -45), rectify="off"),
-        2,
-        "Each camera looks at the gaze point itself. The lowest E is at a wrong pose.",
-        "verged",
-    ),
-    Preset(
-        "Toed-in cameras",
-        Settings(scene="panda-toed", start_deg=(25, -45)),
-        2,
-        "Two different cameras, toed in. Matched points alone rectify their images.",
-        "toed",
-    ),
-    Preset(
-        "Demonstrator faces the learner",
-        Settings.paper(scene="panda-facing", start_deg=(25, -45)),
-        2,
-        "Near and far swap for a demonstrator that faces the learner: far from exact.",
-        "facing",
-    ),
-    Preset(
-        "Few points",
-        Settings.paper(points=5, start_deg=(25, -45)),
-        2,
-        "With four points E is always 0. With five it is nearly flat: no joint is found.",
-        "few",
-    ),
-    Preset(
-        "Nearly coplanar points",
-        Settings.paper(scene="panda-flat", start_deg=(25, -45)),
-        2,
-        "The points nearly lie in one plane, so one coordinate is left to chance.",
-        "flat",
-    ),
-    Preset(
-        "Half a pixel of noise",
-        Settings.paper(noise_px=0.5, start_deg=(25, -45)),
-        2,
-        "Noise moves the minimum itself by degrees, because the transfer amplifies it.",
-        "noise",
-    ),
-    Preset(
-        "Points get lost",
-        Settings.paper(points=16, missing=0.15, start_deg=(25, -45), transfer="linear"),
-        2,
-        "A point counts if all four images show it. Below five, the arm holds still.",
-        "lost",
-    ),
-    Preset(
-        "Points without names",
-        Settings(points=16, noise_px=0.1, matched=False, start_deg=(25, -45)),
-        2,
-        "The points come in any order. After two test moves the learner names them.",
-        "unnamed",
-    ),
-    Preset(
-        "KUKA iiwa",
-        Settings.paper(scene="iiwa", start_deg=(25, -25)),
-        2,
-        "Another robot, the same method: it knows no robot.",
-        "iiwa",
-    ),
-    Preset(
-        "Camera images",
-        Settings(sensor="rendered"),
-        2,
-        "Rendered pictures. Only coloured balls that are detected in them count.",
-        "images",
-    ),
-]
+# Presets: those of the list, and what the command line asked for.
 
 AS_STARTED = "As started"
 
 
 def presets_from(asked: Settings) -> dict[str, Preset]:
     """By name, the one to begin with first: what the command line asked for, if no preset is that."""
-    begun = next((preset for preset in PRESETS if preset.settings == asked), Preset(AS_STARTED, asked, 2, ""))
+    begun = next((preset for preset in PRESETS if preset.settings == asked), Preset(AS_STARTED, asked))
     return {preset.name: preset for preset in (begun, *PRESETS)}
 
 

@@ -54,7 +54,7 @@ def situation(layout: Layout, model: PageModel) -> None:
         put(preset, _name(model))
 
     layout.drawing(lambda model: (_name(model), model.preset.name, model.inputs), show_preset)
-    layout.html(lambda model: f'<div class="vi-lesson">{model.preset.lesson}</div>')
+    layout.html(lambda model: f'<div class="vi-lesson">{model.preset.says}</div>')
 
 
 def copy(layout: Layout, model: PageModel) -> None:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from browsing import sparing
 from msgspec.structs import replace
-from viewimit.app.lab.page import lab_address, lab_lacks, lab_page, presets
-from viewimit.app.model.choices import PRESETS
+from viewimit.app.lab.page import lab_address, lab_lacks, lab_page
 from viewimit.app.model.link import read_link
+from viewimit.app.presets import LAB_PRESETS, PRESETS
 from waiting import wait_until
 
-from viewimit import Session, Settings, load_scene
+from viewimit import Session, Settings
 from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.space import thinned
 
@@ -108,12 +108,6 @@ def test_the_file_is_small_and_its_policy_is_strict(lab):
     (policy,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', lab)
     assert "default-src 'none'" in policy and "unsafe-eval" not in policy and "connect-src" not in policy
     assert re.findall(r'\b(?:src|href)="(?!data:|#)[^"]*"', lab) == []
-
-
-def test_a_dozen_experiments_have_a_sentence_each():
-    offered = presets()
-    assert len(offered) >= 12 and len({preset.name for preset in offered}) == len(offered)
-    assert all(preset.says.endswith((".", "?")) and len(preset.says.split()) <= 25 for preset in offered)
 
 
 def test_a_mesh_is_thinned_to_a_bound_and_keeps_its_extent():
@@ -262,7 +256,7 @@ def test_a_finger_poses_and_plays_on_a_phone(opened):
 @pytest.mark.browser
 def test_the_address_says_what_is_shown_and_leads_back(opened):
     changed = "servo=gradient-retuned&transfer=linear&noise=0.5&missing=0.1&seed=3"
-    address = f"#preset=noise&demo=50,-80&start=30,-40&{changed}&steps=4"
+    address = f"#preset=lost&demo=50,-80&start=30,-40&points=10&{changed}&steps=4"
     page = opened(address)
     first = now(page)
     assert first["motion"] == 4 and degrees(first["thetaDemo"]) == [50, -80]
@@ -270,7 +264,7 @@ def test_the_address_says_what_is_shown_and_leads_back(opened):
     wait_until(lambda: page.evaluate("location.hash").endswith("steps=5"))
     there = page.evaluate("location.hash")
     assert all(
-        part in there for part in ("preset=noise", "servo=gradient-retuned", "noise=0.5", "missing=0.1", "seed=3")
+        part in there for part in ("preset=lost", "servo=gradient-retuned", "noise=0.5", "missing=0.1", "seed=3")
     )
     other = opened(there)
     assert now(other) == now(page)
@@ -291,19 +285,16 @@ def test_the_address_says_what_is_shown_and_leads_back(opened):
 @pytest.mark.browser
 def test_every_experiment_opens_and_the_page_of_viewimit_opens_in_it(opened):
     page = opened()
-    for preset in presets():
-        page.select_option("#preset", preset.name)
+    for preset in LAB_PRESETS:
+        page.select_option("#preset", preset.key)
         assert page.inner_text("#says") == preset.says
         assert page.evaluate("lab.step() ?? lab.session().now.motion") == 1
         text = page.evaluate("lab.pageLink()")
         script = read_link(text, Settings()).script
         settings = script.settings
-        assert (settings.transfer, settings.servo, settings.noise_px) == (
-            preset.transfer,
-            preset.servo,
-            preset.noise_px,
-        )
-        if preset.points != 4:  # the page needs five
+        method = "transfer", "servo", "noise_px", "missing"
+        assert [getattr(settings, name) for name in method] == [getattr(preset.settings, name) for name in method]
+        if preset.settings.points != 4:  # the Workbench needs five
             session = Session(settings)
             session.step()
             assert session.snapshot.E == pytest.approx(now(page)["E"], rel=1e-6)
@@ -599,11 +590,6 @@ def test_the_pages_link_leads_to_the_lab_in_its_state(opened):
     assert page.locator("#noise").input_value() == "0.5" and page.locator("#seed").input_value() == "3"
     assert lab_address(Session(Settings(scene="panda", joints=(1, 2, 4), points=16)).snapshot) is None
     assert "preset=facing" in lab_address(Session(Settings.paper(scene="panda-facing")).snapshot)
-
-
-def test_presets_have_scenes_that_load():
-    for preset in presets():
-        assert preset.points == 4 or str(preset.points) in load_scene(preset.scene or "panda").points
 
 
 CARRIED = set("scene demonstrator_deg start_deg servo transfer points noise_px missing seed name".split())

@@ -28,7 +28,7 @@ ACTS = st.lists(
         st.tuples(st.just("undo"), st.integers(1, 3)),
         st.tuples(st.just("history"), st.integers(0, 4)),
         st.tuples(st.just("reset"), st.just(1)),
-        st.tuples(st.just("preset"), st.sampled_from(["Half a pixel of noise", "Few points", "Seven joints"])),
+        st.tuples(st.just("preset"), st.sampled_from(["Noisy pictures", "Five points", "Seven joints"])),
         st.tuples(st.just("servo"), st.sampled_from(["Broyden’s rule", "Kalman filter"])),
         st.tuples(st.just("noise_px"), st.sampled_from([0.25, 1.0])),
         st.tuples(st.just("chosen"), st.sampled_from(["2", "3"])),

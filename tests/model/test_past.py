@@ -31,7 +31,7 @@ def moments(model):
 
 LOSSES = {
     "reset": lambda visitor: visitor.act("reset"),
-    "preset": lambda visitor: visitor.set("preset", "Few points"),
+    "preset": lambda visitor: visitor.set("preset", "Five points"),
     "another robot": lambda visitor: visitor.set("preset", "KUKA iiwa"),
     "start": lambda visitor: visitor.model.undoable.start_at((60, -60)),
     "joints": lambda visitor: visitor.set("joints", "all seven"),
@@ -139,7 +139,7 @@ def test_camera_images_that_were_left_come_back_with_new_pictures():
     visit.put("camera", True)
     visit.arrive()
     before = visit.session.snapshot.E
-    visit.put("preset", "Few points")
+    visit.put("preset", "Five points")
     visit.arrive()
     assert visit.photographs == []
     visit.act("undo")

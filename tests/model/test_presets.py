@@ -34,20 +34,23 @@ class End:
 
 ENDS: dict[str, Callable[[End], bool]] = {
     "Beyond the paper": lambda end: end.off < 0.1 and end.last.motion <= 12,
-    "Paper, Section 5.3": lambda end: end.off < 3 and end.known.at_local_minimum,
-    "The paper's own law": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
+    "The paper's experiment": lambda end: end.off < 3 and end.known.at_local_minimum,
+    "The paper's law, as printed": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
+    "A transfer that knows perspective": lambda end: end.off < 0.1 and end.last.E < 0.01,
+    "Seen from far away": lambda end: end.off < 0.5 and end.last.E < 0.05,
+    "Seen from close by": lambda end: end.known.at_local_minimum and end.last.E > 1,
     "The paper's law, retuned": lambda end: (
         100 < np.argmax(end.off_deg < 3) < MOTIONS and end.last.motion == MOTIONS and end.last.status != "converged"
     ),
-    "Linear combination of views": lambda end: end.off < 3 and end.known.at_local_minimum,
+    "A transfer without lines": lambda end: end.off < 3 and end.known.at_local_minimum,
     "Seven joints": lambda end: end.off < 0.3 and end.known.std_per_px[5:].min() > 1.5 * end.known.std_per_px[:5].max(),
-    "Verged cameras": lambda end: end.known.at_local_minimum and end.off > 5,
-    "Toed-in cameras": lambda end: end.off < 0.2 and end.last.motion <= 12 and end.last.rectification is not None,
-    "Demonstrator faces the learner": lambda end: end.known.at_local_minimum and end.off > 10 and end.last.E > 20,
-    "Few points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
-    "Nearly coplanar points": lambda end: end.last.flatness > BADLY_CONDITIONED,
-    "Half a pixel of noise": lambda end: end.off > 1,
-    "Points get lost": lambda end: end.last.usable.sum() < len(end.last.usable),
+    "Eyes turned inwards": lambda end: end.known.at_local_minimum and end.off > 5,
+    "Eyes turned inwards, rectified": lambda end: end.off < 0.2 and end.last.rectification is not None,
+    "Face to face": lambda end: end.off > 10 and end.last.E > 20,
+    "Five points": lambda end: end.last.E < 0.5 and end.off > 10 and 0 in end.known.unobservable,
+    "Points in one plane": lambda end: end.last.flatness > BADLY_CONDITIONED,
+    "Noisy pictures": lambda end: end.off > 1,
+    "Points that get lost": lambda end: end.last.usable.sum() < len(end.last.usable),
     "Points without names": lambda end: (
         end.off < 0.2 and end.last.naming.certain.all() and np.isnan(end.first_E) and end.last.status == "converged"
     ),
@@ -70,9 +73,9 @@ def test_a_lesson_comes_true(preset):
 
 def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
     assert ServerOptions().settings == Settings.paper()
-    assert next(iter(presets_from(ServerOptions().settings).values())).name == "Paper, Section 5.3"
+    assert next(iter(presets_from(ServerOptions().settings).values())).name == "The paper's experiment"
     assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings.best()]
 
 
 def test_every_lesson_fits_into_two_lines():
-    assert all(0 < len(preset.lesson) <= 80 for preset in PRESETS)
+    assert all(0 < len(preset.says) <= 90 for preset in PRESETS)

@@ -49,7 +49,7 @@ CHANGES = {
     "transfer": lambda visitor: visitor.set("transfer", "Projective combination"),
     "servo": lambda visitor: visitor.set("servo", "Gradient (paper)"),
     "noise": lambda visitor: visitor.set("noise_px", 1),
-    "preset": lambda visitor: visitor.set("preset", "Few points"),
+    "preset": lambda visitor: visitor.set("preset", "Five points"),
 }
 
 

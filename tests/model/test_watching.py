@@ -133,7 +133,7 @@ def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
 
 
 @pytest.mark.parametrize(
-    "name, value", [("reset", None), ("preset", "Paper, Section 5.3"), ("preset", "Verged cameras")]
+    "name, value", [("reset", None), ("preset", "The paper's experiment"), ("preset", "Eyes turned inwards")]
 )
 def test_a_reset_and_presets_of_the_same_body_keep_it(visit, name, value):
     model, visitor = visit

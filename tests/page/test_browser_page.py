@@ -154,7 +154,7 @@ def test_every_preset_runs(session):
     worlds = set()  # that were looked at in 3-D
     for preset in reversed([preset for preset in PRESETS if preset.settings.sensor == "projected"]):
         choose(page, "Preset", preset.name)
-        wait(page, lambda preset=preset: page.text_content(LESSON) == preset.lesson)
+        wait(page, lambda preset=preset: page.text_content(LESSON) == preset.says)
         start = posture(page)
         press(page, "Space")
         wait(page, lambda start=start: posture(page) != start or "Too few points" in status(page))

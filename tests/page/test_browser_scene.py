@@ -47,13 +47,13 @@ def same(poses, others):
 
 def begin(page, preset):
     choose(page, "Preset", preset.name)
-    wait(page, lambda: page.text_content(LESSON) == preset.lesson)
+    wait(page, lambda: page.text_content(LESSON) == preset.says)
 
 
 def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
     first = PRESETS[0]
     before = page.evaluate(POSES)
-    for name in ("Demonstrator faces the learner", "Seven joints"):
+    for name in ("Face to face", "Seven joints"):
         begin(page, next(preset for preset in PRESETS if preset.name == name))
         wait(page, lambda: not same(page.evaluate(POSES), before))
     begin(page, first)

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
-from viewimit.app.model import choices
-from viewimit.app.model.keeping import share_link
 from viewimit.app.panels import PANELS
 from viewimit.app.panels.guide import KEYS
 
@@ -19,15 +17,15 @@ PAGE = ROOT / "docs/how-to/page.md"
 @pytest.fixture
 def extended():
     """A page with what the blocks add."""
-    before, panels, presets = dict(COMMANDS), list(PANELS), list(choices.PRESETS)
+    before, panels = dict(COMMANDS), list(PANELS)
     for block in re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.S):
         exec(compile(block, str(PAGE), "exec"), {})
     yield QuietPage()
     COMMANDS.clear(), COMMANDS.update(before)
-    PANELS[:], choices.PRESETS[:] = panels, presets
+    PANELS[:] = panels
 
 
-def test_the_blocks_of_the_documentation_add_a_command_a_panel_and_a_preset(extended):
+def test_the_blocks_of_the_documentation_add_a_command_and_a_panel(extended):
     extended.tick(1.0)
     extended.click("Last point")
     extended.tick(1.0)
@@ -40,10 +38,6 @@ def test_the_blocks_of_the_documentation_add_a_command_a_panel_and_a_preset(exte
     extended.tick(1.0)
     snapshot = extended.page.model.snapshot
     assert np.allclose(snapshot.theta, snapshot.theta_demo) and snapshot.theta.any()
-    extended.choose("Preset", "Three pixels")
-    extended.tick(1.0)
-    assert extended.page.model.settings.noise_px == 3.0 and "how well can it tell?" in extended.shown
-    assert share_link(extended.page.model).startswith("preset=three")
 
 
 def test_no_two_keys_do_different_things_and_none_is_one_that_the_script_takes():

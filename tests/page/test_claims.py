@@ -30,7 +30,7 @@ def page(browser, server):
 
 
 def test_a_learner_that_cannot_tell_a_joint_does_not_say_that_it_arrived(page):
-    choose(page, "Preset", "Few points")
+    choose(page, "Preset", "Five points")
     choose(page, "Speed", "all it can")
     press(page, "Space")
     said = wait_for_status(page, "At rest, without proof")
@@ -63,7 +63,7 @@ def opened(page, key):
 @pytest.mark.parametrize("key", ["E", "largest_e", "points_seen", "own_views", "demo_views", "cost", "servo", "truth"])
 def test_every_number_explains_itself(page, key):
     if key == "points_seen":  # of which some are not seen: else it is no number of the page
-        choose(page, "Preset", "Points get lost")
+        choose(page, "Preset", "Points that get lost")
     if key == "servo":
         uncovered_row(page, "Servo")
     card = opened(page, key)
@@ -86,7 +86,7 @@ def come_by_keys(page, key):
 
 
 def test_a_card_stays_open_while_the_numbers_change(page):
-    choose(page, "Preset", "Paper, Section 5.3")
+    choose(page, "Preset", "The paper's experiment")
     wait_for_status(page, "Ready")  # the images were drawn anew
     place = opened(page, "condition").bounding_box()
     step(page)

@@ -81,7 +81,7 @@ TOO_FAINT = """
 def page(browser, server):
     """With all folders open."""
     page = open_page(browser, server, "small")
-    choose(page, "Preset", "Paper, Section 5.3")
+    choose(page, "Preset", "The paper's experiment")
     for name in FOLDERS:
         folder = folder_head(page, name)
         folder.press("Enter")
@@ -232,7 +232,7 @@ def test_the_help_closes_by_its_button_which_stays_in_sight_and_by_escape(page, 
 
 
 def test_an_entry_of_the_glossary_shows_itself_and_undo_takes_it_back(page):
-    choose(page, "Preset", "Points get lost")
+    choose(page, "Preset", "Points that get lost")
     wait_for_status(page, "Ready")
     page.locator(".vi-ask[popovertarget=vi-word-points_seen]").click()
     told = lambda: page.locator("#vi-word-points_seen i").first.evaluate("e => getComputedStyle(e, '::before').content")
@@ -244,7 +244,7 @@ def test_an_entry_of_the_glossary_shows_itself_and_undo_takes_it_back(page):
     press(page, "Escape")
     wait_for_count(page, ":popover-open", 0, exactly=True)
     press(page, "ArrowLeft")
-    wait_for_status(page, "Back is what was here before: Points get lost")
+    wait_for_status(page, "Back is what was here before: Points that get lost")
 
 
 def test_no_hint_is_seen_while_a_slider_is_dragged(page):

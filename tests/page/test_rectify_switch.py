@@ -12,7 +12,7 @@ from viewimit.simulation.world import World
 def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
     page = QuietPage(Settings())
     assert "then rectified" not in page.shown and page.widget("Rectify").value is True
-    page.choose("Preset", "Toed-in cameras")
+    page.choose("Preset", "Eyes turned inwards, rectified")
     page.page.queue.call("step")
     page.tick(1.0)
     session = page.page.model.session
@@ -22,7 +22,7 @@ def test_toed_in_cameras_are_rectified_until_the_visitor_says_not_to():
     page.tick(1.0)
     assert "then rectified" not in page.shown and session.settings.rectify == "off"
     assert session.snapshot.rectification is None and session.snapshot.E != E
-    page.choose("Preset", "Verged cameras")
+    page.choose("Preset", "Eyes turned inwards")
     assert page.widget("Rectify").value is False
     page.choose("Rectify", True)
     assert session.snapshot.rectification is not None

@@ -55,7 +55,7 @@ def learner_of(client: Client) -> str:
 def work(client: Client) -> None:
     """What a visitor does: chooses, runs, stops, goes back."""
     for label, value in (
-        ("Preset", "Half a pixel of noise"),
+        ("Preset", "Noisy pictures"),
         ("Seed", 12.0),
         ("Point", "3"),
         ("Rays", True),

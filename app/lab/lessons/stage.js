@@ -120,7 +120,13 @@
  *   to: of the
  *   ringed point; measure: of the ask, after the turn
  * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by hand
- * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
+ * @typedef {{postures: number[][], E: number[], probes: boolean[], claim: Claim}} Race
+ * @typedef {Object} Claim how a run ended
+ * @property {string} status
+ * @property {number} seen points at the end
+ * @property {number[]} unobservable joints that the learner knows nothing of
+ * @property {number | null} expectedOffDeg what the learner expects to be off; null if it does not say
+ * @property {number[][]} swapped pairs of points that the learner takes to bear each other's names
  *
  * @typedef {Object} Figure a drawing in its box
  * @property {(stage: Stage, layers: Set<string>) => void} draw the whole of it, at most once a frame, with its text
@@ -345,7 +351,9 @@ export class Stage {
         && session.step()) snapshots.push(session.now);
       const [postures, E, probes] = [snapshots.map(({theta}) => theta), snapshots.map(one => one.E),
         snapshots.map(({probe}) => probe)];
-      this.raced[servo] = {postures, E, probes, status: session.now.status};
+      const status = snapshots.length > MAX_RACE ? "max-motions" : session.now.status; // "moving" where the goal is reached
+      const claim = {status, seen: session.now.usable.length, unobservable: [], expectedOffDeg: null, swapped: []};
+      this.raced[servo] = {postures, E, probes, claim};
     }
     return this.raced[servo];
   }

@@ -13,6 +13,7 @@
  * @property {number} noisePx
  * @property {number} missing
  * @property {number} seed
+ * @property {number[]} [start] rad; the scene's if it is not given
  *
  * @typedef {Object} State the page follows from it
  * @property {string} preset
@@ -37,7 +38,7 @@ const FIELDS = ["preset", "demo", "start", "servo", "transfer", "points", "noise
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
 export function beginning(preset, scene) {
   const {name, points, transfer, servo, noisePx, missing, seed} = preset;
-  const {demonstrator, start} = scene;
+  const {demonstrator} = scene, start = preset.start ?? scene.start;
   return {preset: name, points, transfer, servo, noisePx, missing, seed, demonstrator, start, steps: 0};
 }
 

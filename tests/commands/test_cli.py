@@ -448,10 +448,10 @@ def test_reports_for_people_carry_the_same_figures(ask, ask_json):
     _, told = ask_json(*affine)
     status, out, err = ask(*affine)
     assert status == 1 and "At rest, without proof" in err
-    assert f"after {told['motions']} motions, settled" in out and f"{told['E']:.4g} px²" in out
+    assert f"after {told['motions']} steps: at rest" in out and f"{told['E']:.4g} px²" in out
     _, told = ask_json("imitate", "--start", "25,-45")
     status, out, err = ask("imitate", "--start", "25,-45")
-    assert status == 0 and err == "" and f"after {told['motions']} motions, converged" in out
+    assert status == 0 and err == "" and f"after {told['motions']} steps: arrived" in out
     assert told["error_deg"] < 0.01 and "joint error   below 0.01° at most" in out
     assert told["E"] < 0.001 and "E             below 0.001 px²" in out
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from ..analysis.self_assessment import Assessment, assess
+from ..drawing.svg import count_motions
 from ..loop.history import MAX_HISTORY, History
 from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS, verdict
+from ..servo import SERVOS, ServoStatus, verdict
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -50,7 +51,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="write the history, a row for each motion, as .csv or .npz, or a replay of the run as one page, .html",
+        help="write the history, a row for each step, as .csv or .npz, or a replay of the run as one page, .html",
     )
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE", help="begin with what `viewimit rehearse` has written to this file"
@@ -123,8 +124,9 @@ def tell(ended: RunResult) -> None:
 def _report(result: dict) -> None:
     print(f"demonstrator  {posture(result['demonstrator_deg'])}")
     if result.get("rehearsal_holds") is False:
-        print("rehearsal     predicted too little: it has probed again; rehearse again, more postures if nothing moved")
-    print(f"learner       {posture(result['final_deg'])} after {result['motions']} motions, {result['status']}")
+        print("rehearsal     predicted too little: it has probed again; rehearse again, more poses if nothing moved")
+    label = verdict(ServoStatus(result["status"])).label.lower()
+    print(f"learner       {posture(result['final_deg'])} after {count_motions(result['motions'])}: {label}")
     by_joint = ", ".join(f"{joint['travel_deg']:.1f}°" for joint in result["joints"])
     print(f"travel        {result['travel_deg']:.1f}°; joint by joint {by_joint}")
     expected = result["std_error_deg"]
@@ -175,7 +177,7 @@ def _use_calibration(session: Session, path: Path) -> None:
     servo = session.settings.servo
     if not SERVOS[servo].predicts:
         able = ", ".join(name for name, found in SERVOS.items() if found.predicts)
-        words = f"{servo} learns from its own motions alone; --servo {able} begins with a rehearsal"
+        words = f"{servo} learns from its own steps alone; --servo {able} begins with a rehearsal"
         raise BadInput(f"--calibration: {words}")
     with naming("--calibration"):
         calibration = SelfCalibration.load(path)

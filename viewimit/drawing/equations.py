@@ -48,7 +48,7 @@ _CONFLICT = r"E=\frac{1}{2N}\sum_{i=1}^{N}\left({}^{L}𝐞_i^{\top}\,{}^{L}𝐞_
 def _conflict(snapshot: Snapshot) -> Equation:
     """Write Eq. (6), or the equation that the transfer has instead."""
     if snapshot.transfer is None:
-        note = "All four images show too few points."
+        note = "All four pictures show too few points."
         return Equation("(6)", "", f"{_CONFLICT}={HOLE}", (MISSING,), note)
     own_equation = snapshot.method.conflict_equation
     if own_equation is not None:
@@ -73,7 +73,7 @@ def _constraint(snapshot: Snapshot, demo: NDArray[np.float64], own: NDArray[np.f
 def _rectification(by: Rectification) -> Equation:
     """Write the homographies that rectify the left and the right images."""
     latex = rf"𝐇_l={matrix(3, 3)},\;𝐇_r={matrix(3, 3)}"
-    note = "The matched points rectify the images. Below, px are those of rectified images."
+    note = "The matched points rectify the pictures. Below, px are those of rectified pictures."
     numbers = [
         number(value, digits)
         for H in (by.left, by.right)
@@ -110,7 +110,7 @@ def _card(equation: Equation) -> str:
     head = f"<b>{equation.number}</b> {equation.title}".strip()
     tail = f'<span class="vi-note">{equation.note}</span>' if equation.note else ""
     lines = f' data-lines="{" ".join(equation.lines)}"' if equation.lines else ""
-    hint = '<span class="vi-note">Point at a row of 𝐀: its line lights up in the images.</span>' if lines else ""
+    hint = '<span class="vi-note">Point at a row of 𝐀: its line lights up in the pictures.</span>' if lines else ""
     return f'<div class="vi-eq"{lines}>{head}{filled(equation)}{tail}{hint}</div>'
 
 

@@ -30,7 +30,7 @@ WIDTH, HEIGHT = 424, 229  # px of the drawing that replaces a landscape
 LEFT, RIGHT = 34, 60  # px beside the bars
 ROW, BAR = 24, 11  # px
 TITLE = "Joint error per pixel of noise"
-NOTE = "in the learner's images, at the demonstrator's pose; from the curvature of E"
+NOTE = "in the learner's pictures, at the demonstrator's pose; from the curvature of E"
 
 
 def draw_observability(joints: Sequence[int], std_per_px: NDArray[np.float64]) -> str:
@@ -79,8 +79,8 @@ def describe_weakness(joints: Sequence[int], std_per_px: NDArray[np.float64]) ->
     if unobservable:
         others = np.delete(degrees, unobservable)
         found = plural(
-            "Joint {joints} is unobservable: the images hardly show it.",
-            "Joints {joints} are unobservable: the images hardly show them.",
+            "Joint {joints} is unobservable: the pictures hardly show it.",
+            "Joints {joints} are unobservable: the pictures hardly show them.",
             len(unobservable),
         )
         ending = "1 px of noise shifts the others by {angle} at most." if len(others) else "It could be at any angle."
@@ -175,7 +175,7 @@ class LandscapePicture:
         if landscape is None:
             inside = plane.message(problem)
         elif np.isnan(landscape.E).all():
-            inside = plane.message("In no pose do all four images show five points.")
+            inside = plane.message("In no pose do all four pictures show five points.")
         else:
             inside = self._draw(landscape, snapshot)
         note = describe_costs(joints, std_per_px) if std_per_px is not None else ""

@@ -215,7 +215,7 @@ def _named(snapshot: Snapshot) -> str:
     if naming is None or snapshot.settings.matched:
         return ""
     if naming.is_ambiguous:
-        return "There are two answers: with other names of the points, another pose explains the images as well."
+        return "There are two answers: with other names of the points, another pose explains the pictures as well."
     found = naming.names >= 0
     uncertain, alone = np.flatnonzero(found & ~naming.certain).tolist(), int((~found).sum()) + len(naming.unnamed)
     n = int(found.sum())

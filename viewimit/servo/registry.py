@@ -16,6 +16,9 @@ from ..estimation.equations import HOLE, Equation, angles, column, each, number,
 from ..estimation.residuals import ResidualFunction
 from ..wording import plural, sentences
 from .broyden import Broyden, BroydenState
+from .estimator.explanation import describe_status as describe_estimator
+from .estimator.explanation import equations as estimator_equations
+from .estimator.servo import Estimator
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
 from .observation import Observation
@@ -41,6 +44,7 @@ class ServoMethod:
     slow: bool = False  # whether it makes hundreds of motions
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
     names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
+    rigid: bool = False  # whether it needs a body of rigid links: it claims nothing of images that show none
     mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
     describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
@@ -136,7 +140,7 @@ def _broyden_equations(state: BroydenState | None, motion: LastMotion) -> tuple[
         note = _probe_note(motion, "J")
     else:
         note = sentences(f"D = {np.degrees(state.radius):.3g}°", _broyden_outcome(state, motion))
-    return (Equation("", "servo: the images are learned, not E", _BROYDEN_LAW, note=note),)
+    return (Equation("", "servo: the pictures are learned, not E", _BROYDEN_LAW, note=note),)
 
 
 def _broyden_outcome(state: BroydenState, motion: LastMotion) -> str:
@@ -180,7 +184,7 @@ def _kalman_equations(state: RecursiveState | None, motion: LastMotion) -> tuple
             Equation("", "filter of the image Jacobian", _KALMAN_FILTER),
         )
     latex, numbers = rf"𝐡^{{\top}}𝐤={HOLE},\quad {_KALMAN_FILTER}", (number(state.model.mean_gain, 2),)
-    share = Equation("", "filter: share of the image change that it believes", latex, numbers)
+    share = Equation("", "filter: share of the picture change that it believes", latex, numbers)
     title = "servo: a share of the residual in each step"
     if state.probe:
         return (Equation("", title, _KALMAN_LAW, note=_probe_note(motion)), share)
@@ -225,8 +229,8 @@ def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
     return ServoMethod(
         servo=TrustRegion(options),
         title="Trust region on images",
-        assumes="Joints turn points as rigid bodies, or at least the images follow the joints smoothly.",
-        limitations="Two poses give the same images, or every transfer misleads. Then it reports no progress.",
+        assumes="Joints turn points as rigid bodies, or at least the pictures follow the joints smoothly.",
+        limitations="Two poses give the same pictures, or every transfer misleads. Then it reports no progress.",
         predicts=True,
         names_points=True,
         mirror_columns=True,
@@ -252,7 +256,7 @@ SERVOS = Servos(
         "broyden": ServoMethod(
             servo=Broyden(),
             title="Broyden on images",
-            assumes="The images follow the joints nearly linearly. It predicts E instead of trying it.",
+            assumes="The pictures follow the joints nearly linearly. It predicts E instead of trying it.",
             limitations="Flat valleys and missing points. It may stop degrees away without knowing it.",
             mirror_columns=True,
             equations=_broyden_equations,
@@ -270,12 +274,24 @@ SERVOS = Servos(
         "gauss-newton": ServoMethod(
             servo=GaussNewton(),
             title="Damped Gauss-Newton",
-            assumes="The images were linear in the joints over the last few steps, and E has one valley.",
+            assumes="The pictures were linear in the joints over the last few steps, and E has one valley.",
             limitations="An old Jacobian misleads it. Then it damps its steps until it stands still.",
             mirror_columns=True,
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),
         "trust-region": trust_region_method(),
+        "likelihood": ServoMethod(
+            servo=Estimator(),
+            title="Likelihood of all images",
+            assumes="Joints turn points as rigid bodies. All images so far are one estimation problem.",
+            limitations="Bodies without rigid links: it goes to the least E that it has seen, and claims nothing.",
+            predicts=True,
+            names_points=True,
+            rigid=True,
+            mirror_columns=True,
+            equations=estimator_equations,
+            describe_status=describe_estimator,
+        ),
     }
 )

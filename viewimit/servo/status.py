@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-TEST_MOVE = "This is a test move: it shows how the images change when a joint turns."
+TEST_MOVE = "This is a test move: it shows how the pictures change when a joint turns."
 
 
 class ServoStatus(str, Enum):

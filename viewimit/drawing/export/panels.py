@@ -16,7 +16,7 @@ from ...simulation.world import World
 from ..images.planes import Windows, holds, image_windows
 from ..landscape import LandscapePicture
 
-TOO_FEW = "fewer than five points are seen in all four images"
+TOO_FEW = "fewer than five points are seen in all four pictures"
 NO_NAMES = "the points have no names yet"
 WIDER = 1.15  # factor by which a posture that leaves the windows is taken to be larger
 COARSE_DEG, FINE_DEG = 4.0, 1.0  # grids of a landscape: the coarse one takes a tenth of the time

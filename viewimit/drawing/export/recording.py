@@ -113,7 +113,7 @@ def lacks(moment: Snapshot) -> list[str]:
     if settings.servo not in lab_methods().servos:
         lacking.append(f"the servo “{moment.servo.title}”")
     if moment.rectification is not None:
-        lacking.append("rectified images")
+        lacking.append("rectified pictures")
     if settings.sensor != "projected":
         lacking.append("rendered pictures")
     disturbed = (name for name in DISTURBANCES if name not in LAB_DISTURBANCES and getattr(settings, name))
@@ -219,7 +219,7 @@ def _grid(landscape: Landscape) -> dict[str, Any]:
     level = np.log(np.maximum(landscape.E, 1e-9)) * SHARE
     known = np.isfinite(level)
     if not known.any():
-        return {"says": "Nowhere are five points seen in all four images."}
+        return {"says": "Nowhere are five points seen in all four pictures."}
     whole = np.where(known, level, level[known].max()).round().astype(int).ravel()
     return {
         "size": landscape.E.shape,

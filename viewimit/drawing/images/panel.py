@@ -33,7 +33,7 @@ NO_PICTURES: Mapping[str, bytes] = MappingProxyType({})
 HEADINGS = {"own": "The learner’s own arm, left and right eye", "demo": "Demonstrator"}  # of L and R, of l and r
 PUT_BY = {True: "where the lines put it", False: "where the transfer puts it"}  # by whether lines are crossed
 PRINTED_COLUMN = 108  # px, of the legend in print
-RECTIFIED = {**HEADINGS, "own": "The learner’s own arm; images then rectified"}
+RECTIFIED = {**HEADINGS, "own": "The learner’s own arm; pictures then rectified"}
 
 
 def draw_images(

@@ -46,15 +46,8 @@ Windows = dict[bool, dict[str, Window]]
 
 
 def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, int]) -> Windows:
-    """Choose the windows of the four views, by whether whole frames are shown.
-
-    Parameters
-    ----------
-    reach
-        Where points can be, (k, 2) px by view.
-    frame
-        Width and height of the images, px.
-    """
+    """Choose the windows of the four views, by whether whole frames are shown. reach: where points can be, (k, 2) px by
+    view; frame: width and height of the images, px."""
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):
@@ -180,7 +173,7 @@ CROSSED = (
     ("l", "This is point {point} in l."),
     ("left", "Its epipolar lines in L and R: the point is somewhere on them."),
     ("r", "This is point {point} in r."),
-    ("right", "It gives a second line in each image."),
+    ("right", "It gives a second line in each picture."),
     ("recovered", "The diamond is where the two lines cross."),
     ("own", "The arrow is the residual, from there to the learner's own point {point}."),
 )
@@ -220,7 +213,7 @@ def describe_construction(construction: Construction | None, point: int, stage: 
         words = (CROSSED if crossed else REPEATED)[stage][1]
         return f"<i>{stage + 1}/{last_stage(crossed) + 1}</i> {words.format(point=name)}"
     if construction is None:
-        return f"Point {name} is not visible in all four images."
+        return f"Point {name} is not visible in all four pictures."
     if construction.angle is None:
         return f"Point {name}: transferred by the steps {svg.sample(STEPS_SAMPLE, 0, 20)}."
     left, right = (f"{svg.number(angle, 0)}°" for angle in np.degrees(construction.angle))

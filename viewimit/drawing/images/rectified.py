@@ -41,7 +41,7 @@ def draw_rectified(snapshot: Snapshot, bodies: Bodies, print_size: bool = False)
         else:
             parts += [svg.text(LEFTS[1], top + IMAGE[1] / 2 + 18 * k, words) for k, words in enumerate(off.split("\n"))]
     box = f"0 0 {SIZE[0]} {SIZE[1]}"
-    label, drawn = "Images as seen and as rectified", "".join(parts)
+    label, drawn = "Pictures as seen and as rectified", "".join(parts)
     drawing = f'<svg class="vi" viewBox="{box}" role="img" aria-label="{label}">{drawn}</svg>'
     metrics = (draw_metrics if print_size else write_metrics)(metrics_of(snapshot))
     return f'<div class="vi-panel">{drawing}{metrics}</div>'

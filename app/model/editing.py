@@ -15,7 +15,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
 
-from ..jobs.camera_images import Cameras, SessionEyes
+from ..jobs.camera_images import CameraProcess, SessionEyes
 from .choices import CLIENT_REPORTED, Preset, Presets, View
 from .displayed import require_use
 from .player import DENSE, Duel, Player
@@ -28,7 +28,7 @@ class UndoableSession:
 
     settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
 
-    def __init__(self, settings: Settings, camera: Cameras, in_new_world: Callable[[], None]):
+    def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._in_new_world = in_new_world
         self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)

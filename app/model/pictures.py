@@ -32,7 +32,7 @@ from viewimit.experiments import EXPERIMENTS
 from viewimit.wording import plural
 
 from ..drawing.duel import draw_errors_alone, draw_race
-from ..jobs.png_child import render
+from ..jobs.child import render
 from .page_model import PageModel, Saved
 
 FORMATS = ("SVG", "PNG")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from ..jobs.threads import Worker
+
 PENDING_LIMIT = 200  # actions that wait, per page
 MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
 JITTER_ALLOWANCE = 0.2  # s by which a network may delay one, so that several come at once
@@ -138,6 +140,7 @@ class JobResult(Queued):
     kind: Hashable
     take: Callable[[Any], None]
     made: Any
+    moves: bool = False
 
     @property
     def coalesce_key(self) -> Hashable:
@@ -145,13 +148,6 @@ class JobResult(Queued):
 
     def apply(self, model: Any, now: float) -> None:
         self.take(self.made)
-
-
-@dataclass(frozen=True, eq=False)
-class DemonstratorJobResult(JobResult):
-    """A result that moves the demonstrator, or the whole session."""
-
-    moves = True
 
 
 class CommandQueue:
@@ -197,12 +193,6 @@ class CommandQueue:
         """Put back entries that were taken and not applied, before newer ones."""
         with self._lock:
             self._waiting = entries + self._waiting
-
-    def result_callback(
-        self, kind: Hashable, take: Callable[[Any], None], result: type[JobResult] = JobResult
-    ) -> Callable[[Any], None]:
-        """Return what a worker calls from its own thread: take(made) follows in the page's time."""
-        return lambda made: self.put(result(kind, take, made))
 
     def on_value(self, widget: Any, name: str, *first: Any) -> None:
         """Call a command with `first` and the value of a widget, whenever a person changes that."""
@@ -266,6 +256,17 @@ class CommandQueue:
                 return
             if other.coalesce_key is None and not beyond_actions:
                 return
+
+
+class Beside:
+    """Makes for a page what takes long, in a worker's thread."""
+
+    def __init__(self, page_id: int, worker: Worker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+
+    def ask(self, kind: str, make: Callable[[], Any], take: Callable[[Any], None], moves: bool = False) -> None:
+        """take(made, or why not) follows in the page's own time; of a kind the newest request is enough."""
+        self._worker.ask(self._page_id, make, lambda made: self._queue.put(JobResult(kind, take, made, moves)), kind)
 
 
 # What a browser sent for a parameter: anything may come

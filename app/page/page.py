@@ -15,7 +15,8 @@ from ..model.keeping import Keeper
 from ..model.page_model import PageModel
 from ..model.player import BUDGET
 from ..model.queue import CommandQueue
-from ..model.services import Redraw, Services
+from ..model.redraw import Redraw
+from ..model.services import Services
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout

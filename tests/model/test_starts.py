@@ -4,7 +4,7 @@ import pytest
 from drawn import START
 from page_fakes import Hands, QuietExperiments, call, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.jobs import basin_child
+from viewimit.app.jobs.child import carry_out_basin
 from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
 from waiting import wait_until
 
@@ -115,7 +115,7 @@ def test_the_page_shows_where_they_end():
 
 
 def test_a_process_that_is_cancelled_tells_no_more():
-    worker, told = ExperimentWorker(basin_child.work), []
+    worker, told = ExperimentWorker(carry_out_basin), []
     worker.ask(1, Request("basin 1", Settings()), told.append)
     wait_until(lambda: any(run.figure for run in told), 60)
     worker.cancel(1)
@@ -126,7 +126,7 @@ def test_a_process_that_is_cancelled_tells_no_more():
 
 
 def test_what_fails_in_the_process_is_told():
-    worker, told = ExperimentWorker(basin_child.work), []
+    worker, told = ExperimentWorker(carry_out_basin), []
     worker.ask(1, Request("basin 1", Settings.paper(scene="none such")), told.append)
     wait_until(lambda: told[-1].state == "failed", 60)
     assert "none such" in told[-1].problem

@@ -23,6 +23,7 @@ from drawn import learners_bars
 from protocol import Client
 from serving import Here
 from viewimit.app.jobs.camera_images import CameraProcess
+from viewimit.app.model.services import Services
 from viewimit.app.server import pages
 from waiting import wait_until
 
@@ -33,11 +34,10 @@ BEGINS_WITHIN_S = 60  # a process of the camera images, on a busy machine
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """A server in this process; `camera` is its process of the camera images, which ends soon when nobody needs it."""
-    made = []
-    begun = lambda *options: made.append(CameraProcess(*options, unused_s=UNUSED_S)) or made[-1]
-    monkeypatch.setattr(pages, "CameraProcess", begun)
+    camera = CameraProcess(UNUSED_S)
+    monkeypatch.setattr(pages, "Services", lambda share: Services(share, camera))
     server = Here()
-    (server.camera,) = made
+    server.camera = camera
     yield server
     server.stop()
     assert not server.camera.running

@@ -240,9 +240,7 @@ def beside(key: str) -> str:
 
 def linked_cards() -> str:
     """Build all cards with links to their examples."""
-    back = link("restore/0", "Back to what was here before", "Back to before")
-    restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
-    return cards(lambda key: _show(key) + restore)
+    return cards(_show)
 
 
 def listed() -> str:
@@ -252,12 +250,12 @@ def listed() -> str:
     )
 
 
-def current_values(values: Mapping[str, float], shown: str | None = None) -> str:
+def current_values(values: Mapping[str, float]) -> str:
     """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
 
-    values: by key; NaN is left out. shown: the entry whose card offers to restore the session before its example.
+    values: by key; NaN is left out.
     """
-    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
+    rules = []
     for key, value in values.items():
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):

@@ -70,8 +70,8 @@ class OwnLandscape:
                 self._beside.ask("landscape", partial(make_landscape, made.world, made.to_refine), self.take)
 
 
-def _without_landscape(world: World, present: Snapshot, why: str = "") -> MadeLandscape:
-    return MadeLandscape(world, LandscapePicture(None, world.scene, present, *([why] if why else [])), None)
+def _without_landscape(world: World, present: Snapshot, why: str = "computing …") -> MadeLandscape:
+    return MadeLandscape(world, LandscapePicture(None, world.scene, present, why), None)
 
 
 class DuelLandscapes:

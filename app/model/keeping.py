@@ -127,7 +127,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
         first = played.sessions[0]
         model.session.resume(tuple(first.history), first.cursor, first.log)
     if played.is_own:
-        model.past.replace(())
+        model.past.clear()
     begun = page.script.settings
     offered = presets_from(model.begun).values()
     same = [preset for preset in (page.preset, *offered) if usual(preset) == begun]

@@ -18,7 +18,7 @@ from viewimit.loop.snapshot import Snapshot
 from .choices import Freedom, Message, Preset, View
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
-from .editing import GlossaryDemo, UndoableSession
+from .editing import UndoableSession
 from .following import Following
 from .motions import Motions
 from .points import PointEditing
@@ -54,7 +54,6 @@ class PageModel:
         self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
-        self.glossary_demo = GlossaryDemo(self.undoable)
         self.following = Following(page_id, services, queue)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.display = Display(self.session, self.player)

@@ -192,8 +192,8 @@ def glossary(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     layout.drawing(
-        lambda model: (model.snapshot, model.glossary_demo.key),
-        lambda model: put_html(values, current_values(numbers_now(model), model.glossary_demo.key)),
+        lambda model: (model.snapshot,),
+        lambda model: put_html(values, current_values(numbers_now(model))),
         period=SLOWEST,
     )
 

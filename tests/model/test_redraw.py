@@ -18,12 +18,6 @@ def test_what_is_asked_late_keeps_its_pace(jitter):
     assert 100.0 / PERIOD - 1 <= done <= 100.0 / (EARLY * PERIOD)
 
 
-def test_after_a_while_nothing_is_made_up_for():
-    redraw = Redraw()
-    assert redraw.due("panels", 10.0, PERIOD) and redraw.due("panels", 20.0, PERIOD)
-    assert not redraw.due("panels", 20.05, PERIOD) and redraw.due("panels", 20.1, PERIOD)
-
-
 def test_motions_at_the_pace_of_drawings_are_nearly_all_drawn_though_ticks_jitter():
     page = QuietPage(Settings.paper(servo="gradient-retuned", start_deg=(25.0, -45.0)))
     player, panel, rng = page.page.model.player, page.page.layout.named["images"], np.random.default_rng(4)

@@ -8,7 +8,7 @@ import pytest
 from page_fakes import Camera, Visit, call
 from viewimit.app.jobs import camera_images as session_eyes
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.page.loop import Background
+from viewimit.app.page.page import Background
 from viewimit.app.panels import PANELS
 from waiting import wait_until
 

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
-from viewimit.app.page.page import DOCKED_WITHIN, Docking
 from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
 from viewimit.simulation.scene import load_scene
@@ -88,30 +87,6 @@ def test_a_canvas_without_a_size_is_waited_for(camera):
     camera.image_width = 552
     view.follow(lambda: LANDMARKS)
     assert camera.position is not found
-
-
-@pytest.fixture
-def window(camera):
-    camera.image_width = 1280
-    return SimpleNamespace(camera=camera)
-
-
-def test_docking_is_over_once_the_canvas_has_another_shape_and_for_good(window, camera):
-    docking = Docking(window, waits=True)
-    camera.image_width, camera.image_height = 960, 540  # the same shape in fewer pixels
-    assert not docking.over(0.0)
-    camera.image_width = 414
-    assert docking.over(0.1)
-    camera.image_width = 960
-    assert docking.over(0.2)
-
-
-def test_panels_that_never_dock_are_not_waited_for_long(window):
-    docking = Docking(window, waits=True)
-    assert not docking.over(5.0)
-    assert not docking.over(5.0 + 0.99 * DOCKED_WITHIN)
-    assert docking.over(5.0 + DOCKED_WITHIN)
-    assert Docking(window, waits=False).over(0.0)
 
 
 @pytest.mark.parametrize("before", BEFORE)

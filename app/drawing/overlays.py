@@ -22,18 +22,8 @@ from viewimit.simulation.scene import Scene
 def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
     """Build one link.
 
-    Parameters
-    ----------
-    what
-        The action, as control/value.
-    name
-        What a screen reader says.
-    inside
-        HTML or SVG of the link.
-    stop
-        Whether the Tab key stops there.
-    pressed
-        Whether the choice is made, for a toggle; None for other links.
+    what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
+    the Tab key stops there; pressed: whether the choice is made, for a toggle.
     """
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
     if pressed is not None:

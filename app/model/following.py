@@ -54,17 +54,7 @@ class Played:
 
 
 class Following:
-    """The saved page that a page becomes, if any.
-
-    Parameters
-    ----------
-    page_id
-        By which the services know the page.
-    services
-        With the threads in which scripts are played, and the camera images.
-    queue
-        Of the page, into which the played sessions come.
-    """
+    """The saved page that a page becomes, if any."""
 
     def __init__(self, page_id: int, services: Services, queue: CommandQueue):
         self._page_id, self._services, self._queue = page_id, services, queue

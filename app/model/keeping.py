@@ -163,12 +163,7 @@ class Kept(msgspec.Struct):
 class Keeper:
     """Sends a page's tab the query that it stores, after the tab has handed back the one that it had.
 
-    Parameters
-    ----------
-    model
-        Of the page.
-    send
-        Sends `Kept` as JSON.
+    send: takes `Kept` as JSON.
     """
 
     def __init__(self, model: PageModel, send: Callable[[str], None]):

@@ -4,22 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import trimesh
 from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
-from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_geometry import (
     BELOW,
-    CELL,
     FOV,
-    HALF_NAME,
-    LINE,
     default_view,
     fit_view,
-    floor_lines,
-    unhidden,
 )
-from viewimit.simulation.world import World
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 
@@ -108,17 +100,6 @@ def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_te
     np.testing.assert_allclose(camera.position, put + 0.1)
 
 
-@pytest.mark.parametrize("box", [(0.2, 0.2, 0.1), (1.0, 0.3, 0.4), (0.6, 2.0, 1.2)])
-def test_no_body_hides_a_name_on_the_floor(box):
-    place, size = np.array([-0.16, -0.31, 0.05]), 0.8
-    body = trimesh.creation.box(box).sample(20_000, seed=0) + [0, 0, box[2] / 2]
-    found = unhidden(place, body, size)
-    right, down, forward = ((body - found) @ default_view()).T
-    over = (np.abs(right) < HALF_NAME * size) & (-LINE * size < down) & (down < 0) & (forward < 0)
-    assert not over.any() and found[2] == place[2]
-    assert (found == place).all() == (box[1] < 1)
-
-
 def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(camera):
     """What it tells may be older than what was sent since, and viser sends nothing that equals it."""
     sent = []
@@ -141,17 +122,3 @@ def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(ca
     SimpleNamespace.__setattr__(camera, "position", put)  # told late
     view.follow(lambda: LANDMARKS)
     np.testing.assert_array_equal(sent[-1], put)
-
-
-@pytest.mark.parametrize("cells", [1, 7])
-def test_lines_of_the_floor_end_on_a_circle_and_are_a_cell_apart(cells):
-    world = World(load_scene("panda"))
-    lines = floor_lines(world, cells)
-    assert lines.shape == (2 * (2 * cells - 1), 2 * cells + 1, 3) and not lines[..., 2].any()
-    middle, cell = lines.mean((0, 1)), CELL * world.scene.size
-    np.testing.assert_allclose(np.linalg.norm((lines - middle)[:, [0, -1]], axis=-1), cells * cell)
-    for one_way, along in ((lines[: len(lines) // 2], 0), (lines[len(lines) // 2 :], 1)):
-        across = one_way[..., 1 - along]
-        np.testing.assert_allclose(np.diff(across, axis=0), cell)
-        np.testing.assert_allclose(np.ptp(across, axis=1), 0, atol=1e-12)
-        assert (np.diff(one_way[..., along], axis=1) > 0).all()

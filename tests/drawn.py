@@ -90,7 +90,7 @@ MOTIONS_MADE = "vi-count"
 QR_CODE = "vi-qr"
 SEE_THROUGH = "vi-aim"  # the arm that is
 SCALE_OF_MORE = "vi-scale vi-scale-up"  # of a word of which more is better
-OFFER, LESSONS = "vi-offer", "vi-lessons"
+OFFER = "vi-offer"
 DRAWING = "vi"  # any
 
 JOINT_NAME = r"(?:Base|Shoulder|Upper arm|Elbow|Forearm|Wrist|Hand|Joint) (?=θ)"

@@ -62,8 +62,8 @@ export class Screen {
       high: scene.upper[k]})), theta => this.#go(theta), button("Give up", () => this.#end()));
     this.copying = button("Copy result", () => void copy(this.copying, this.line.textContent ?? "", "Your result:"), "filled");
     this.pictures = make("section", {class: "four", "aria-label": "Four pictures"},
-      make("p", {class: "of"}, make("b", {}, "The orange arm"), ", your left and right eye"), views.l, views.r,
-      make("p", {class: "of"}, make("b", {}, "Your blue arm"), ", your left and right eye"), views.L, views.R);
+      make("p", {class: "of"}, make("b", {}, "The orange arm"), make("span", {}, ", your left and right eye")), views.l, views.r,
+      make("p", {class: "of"}, make("b", {}, "Your blue arm"), make("span", {}, ", your left and right eye")), views.L, views.R);
     const {task, rule, E, count, change, fact, best} = this.words;
     box.append(
       make("section", {class: "brief"}, make("div", {class: "levels", role: "group", "aria-label": "Level"}, ...this.levels), task, rule),

@@ -1,4 +1,4 @@
-"""Every look at a demonstrator that stands still counts: the servo is given their mean, and the noise that they show."""
+"""Every look at a demonstrator that stands still counts: servos get their mean, and the noise that they show."""
 
 import numpy as np
 import pytest

@@ -20,7 +20,7 @@ def _write(app: Sphinx) -> None:
 
 def _without_icon(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object) -> None:
     """Say that there is no icon: browsers ask the server's first folder for one otherwise."""
-    context["metatags"] += '<link rel="icon" href="data:,">'
+    context["metatags"] = context.get("metatags", "") + '<link rel="icon" href="data:,">'
 
 
 def add_to(app: Sphinx) -> None:

@@ -274,11 +274,11 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
     for student in students:
         student.at("servo")
         assert student.page.evaluate(goal) == lecturer.page.evaluate(goal), "the same start for all"
-        slider = student.page.locator("input[type=range]").first
+        slider = student.page.locator(".turned input").first
         slider.focus()
-        for _ in range(3):
-            slider.press("ArrowRight")
-        student.wait("lesson.stage().motions.length > 1")
+        for key in (*3 * ["ArrowRight"], "Enter"):
+            slider.press(key)
+        student.wait("lesson.stage().motions.length === 2")
     lecturer.page.click(f"{BAR} .class-count")
     lecturer.page.click(".class-tabs >> text=Paths")
     lecturer.sees("2 of 2 at this step have the same target as this page.")

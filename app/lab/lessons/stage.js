@@ -145,7 +145,7 @@
  * @property {(box: HTMLElement, stage: Stage) => Figure} create
  */
 import {stageMap} from "./maps.js";
-import {clamp, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {clamp, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
@@ -434,17 +434,6 @@ function randomKnobs(seed) {
     + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
   const both = [[gain(), 0], [0, gain()]];
   return draw() < .5 ? both : both.reverse();
-}
-
-/** Numbers from 0 to 1 that a seed gives (mulberry32). @param {number} seed */
-export function draws(seed) {
-  let state = seed * 0x9e3779b1 | 0;
-  return () => {
-    state = state + 0x6d2b79f5 | 0;
-    let t = Math.imul(state ^ state >>> 15, 1 | state);
-    t = t + Math.imul(t ^ t >>> 7, 61 | t) ^ t;
-    return ((t ^ t >>> 14) >>> 0) / 2 ** 32;
-  };
 }
 
 /** The numbers from 0 to count - 1 in an order that a seed gives. @param {number} count @param {number} seed */

@@ -230,7 +230,7 @@ def lab_html(
         dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
         version=escape(__version__),
-        styles="\n".join((styles("view/lab.css"), more_styles)),
+        styles="\n".join((styles("view/lab.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),

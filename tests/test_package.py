@@ -1,6 +1,5 @@
 """What is installed: the wheel holds all that runs and metadata that hold on a package index; the documentation."""
 
-import doctest
 import html
 import os
 import re
@@ -21,7 +20,6 @@ from viewimit.app.presets import LAB_PRESETS
 
 import viewimit
 from viewimit.commands.cli import COMMANDS, main
-from viewimit.commands.docs import how_to_build
 from viewimit.drawing.glossary import glossary
 from viewimit.loop.codegen import as_python
 from viewimit.loop.settings import Settings
@@ -72,11 +70,6 @@ def site(tmp_path_factory):
     done = subprocess.run([sys.executable, ROOT / "docs/build.py", made], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return made
-
-
-def test_the_example_of_the_package_s_help_prints_what_it_says():
-    failed, tried = doctest.testmod(viewimit)
-    assert tried >= 8 and failed == 0
 
 
 def test_the_wheel_holds_every_file_of_the_package(wheel):
@@ -189,30 +182,6 @@ def test_all_that_a_page_links_to_or_loads_is_there(site):
     assert not any(re.search(r"url\(\s*[\"']?https?:", sheet.read_text()) for sheet in site.rglob("*.css"))
 
 
-def test_the_reference_has_types_tables_of_parameters_and_sources(site):
-    page = (site / "reference/library.html").read_text("utf-8")
-    start = page.index('id="viewimit.Session"')
-    session = page[start : page.index("</dl>", page.index("Raises", start))]
-    assert (
-        "Settings</span></a><span" in session and "Parameters<" in session and "<strong>open_eyes</strong>" in session
-    )
-    assert 'href="../_modules/viewimit/loop/session.html#Session"' in session
-    inventory = (site / "objects.inv").read_bytes()
-    assert inventory.startswith(b"# Sphinx inventory version 2")
-
-
-@pytest.mark.browser
-@pytest.mark.parametrize(
-    "words, first", [("servo", "servo"), ("robot", "robot"), ("cameras", "cameras"), ("tracks", "tracks")]
-)
-def test_search_finds_the_how_to_first(site, browser, words, first):
-    page = browser.new_page()
-    page.goto(f"{(site / 'search.html').as_uri()}?q={words}")
-    page.wait_for_selector("#search-results li a")
-    assert page.get_attribute("#search-results li a >> nth=0", "href").startswith(f"how-to/{first}.html")
-    page.close()
-
-
 @pytest.mark.browser
 def test_the_documentation_works_from_a_file_in_a_browser(site, browser):
     begin = (site / "index.html").as_uri()
@@ -237,13 +206,6 @@ def test_the_documentation_works_from_a_file_in_a_browser(site, browser):
     assert page.locator("#search-results li a[href*='method.html']").count()
     assert all(url.startswith(("file:", "data:")) for url in asked) and not faults, (asked, faults)
     context.close()
-
-
-def test_who_has_no_documentation_is_told_what_builds_it(tmp_path):
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs/build.py").touch()
-    assert re.search(r"pip install --group '.*pyproject.toml:docs' && .*build\.py", how_to_build(tmp_path))
-    assert "in a clone" in how_to_build(tmp_path / "elsewhere")
 
 
 @pytest.mark.parametrize("mode", ["lenient", "strict"])
@@ -283,22 +245,3 @@ def test_the_default_install_has_nothing_that_only_some_can_use():
     assert markers.Marker(marker).evaluate(here | {"platform_machine": "x86_64"})
     for other in ({"python_version": "3.12"}, {"sys_platform": "darwin"}, {"platform_machine": "aarch64"}):
         assert not markers.Marker(marker).evaluate(here | {"platform_machine": "x86_64"} | other)
-
-
-@pytest.mark.parametrize(
-    "field, value",
-    [
-        ("platform.python_implementation", lambda: "PyPy"),
-        ("platform.machine", lambda: "aarch64"),
-        ("sys.platform", "darwin"),
-        ("sys.version_info", (3, 12, 1)),
-    ],
-)
-def test_there_is_no_wheel_of_pybullet_elsewhere(monkeypatch, field, value):
-    for name, here in (("machine", "x86_64"), ("python_implementation", "CPython")):
-        monkeypatch.setattr(f"platform.{name}", lambda here=here: here)
-    monkeypatch.setattr("sys.platform", "linux")
-    monkeypatch.setattr("sys.version_info", (3, 11, 7))
-    assert pybullet_has_wheel()
-    monkeypatch.setattr(field, value)
-    assert not pybullet_has_wheel()

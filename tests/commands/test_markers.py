@@ -42,12 +42,6 @@ def test_every_marker_is_found_once_on_the_pages_of_its_arm(
     assert sorted(found["learner"]) == list(learner) and sorted(found["demonstrator"]) == list(demonstrator)
 
 
-def test_it_is_written_as_html_too(ask, tmp_path):
-    assert ask("markers", "--out", tmp_path / "markers.html")[0] == 0
-    page = (tmp_path / "markers.html").read_text("utf-8")
-    assert "Markers of the demonstrator" in page and "44  demonstrator" in page
-
-
 @pytest.mark.parametrize(
     "words, message",
     [
@@ -63,9 +57,3 @@ def test_what_cannot_be_printed_is_refused_in_a_line(words, message, ask, tmp_pa
     monkeypatch.chdir(tmp_path)
     status, out, err = ask("markers", *words)
     assert (status, out) == (2, "") and message in err and err.count("\n") == 1 and not list(tmp_path.iterdir())
-
-
-def test_without_fpdf2_it_says_what_to_install(ask, tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "fpdf", None)
-    status, _, err = ask("markers", "--out", tmp_path / "a.pdf")
-    assert status == 2 and "PDF needs fpdf2: pip install 'viewimit[pdf]', or write .html" in err

@@ -1,14 +1,10 @@
 """All transfers are computed only while they are shown, and shown only once they are of one demonstrator."""
 
-import re
-
 import numpy as np
 import pytest
-from viewimit.app.drawing.landscapes import draw_compared, draw_together
 from viewimit.app.model.computed import Comparison
 from viewimit.app.model.queue import CommandQueue
 
-from viewimit.analysis.minima import study_transfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -64,34 +60,6 @@ def test_nothing_is_computed_unless_it_is_shown_and_would_differ(compared):
     worker.make(4)
     tick()
     assert shown[2:] == [None] and not worker
-
-
-def test_a_moving_demonstrator_is_followed_and_its_last_posture_is_what_remains(compared):
-    session, shown, worker, comparison, tick = compared
-    comparison.toggle()
-    tick()
-    worker.make(4)
-    tick()
-    assert len(shown) == 2
-    for angle in (50.0, 60.0):
-        session.pose(np.radians([angle, -60.0]))
-        tick()
-        worker.make(2)
-        tick()
-    assert len(shown) == 3  # two of either posture
-    worker.make(2)
-    tick()
-    assert len(shown) == 4 and not worker
-    drawn = [
-        draw_compared(session.scene, study_transfer(session.world, session.snapshot, name), session.snapshot.theta_demo)
-        for name in TRANSFERS
-    ]
-    assert plain(shown[-1]) == plain(draw_together(drawn)) != plain(shown[-2])
-
-
-def plain(html):
-    """Without the ids that differ from drawing to drawing."""
-    return re.sub(r"vi-[mh][\w-]+", "", html)
 
 
 def test_what_was_made_in_another_scene_is_not_shown(compared):

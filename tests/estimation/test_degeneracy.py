@@ -72,10 +72,3 @@ def test_noisy_degenerate_points_are_called_weak(ask_json, tmp_path, whose, reas
     _, output = ask_json("evaluate", path, "--transfer", "projective", "--rectify", "off")
     (frame,) = output["frames"]
     assert frame["weak"].startswith(f"{reason}{whose} ") and "E may mislead" in frame["weak"]
-
-
-def test_numbers_that_are_no_pixels_are_reported_with_line_and_column(ask, tmp_path):
-    path = tmp_path / "points.csv"
-    path.write_text("frame,view,point,x,y\n0,l,0,1e9,3\n")
-    status, _, err = ask("evaluate", path)
-    assert status == 2 and "line 2, column x: '1e9' is no pixel: beyond 1e+06" in err

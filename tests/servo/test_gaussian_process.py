@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.image_jacobian import MIN_WELL_SEEN
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.gaussian_process import (
     BEND_PX,
@@ -127,16 +126,6 @@ def test_hidden_points_are_ignored_and_points_never_seen_are_not_predicted(linea
     )
 
 
-def test_a_point_hidden_at_the_centre_starts_from_its_nearest_image(linear):
-    images, rng = linear
-    places = np.array([[0.0, 0], [0.1, 0], [0.4, 0], [0, 0.3]])
-    seen = np.ones((4, 6, 2), bool)
-    seen[0, 2, 1] = False
-    found = GaussianProcessImages.fit(visits_of(images, places, seen), 0, 0.0)
-    np.testing.assert_array_equal(found.at_centre[2, 2:], images(places[1])[2, 2:])
-    assert np.abs(found.predict(places[0])[2, 2:] - images(places[0])[2, 2:]).max() < 1.0
-
-
 def test_predicted_images_are_weighted_sums_of_the_visited_ones(linear):
     images, rng = linear
     places = rng.uniform(-0.5, 0.5, (6, 2))
@@ -160,15 +149,3 @@ def test_the_jacobian_is_the_difference_of_predicted_images(linear):
     )
     expected = (model.predict(theta + step) - model.predict(theta - step)) / 2e-4
     np.testing.assert_allclose(model.jacobian(theta), expected, atol=1e-5)
-
-
-@pytest.mark.parametrize("others, predicted", [(MIN_WELL_SEEN, False), (MIN_WELL_SEEN - 1, True)])
-def test_a_point_seen_too_rarely_is_predicted_only_where_other_points_are_few(others, predicted):
-    """Three visits determine a plane over two joints; the first point is visible at two of five."""
-    rng = np.random.default_rng(1)
-    J, y = rng.normal(0, 100, (1 + others, 4, 2)), rng.uniform(0, 240, (1 + others, 4))
-    places, seen = rng.uniform(-0.5, 0.5, (5, 2)), np.ones((5, 1 + others, 2), bool)
-    seen[2:, 0] = False
-    model = GaussianProcessImages.fit(visits_of(lambda theta: y + J @ theta, places, seen), 0, 0.0)
-    known = np.isfinite(model.predict(places[:1])[0]).all(-1)
-    assert known[0] == predicted and known[1:].all()

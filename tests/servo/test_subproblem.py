@@ -6,7 +6,7 @@ from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
 from viewimit.servo.trust_region.image_models import ImageData
 from viewimit.servo.trust_region.options import TrustRegionOptions
-from viewimit.servo.trust_region.subproblem import SAME_E, argmin_last, evaluate_visits
+from viewimit.servo.trust_region.subproblem import evaluate_visits
 
 POINTS, FEW, MANY = 14, 7, 12
 OPTIONS = TrustRegionOptions()
@@ -17,12 +17,6 @@ def visit(away, count):
     """The first so many of the points are seen."""
     seen = np.repeat((np.arange(POINTS) < count)[:, None], 2, 1)
     return Visit.of(away, np.zeros((POINTS, 4)), seen)
-
-
-def test_of_postures_as_good_but_for_rounding_the_last_is_the_best():
-    assert argmin_last(np.array([3.0, 1.0, 1.0 + SAME_E / 2, 2.0])) == 2
-    assert argmin_last(np.array([3.0, 1.0, 1.0 + 2 * SAME_E, 2.0])) == 1
-    assert argmin_last(np.array([np.inf, np.inf, 4.0])) == 2 and argmin_last(np.array([0.0, 1e-30])) == 0
 
 
 def test_what_seven_points_contradict_counts_for_more_than_what_twelve_do():

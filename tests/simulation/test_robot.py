@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.simulation.robot import BodyPoints, Robot
+from viewimit.simulation.robot import Robot
 from viewimit.simulation.scene import load_robot, load_scene
 
 ORIGINAL_URDF = {"panda": "franka_panda/panda.urdf", "iiwa": "kuka_iiwa/model.urdf"}
@@ -53,14 +53,6 @@ def test_points_on_a_grid_are_those_of_each_posture(moving):
         T = robot.link_frames(posture)[body.link]
         expected = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
         np.testing.assert_allclose(found[:, :, i, j], expected, atol=1e-13)
-
-
-def test_points_that_few_joints_move_are_placed_once():
-    robot = load_robot("panda")
-    body = BodyPoints(np.array([0, 2, 7]), np.zeros((3, 3)))
-    angles = [0.0, np.zeros((4, 1)), 0.0, np.zeros(5), 0.0, 0.0, 0.0]
-    shapes = {tuple(index): xyz.shape[2:] for index, xyz in robot.place_points(angles, body)}
-    assert shapes == {(0,): (1, 1), (1,): (4, 1), (2,): (4, 5)}
 
 
 def joint(name, parent, child, kind="revolute", axis="0 0 1", more=""):

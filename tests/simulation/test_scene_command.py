@@ -1,10 +1,9 @@
 """`viewimit scene` writes what `--robot` takes; `bench robots` says which robots arrive."""
 
-import json
 import re
 
 import pytest
-from urdfs import arm, gripper, joint, link, write
+from urdfs import arm, gripper, joint, write
 
 from viewimit.simulation.scene import load_scene
 
@@ -40,40 +39,6 @@ def test_given_joints_are_those_of_the_file(ask, ask_json, urdf, joints):
     _, made = ask_json("imitate", "--robot", urdf, "--joints", joints, "--n-points", 16)
     assert run_of(of_file) == run_of(made)
     assert len(made["joints"]) == (2 if joints == "1,3" else 3)
-
-
-@pytest.mark.parametrize("words", ["scene small.urdf", "imitate --max-motions 0 --robot small.urdf"])
-@pytest.mark.parametrize("joints, moving", [("1,3", "yaw elbow"), ("2", "lift"), ("all", "yaw lift elbow")])
-def test_the_chosen_joints_move(ask, urdf, words, joints, moving):
-    _, _, err = ask(*words.split(), "--joints", joints)
-    (said,) = re.findall(r"^small.urdf: moving (.*)$", err, re.MULTILINE)
-    assert re.findall(r"\((\w+)\)", said) == moving.split()
-
-
-def test_every_field_is_commented(ask, urdf):
-    status, out, _ = ask("scene", urdf)
-    assert status == 0 and out.startswith("# Made from a URDF by `viewimit scene`")
-    for line in (
-        "#   2 lift: -114.59° … 114.59°",
-        "# Their ranges in this scene, degrees\nrange_deg = [[-45, 45], [-45, 45]]",
-    ):
-        assert line in out
-    assert re.search(r"^  \[3, .*\],  # moved by elbow$", out, re.MULTILINE) and "]  # base" not in out
-    assert all(len(line) <= 130 for line in out.splitlines() if line.startswith("#"))
-
-
-def test_json_is_one_object_with_the_scene(ask_json, urdf):
-    status, told = ask_json("scene", urdf, "--joints", "2,3")
-    assert status == 0 and told["scene"]["moving_joints"] == [2, 3] and told["options"]["joints"] == [2, 3]
-    json.dumps(told, allow_nan=False)
-
-
-def test_missing_meshes_are_reported_without_failure(ask, tmp_path):
-    lost = '<visual><geometry><mesh filename="package://nowhere/hand.stl"/></geometry></visual>'
-    path = write(tmp_path, *arm(joint("roll", "lower", "hand", axis="0 0 1", xyz="0 0 0.3"), link("hand", visual=lost)))
-    status, out, err = ask("imitate", "--robot", path)
-    assert status == 0 and "converged" in out and "nowhere/hand.stl" in err
-    assert err.count("\n") == 3
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tarfile
 import venv
 import zipfile
 from email import message_from_string
@@ -79,21 +78,6 @@ def test_the_wheel_holds_every_file_of_the_package(wheel):
                 assert (wheel / inside / path.relative_to(ROOT / folder)).is_file(), path
     assert (wheel / "viewimit/py.typed").is_file()
     assert {path.name.partition("-")[0] for path in wheel.iterdir()} == {"viewimit"}
-
-
-def test_an_sdist_holds_what_the_wheel_is_made_of_and_is_built_without_a_warning(tmp_path):
-    copied(tmp_path)
-    (tmp_path / "tests").mkdir()
-    shutil.copy(ROOT / "tests/test_package.py", tmp_path / "tests")
-    code = "import sys; from setuptools import build_meta; print(build_meta.build_sdist('made'), file=sys.stderr)"
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert "warning" not in (done.stdout + done.stderr).lower(), done.stdout + done.stderr
-    with tarfile.open(next((tmp_path / "made").glob("*.tar.gz"))) as archive:
-        held = {name.partition("/")[2] for name in archive.getnames()}
-    wanted = {path for folder in (*FOLDERS, *BESIDE) for path in (tmp_path / folder).rglob("*") if path.is_file()}
-    assert {path.relative_to(tmp_path).as_posix() for path in wanted} | set(FILES) <= held
-    assert not any(name.startswith("tests/") for name in held)
 
 
 def test_the_wheel_runs(wheel, tmp_path):

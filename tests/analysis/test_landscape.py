@@ -127,23 +127,6 @@ def test_the_landscape_of_a_session_is_that_of_what_it_sees_and_of_its_transfer(
     assert landscape(Session(Settings.paper(demonstrator_deg=(45, -90)))).E.shape == (91, 181)
 
 
-def test_a_landscape_needs_a_scene_and_two_joints():
-    with pytest.raises(ValueError, match="two moving joints, this scene has 3"):
-        landscape(Session(Settings(joints=(2, 4, 6), points=16)))
-
-    class Robot:
-        lower, upper, start, noise_px = np.zeros(2), np.ones(2), np.full(2, 0.5), 0.0
-
-        def move(self, theta):
-            return theta
-
-        def look(self):
-            return FourViews.from_images(*np.random.default_rng(0).uniform(0, 600, (4, 9, 2)))
-
-    with pytest.raises(ValueError, match="an arm and eyes of your own have no scene"):
-        landscape(Session.of(Robot(), Robot()))
-
-
 def test_grids_cover_the_range_of_two_joints():
     rows, columns = grid_axes(panda())
     np.testing.assert_allclose(np.degrees(rows), np.arange(91), atol=1e-12)

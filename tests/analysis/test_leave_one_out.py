@@ -9,7 +9,6 @@ from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.tracks import Case, draw
-from viewimit.geometry.rectification import fit_rectification_with_prior
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -58,20 +57,6 @@ def test_without_noise_the_projective_transfer_predicts_points_exactly_and_affin
     found = leave_one_out(arms("panda", 16, 3, np.random.default_rng(2)))
     assert found.error_px["projective"] < 0.05 < 0.5 < min(found.error_px[name] for name in ("linear", "epipolar"))
     assert found.rectification is None and found.rectified_px is None  # rows are equal
-
-
-def test_a_rectification_is_told_by_the_other_points_too():
-    """Else a point of its own would make the images suit it."""
-    views = arms("panda-toed", 20, 1, np.random.default_rng(4), noise_px=0.3)
-    squares = []
-    for point in range(20):
-        rest = views.select(np.delete(np.arange(20), point))
-        by = fit_rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
-        fitted = fit_transfer(TRANSFERS["projective"], rest, by)
-        one = views.select([point])
-        squares.append(((one.own - fitted.recover(one.demo_left, one.demo_right)) ** 2).sum() / 2)
-    found = leave_one_out(views).rectified_px
-    assert found is not None and found["projective"] == pytest.approx(np.sqrt(np.mean(squares)), rel=1e-6)
 
 
 def held_out(seen, elsewhere, by):

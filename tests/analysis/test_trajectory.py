@@ -88,15 +88,3 @@ def test_the_learner_sees_no_truth(session, monkeypatch):
     monkeypatch.setattr("viewimit.analysis.trajectory.hand_position", lambda *_: np.full(3, np.nan))
     blind = follow(poisoned, session.snapshot.transfer, moves, np.ones(10, bool))
     np.testing.assert_array_equal(blind.theta, honest.theta)
-
-
-def test_noise_repeats_itself_by_its_seed_and_missing_points_are_survived():
-    def found(seed):
-        session = converged(noise_px=0.1, missing=0.2, frames=9, points=16, seed=seed, transfer="linear")
-        moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=20)
-        return follow(session, session.snapshot.transfer, moves, np.ones(16, bool))
-
-    first, again, other = found(3), found(3), found(4)
-    np.testing.assert_array_equal(first.theta, again.theta)
-    assert not np.array_equal(first.theta, other.theta)
-    assert np.median(first.joint_deg) < 5

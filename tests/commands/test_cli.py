@@ -116,21 +116,6 @@ def test_imitate_writes_its_history(ask_json, tmp_path, name):
     assert table["status"][0] == "ready" and table["status"][-1] == told["status"] == "converged"
 
 
-@pytest.mark.parametrize("where, status, says", [("closed", 141, ""), ("/dev/full", 2, "cannot print: No space left")])
-def test_where_nothing_can_be_printed_one_line_says_so_at_most(tmp_path, where, status, says):
-    if where == "closed":
-        reading, writing = os.pipe()
-        os.close(reading)
-    elif not os.path.exists(where):
-        pytest.skip(f"no {where}")
-    else:
-        writing = os.open(where, os.O_WRONLY)
-    with os.fdopen(writing, "wb") as out:
-        command = [sys.executable, "-m", "viewimit", "imitate", "--json"]
-        done = subprocess.run(command, stdout=out, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
-    assert done.returncode == status and says in done.stderr and done.stderr.count("\n") == bool(says)
-
-
 def without(told, *names):
     return {name: value for name, value in told.items() if name not in names}
 

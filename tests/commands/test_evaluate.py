@@ -72,19 +72,6 @@ def test_the_default_transfer_is_projective_from_eight_usable_points_on(ask_json
     assert told["transfer"] == transfer and len(told["frames"][0]["usable"]) == usable
 
 
-def test_what_min_confidence_removes_is_said_by_number_and_name(ask, ask_json, tmp_path):
-    unsure = lambda frame, view, point: 0.59 if (point == 4 and view in "lR") or (point, frame) == (2, 1) else 0.6
-    path = write(tmp_path / "points.csv", arms(), unsure)
-    status, _, err = ask("evaluate", path)
-    assert status == 0 and "--min-confidence 0.6 removed 10 of 192 image points: p4 (6), p2 (4)\n" in err
-    assert ask_json("evaluate", path)[1]["removed_by_confidence"] == {"p2": 4, "p4": 6}
-    status, _, err = ask("evaluate", path, "--min-confidence", 0)
-    assert status == 0 and "removed" not in err
-    assert ask_json("evaluate", path, "--min-confidence", 0)[1]["removed_by_confidence"] == {}
-    _, _, err = ask("evaluate", write(tmp_path / "less.csv", arms(), lambda *of: 0.5 if of[2] < 12 else 1.0))
-    assert "removed 144 of 192 image points: p0 (12), p1 (12), " in err and "p9 (12) and 2 more names\n" in err
-
-
 def mirrored(head, noise_px=0.2):
     """Arms with markers at both ends of their axles: the learner in mirrored postures but in frame 1."""
     scene = load_scene('extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n' + head)

@@ -1,7 +1,5 @@
 """`evaluate --unmatched` names tracked points by several postures of the learner's own body, or by a rehearsal."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -88,19 +86,3 @@ def test_what_it_needs_is_said(ask, tracks, tmp_path):
     few.write_text("frame,theta2,theta4\n" + "".join(f"{k},10,10\n" for k in range(6)))
     status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
     assert status == 2 and "6 postures do not show how the joints move points: turn each joint alone" in error
-
-
-@pytest.mark.parametrize("per_degree", [np.radians([1, 1]), [4096 / 360] * 2, [1 / 360] * 2, [2.1, 1.43], [1.0, 0.5]])
-def test_angles_that_are_no_degrees_are_told_by_the_images(ask, tracks, per_degree):
-    """The learner's own motions show by how much a joint turns for each unit of the table."""
-    path, angles = tracks()
-    rows = np.array(POSTURES_DEG) * per_degree
-    angles.write_text("\n".join(["frame,a,b", *(f"{k},{x!r},{y!r}" for k, (x, y) in enumerate(rows.tolist()))]) + "\n")
-    _, out, err = ask("evaluate", path, "--unmatched", "--postures", angles)
-    assert "is at" not in out or "°" not in out.split("is at")[1].splitlines()[0]
-    (said,) = [line for line in err.splitlines() if "--postures" in line]
-    if "radians" in said:
-        assert per_degree[0] == np.radians(1)
-    else:
-        turns = [float(turn) for turn in re.findall(r"by ([\d.]+)°", said)]
-        np.testing.assert_allclose(turns, 1 / np.array(per_degree), rtol=0.03)

@@ -68,18 +68,3 @@ def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body
 def test_a_rehearsal_of_no_use_is_refused(ask, body, words, named):
     status, out, err = ask("imitate", "--calibration", body, *words)
     assert status == 2 and not out and "--calibration" in err and named in err
-
-
-def test_files_that_are_none_are_named(ask, tmp_path):
-    missing = tmp_path / "none.npz"
-    status, _, err = ask("imitate", "--calibration", missing)
-    assert status == 2 and "--calibration" in err and str(missing) in err
-    missing.write_text("theta,E")
-    status, _, err = ask("imitate", "--calibration", missing)
-    assert status == 2 and "no calibration" in err and "viewimit rehearse" in err
-    assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
-    assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
-    for joints, words in (2, ()), (7, ("--joints", "all", "--n-points", 16)):
-        status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
-        assert status == 2 and f"{joints} joints need {joints + 3} or more" in err
-    assert ask("rehearse")[0] == 2

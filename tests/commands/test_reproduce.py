@@ -63,14 +63,6 @@ def test_a_miss_is_said_and_exits_with_1(ask, ask_json, too_strict):
     assert claim["holds"] is False
 
 
-def test_the_law_as_printed_is_judged(ask_json, monkeypatch):
-    run = lambda settings, tell: fig9.run(settings, tell, starts=(0, 0), max_motions=12, laws=("gradient",))
-    monkeypatch.setitem(EXPERIMENTS, "fig9", replace(EXPERIMENTS["fig9"], run=run))
-    status, told = ask_json("reproduce", "fig9")
-    assert status == 1 and told["missed"] == ["Fig. 9: gradient, came within 3°"]
-    assert told["figures"]["fig9"]["verdict"] == "0 of 1 hold; the law as printed does not"
-
-
 def test_a_recorded_motion_is_imitated(ask_json, tmp_path):
     path = tmp_path / "wave.json"
     path.write_bytes(

@@ -14,7 +14,6 @@ from drawn import (
     FROM_LEFT,
     FROM_PARTNER,
     FROM_RIGHT,
-    GOAL_POINTS,
     LEARNERS_PATH,
     LEVEL_NUMBERS,
     OWN_POINTS,
@@ -27,7 +26,6 @@ from drawn import (
     only,
     parsed,
     path,
-    used,
 )
 from viewimit.app.drawing.overlays import current_values
 from viewimit.app.static import LAYOUT_CSS, stylesheet
@@ -187,20 +185,6 @@ class TestImages:
             assert min(tight) == pytest.approx(MARGIN)
         assert first[False]["L"].scale == first[False]["R"].scale and first[False]["l"].scale == first[False]["r"].scale
 
-    def test_the_goal_is_where_the_learners_points_are_in_the_demonstrators_posture(self, session):
-        snapshot = session.snapshot
-        there = session.observe(snapshot.theta_demo, snapshot)
-        for name, box in planes(drawn(session, goal=True)).items():
-            rings = marked(box, "path", GOAL_POINTS)
-            assert len(rings) == (name in "LR")
-            if rings:
-                window = windows_of(session)[False][name]
-                centres = starts(rings[0].get("d"))
-                side = 2 * (name == "R")
-                expected = (there.views.own[:, side : side + 2] - (window.x, window.y)) * window.scale
-                assert centres == pytest.approx(expected, abs=0.06)
-        assert GOAL_POINTS not in used(drawn(session))
-
     def test_too_few_points_leave_frames_points_and_dashes(self):
         session = stepped(0, missing=0.5)
         assert session.snapshot.transfer is None
@@ -280,11 +264,6 @@ def conflict_of(session):
     )
 
 
-def law_of(snapshot):
-    """What follows Eq. (6): the servo's law."""
-    return equations.draw_equations(snapshot).split("<b>(6)</b>")[1].split("</div>", 1)[1]
-
-
 class TestEquations:
     def test_the_sums_over_L_and_R_make_E(self, session):
         words = " ".join(conflict_of(session).itertext())
@@ -307,15 +286,6 @@ class TestEquations:
             for sign, factor, px in re.findall(r"([-+]?)([\d.]+)(?:·(\d+))?", terms)
         )
         assert found == pytest.approx(float(value), abs=4 * (0.0005 * 640 + 0.5) + 0.5 + 0.05)
-
-    @pytest.mark.parametrize("transfer", ["epipolar", "linear"])
-    def test_the_broyden_law_shows_promise_and_fact(self, transfer):
-        session = stepped(3, transfer=transfer)
-        best = session.snapshot.servo_state.best
-        before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
-        promised, measured = re.findall(r"<b>([\d.]+)</b>", law_of(session.snapshot))
-        assert float(promised) == pytest.approx(session.snapshot.servo_state.predicted_reduction, rel=0.01)
-        assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
 
 
 class TestStatus:

@@ -204,18 +204,6 @@ class TestAll:
             (svg,) = parsed(drawing)
             assert svg.get("viewBox") == f"0 0 {plots.WIDTH} {plots.HEIGHT}"
 
-    def test_seven_joints_are_drawn_too(self, trajectory):
-        scene = load_scene("panda", None, (1, 2, 3, 4, 5, 6, 7))
-        for experiment in EXPERIMENTS.values():
-            assert parsed(experiment.empty_figure(scene))
-        settings = Settings.paper(
-            joints=(1, 2, 3, 4, 5, 6, 7), demonstrator_deg=(0.0, 45.0, 0.0, -90.0, 0.0, 90.0, 45.0)
-        )
-        (caption,) = parsed(plots.figure(settings, "", " · a motion of a very long name")).iter("text")
-        assert caption.get("textLength") == str(plots.WIDTH) and len(caption.text) <= plots.MAX_CAPTION
-        assert caption.text.startswith(f"Demonstrator (0°, 45°, 0°, {MINUS}90°, 0°, 90°, 45°) · epipolar")
-        assert "two joints must move" in words(EXPERIMENTS["fig7"].empty_figure(scene))
-
     def test_names_no_colour_and_no_role_that_does_not_exist(self, drawings):
         page = PAGE_CSS[PAGE_CSS.index(css(PROGRESS)) :]
         for drawing, others in [*((each, ()) for each in (*drawings, theme.DRAWING_CSS)), (page, PAGES_OWN)]:

@@ -12,7 +12,6 @@ from viewimit.app.model.keeping import tab_link
 from viewimit.app.panels.guide import help_html
 
 from viewimit.drawing import glossary
-from viewimit.drawing.theme import ROLES
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import complete
 
@@ -64,19 +63,6 @@ def test_errors_name_entry_and_field(tmp_path, text, said):
     with pytest.raises(ValueError, match=said) as error:
         glossary.load(path)
     assert str(path) in str(error.value)
-
-
-@pytest.mark.parametrize("ground", ["paper", "card"])
-@pytest.mark.parametrize("role", ["ink", "secondary", "recovered", "demonstrator-edge"])
-def test_its_type_has_contrast_in_both_schemes(role, ground):
-    def luminance(colour):
-        channels = [int(pair, 16) / 255 for pair in re.findall("..", colour[1:])]
-        r, g, b = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
-        return 0.2126 * r + 0.7152 * g + 0.0722 * b
-
-    for colour, behind in zip(ROLES[role], ROLES[ground]):
-        low, high = sorted((luminance(colour), luminance(behind)))
-        assert (high + 0.05) / (low + 0.05) >= 4.5
 
 
 def give_back_offered(page):

@@ -10,20 +10,6 @@ def images(count=6, batch=()):
     return list(np.random.default_rng(0).uniform(0, 600, (4,) + batch + (count, 2)))
 
 
-def test_a_point_without_coordinates_is_invisible_in_that_view():
-    l, r, L, R = images()
-    r[2, 1] = np.nan
-    R[4] = np.nan
-    views = FourViews.from_images(l, r, L, R)
-    expected = np.ones((6, 4), bool)
-    expected[2, 1] = expected[4, 3] = False
-    np.testing.assert_array_equal(views.visible, expected)
-    assert np.flatnonzero(~views.usable).tolist() == [2, 4]
-    selected = views.select(views.usable)
-    np.testing.assert_array_equal(selected.own_left, L[[0, 1, 3, 5]])
-    assert selected.usable.all()
-
-
 def test_a_masked_point_is_invisible():
     l, r, L, R = images()
     hidden = np.zeros((6, 2), bool)

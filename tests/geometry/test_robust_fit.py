@@ -10,7 +10,6 @@ from viewimit.geometry.robust_fit import (
     OUTLIER_SIGMA,
     all_inliers,
     detect_outliers,
-    fit_geometry,
 )
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
@@ -54,16 +53,3 @@ def test_matches_of_parallel_cameras_are_inliers_until_one_is_moved_out_of_its_r
     along[3, 0] += 20
     across[3, 1] += 20
     assert all_inliers(left, along, noise_px) and not all_inliers(left, across, noise_px)
-
-
-def test_a_match_far_from_few_others_is_judged_by_the_squares_that_it_adds():
-    """Whatever it is that they tell of F: deviations of further matches are those of a standard normal variable, though
-    they lie where F is extrapolated."""
-    deviations = []
-    for seed in range(60):
-        left, right, _ = matches(HEADS["both"], np.random.default_rng(seed), 40, 0.3)
-        order = np.argsort(np.linalg.norm(left - np.median(left, 0), axis=1))
-        near, far = order[:26], order[26:]
-        fit = fit_geometry(left[near], right[near])
-        deviations.append(fit.distance(left[far], right[far]) / fit.std_px)
-    assert 0.9 < np.sqrt(np.mean(np.square(deviations))) < 1.2

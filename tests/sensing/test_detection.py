@@ -4,7 +4,7 @@ the renderer."""
 import numpy as np
 import pytest
 
-from viewimit.sensing.detection import detect, read_pictures, reject_partly_hidden
+from viewimit.sensing.detection import detect, read_pictures
 from viewimit.simulation.robot import colours, load_markers
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])
@@ -65,17 +65,3 @@ def test_files_that_are_no_pictures_are_named(tmp_path):
         (tmp_path / name).write_text("no picture")
         with pytest.raises(ValueError, match=name):
             next(read_pictures(tmp_path / name))
-
-
-def test_a_ball_that_is_hidden_from_several_sides_and_stays_round_is_smaller_than_in_the_other_picture():
-    middles, grey = np.stack([15 + 25.0 * np.arange(6), np.full(6, 60.0)], -1), [0.75] * 3
-    radii = (3.6, 3.3, 3.5, 3.4, 3.3, 3.6)
-    whole = [(*middle, r, colour) for middle, r, colour in zip(middles, radii, colours(HUES))]
-    covers = [(40.0 + 11.9 * s, 60.0 + 11.9 * t, 10.3, grey) for s, t in ((1, 0), (0, 1))]
-    left, right = detect(drawn(whole), HUES), detect(drawn(whole + covers), HUES)
-    assert right.found.all() and np.abs(right.points[1] - middles[1]).max() > 0.4
-    kept_left, kept_right = reject_partly_hidden(left, right)
-    assert kept_left.found.all() and kept_right.found.tolist() == [True, False, True, True, True, True]
-    assert np.isnan(kept_right.points[1]).all()
-    mirrored = reject_partly_hidden(right, left)
-    assert mirrored[0].found.tolist() == kept_right.found.tolist() and mirrored[1].found.all()

@@ -4,8 +4,6 @@ import pickle
 import re
 import shlex
 import struct
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -16,7 +14,7 @@ from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
 from viewimit.commands.options import option
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, view_of
-from viewimit.sensing.tracks import read_files, read_tidy, read_view
+from viewimit.sensing.tracks import read_files, read_view
 
 ROOT = Path(__file__).parent.parent.parent
 PARTS, FRAMES = ("tip", "elbow", "base"), np.array([0, 1, 4])
@@ -445,18 +443,3 @@ COLMAP = """# Image list with two lines of data per image:
 3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 demo_left.png
 1190.83 663.957 23056 10.5 20.25 -1 1258.77 640.354 59070
 """
-
-
-@pytest.mark.parametrize("text", [COLMAP, re.sub("#.*\n", "", COLMAP)], ids=["as written", "without its heading"])
-def test_the_command_that_an_images_txt_is_refused_with_converts_it(tmp_path, monkeypatch, text):
-    monkeypatch.chdir(tmp_path)
-    Path("images.txt").write_text(text)
-    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read") as refused:
-        read_view(Path("images.txt"))
-    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read"):
-        read_tidy(Path("images.txt"))
-    command = "python -c" + str(refused.value).partition("python -c")[2]
-    subprocess.run(command.replace("python", shlex.quote(sys.executable), 1), shell=True, check=True)
-    track = read_view(Path("demo_left.csv"))
-    assert track.points == ("23056", "59070")
-    np.testing.assert_array_equal(track.image, [[[1190.83, 663.957], [1258.77, 640.354]]])

@@ -107,19 +107,6 @@ def test_points_that_are_likely_wrong_are_listed_with_their_score(ask, ask_json,
     assert "&lt;p5&gt;" in page and "misplaced in own_left or own_right" in page and "<p5>" not in page
 
 
-@pytest.mark.parametrize("more", [[], ["--undistort", "0.001,0", "--lens", "256,256,320,120"]])
-def test_points_in_whole_pixels_are_not_called_misplaced(ask_json, tmp_path, more):
-    world, rng, lines = World(load_scene("panda"), 16), np.random.default_rng(0), ["frame,view,point,x,y,confidence"]
-    for frame, theta in enumerate(np.radians([(45, -90), (20, -40), (70, -140)])):
-        for view, points in images(world.look(theta, theta + 0.5)).items():
-            whole = np.round(points + 0.3 * rng.standard_normal(points.shape)).tolist()
-            lines += [f"{frame},{view},{k},{x:.0f},{y:.0f},1" for k, (x, y) in enumerate(whole)]
-    path = tmp_path / "whole.csv"
-    path.write_text("\n".join(lines) + "\n")
-    status, told = ask_json("evaluate", path, *more)
-    assert status == 0 and told["suspects"] == []
-
-
 def test_a_view_of_one_frame_is_used_for_all_frames(tmp_path, tidy):
     text = tidy.read_text()
     more = [line.replace("0,", "7,", 1) for line in text.splitlines() if line[:4] in ("0,L,", "0,R,")]

@@ -63,28 +63,6 @@ def test_prediction_variances_are_the_textbooks(linear):
             assert found[k, point] == pytest.approx(np.sqrt(left), rel=1e-6)
 
 
-def test_jacobian_variances_are_differences_of_the_kernels_posterior(linear):
-    """The posterior covariance of slopes, as difference quotients have it, less that of a point that is always seen."""
-    images, rng = linear
-    places, asked, h = rng.uniform(-0.5, 0.5, (5, 2)), rng.uniform(-0.7, 0.7, 2), 1e-4
-    seen = np.ones((5, 6, 2), bool)
-    seen[:2, 1], seen[2, 3, 0], seen[:, 4] = False, False, False
-    found = GaussianProcessImages.fit(visits_of(images, places, seen), 2, 0.5).jacobian_std(asked)
-    away, theta = places - places[2], asked - places[2]
-    slope = lambda f: np.array([(f(theta + h * a) - f(theta - h * a)) / (2 * h) for a in np.eye(2)])
-
-    def left(told):
-        K = np.array([[kernel(away[a], away[b]) for b in told] for a in told]) + 0.25 * np.eye(len(told))
-        rows = np.array([slope(lambda x, a=a: kernel(x, away[a])) for a in told]).reshape(-1, 2)
-        return slope(lambda x: slope(lambda y: kernel(x, y))) - rows.T @ np.linalg.solve(K, rows)
-
-    always = left(range(5))
-    for point in range(6):
-        more = left(np.flatnonzero(seen[:, point].all(-1))) - always
-        assert found[point] ** 2 == pytest.approx(np.linalg.eigvalsh(more)[-1], rel=1e-3, abs=1.0)
-    assert found[0] == 0 and found[1] > 1 and found[4] > 200
-
-
 def test_a_linear_image_is_predicted_after_one_visit_more_than_joints(linear):
     """The bend's part of the kernel pulls a little away from the line: less than 2 % of the way."""
     images, _ = linear

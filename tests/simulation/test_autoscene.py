@@ -9,9 +9,7 @@ from urdfs import arm, gripper, joint, link, write
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.simulation.autoscene.placing import fit_to_view, image_jacobian, rest_posture, turning_range
-from viewimit.simulation.autoscene.surface import Surface, parts_of
-from viewimit.simulation.camera import Cameras
+from viewimit.simulation.autoscene.surface import parts_of
 from viewimit.simulation.robot import Robot, link_meshes
 from viewimit.simulation.scene import load_robot, load_scene
 from viewimit.simulation.world import World
@@ -177,57 +175,6 @@ def test_everything_scales_with_the_robot(tmp_path):
     )
     theta = np.radians(one.posture_deg)[one.moving]
     np.testing.assert_allclose(World(one).demo_images(theta)[0], World(ten).demo_images(theta)[0], atol=0.2)
-
-
-def test_the_two_joints_that_are_taken_sweep_the_largest_area_of_images(tmp_path):
-    """Of all pairs, by turning each joint through its range and looking: a wrist far out loses, two that do the same
-    lose."""
-    path = write(
-        tmp_path, *arm(joint("wrist", "lower", "hand", axis="0 0 1", xyz="0 0 0.3"), link("hand", "0.05 0.02 0.04"))
-    )
-    scene = load_scene(path)
-    assert 4 not in scene.moving_joints
-    world, rest = World(scene, 20), np.radians(scene.posture_deg)
-
-    def swept(pair):
-        columns = []
-        for number in pair:
-            low, high = np.radians(turning_range(load_robot(path), number, rest_posture(load_robot(path))))
-            moved = [
-                world.robot.link_frames(rest + shift * np.eye(4)[number - 1], world.T_world_own)
-                for shift in (-1e-4, 1e-4)
-            ]
-            images = [
-                world.own_pair.images(
-                    np.array([(T[link] @ [*local, 1])[:3] for link, local in zip(world.body.link, world.body.local)])
-                )[0]
-                for T in moved
-            ]
-            columns.append((images[1] - images[0]).ravel() * (high - low))
-        return np.sqrt(np.linalg.det(np.array(columns) @ np.array(columns).T))
-
-    taken = swept(scene.moving_joints)
-    assert all(taken > 2 * swept(pair) for pair in ((1, 4), (2, 4), (3, 4)))
-
-
-def test_the_image_jacobian_is_that_of_geometry(tmp_path):
-    """dp/dθ = a × (p - o), seen by the camera."""
-    path = write(tmp_path, *arm())
-    found = load_robot(path)
-    surface = Surface(np.array([3, 2, 0]), np.array([[0.1, 0.0, 0.2], [0.0, 0.05, 0.3], [0.1, 0.1, 0.0]]), np.eye(3))
-    places = surface.at(found.link_frames([0.2, 0.3, 0.4]))[0]
-    placing = fit_to_view(places, 0.0, 0.5)
-    camera, T = placing.cameras(1)[0], placing.base(1)
-    J = image_jacobian(found, np.array([0.2, 0.3, 0.4]), surface, Cameras([camera]), T).reshape(3, 2, 3)
-    frames = found.link_frames([0.2, 0.3, 0.4], T)
-    for k, number in enumerate(surface.link):
-        world = (frames[number] @ [*surface.local[k], 1])[:3]
-        x, y, z = camera.T_world_camera[:3, :3].T @ (world - camera.T_world_camera[:3, 3])
-        projection = 256 * np.array([[1 / z, 0, -x / z**2], [0, 1 / z, -y / z**2]]) @ camera.T_world_camera[:3, :3].T
-        for i, one in enumerate(found.joints):
-            axis, origin = frames[i + 1][:3, :3] @ one.axis, frames[i + 1][:3, 3]
-            expected = projection @ np.cross(axis, world - origin) if number > i else np.zeros(2)
-            np.testing.assert_allclose(J[k, :, i], expected, atol=0.1)
 
 
 STIFF = '<limit lower="0.5" upper="0.5"/>'

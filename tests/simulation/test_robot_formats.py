@@ -40,26 +40,6 @@ def test_other_formats_are_refused_in_one_line_with_the_command(tmp_path, load, 
     assert "\n" not in str(refused.value)
 
 
-XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="b.xacro"/>{}</robot>'
-
-
-@pytest.mark.parametrize(
-    "content, message",
-    [
-        ("<mujoco model='a'/>", r"my arm\.urdf is MJCF, .*'\S*/my arm-converted\.urdf'"),
-        ("<sdf version='1.6'/>", r"my arm\.urdf is SDF, "),
-        (XACRO.format("<xacro:arm/>"), r"is xacro, .* xacrodoc '\S*/my arm\.urdf' -o '\S*/my arm-converted\.urdf'$"),
-        ("<html/>", r"my arm\.urdf: not a URDF: its root element is <html>"),
-        (" \n", r"my arm\.urdf: the file is empty"),
-    ],
-)
-def test_neither_is_one_that_is_only_named_so(tmp_path, content, message):
-    (tmp_path / "my arm.urdf").write_text(content)
-    with pytest.raises(ValueError, match=message) as refused:
-        load_robot(tmp_path / "my arm.urdf")
-    assert "\n" not in str(refused.value)
-
-
 def test_the_command_for_sdf_converts_it(tmp_path):
     pytest.importorskip("pybullet")
     data = pytest.importorskip("pybullet_data")

@@ -1,7 +1,5 @@
 """`viewimit scene` writes what `--robot` takes; `bench robots` says which robots arrive."""
 
-import re
-
 import pytest
 from urdfs import arm, gripper, joint, write
 
@@ -39,35 +37,6 @@ def test_given_joints_are_those_of_the_file(ask, ask_json, urdf, joints):
     _, made = ask_json("imitate", "--robot", urdf, "--joints", joints, "--n-points", 16)
     assert run_of(of_file) == run_of(made)
     assert len(made["joints"]) == (2 if joints == "1,3" else 3)
-
-
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        ("scene panda", "URDF: panda is no .urdf file"),
-        ("scene lost.urdf", "URDF: lost.urdf: cannot be read: No such file"),
-        ("scene small.urdf --out a.json", "--out: a.json must end in .toml"),
-        ("scene small.urdf --joints 1,9", "--joints: joints 1, 9 must ascend, within 1 … 3"),
-        ("scene small.urdf --tip nose", "URDF: small.urdf: no link 'nose'; its links are base,"),
-        ("imitate --robot small.urdf --tip nose", "--robot: small.urdf: no link 'nose'"),
-        ("imitate --robot small.urdf --tip shoulder", "--robot: small.urdf: from base to shoulder 1 joint can turn"),
-        (
-            "imitate --robot small.urdf --base upper --tip lower",
-            "--robot: small.urdf: from upper to lower 1 joint can turn",
-        ),
-        ("imitate --robot panda --tip nose", "--robot: .*--tip .* of a .urdf file"),
-        ("imitate --tip nose", "--robot: .*--tip .* of a .urdf file"),
-        ("imitate --robot small.urdf.xacro", "--robot: small.urdf.xacro is xacro"),
-        ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
-        ("bench robots", "the following arguments are required: FOLDER"),
-        ("bench robots nowhere", "FOLDER: nowhere: no .urdf file there"),
-        ("bench success nowhere", "viewimit bench success: unrecognized arguments: nowhere"),
-    ],
-)
-def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):
-    status, out, err = ask(*words.split())
-    assert status == 2 and out == "" and err.count("\n") == 1
-    assert re.search(message, err), err
 
 
 def test_bench_robots_reports_on_each_file(ask, ask_json, tmp_path):

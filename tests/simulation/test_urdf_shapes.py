@@ -1,6 +1,5 @@
 """Meshes of a URDF's arm, and their cache."""
 
-import os
 import re
 import sys
 
@@ -209,36 +208,6 @@ def assert_same(one, other):
     for link_number, mesh in one.meshes.items():
         np.testing.assert_array_equal(mesh.vertices, other.meshes[link_number].vertices)
         np.testing.assert_array_equal(mesh.faces, other.meshes[link_number].faces)
-
-
-def test_the_next_process_reads_no_mesh_and_has_the_same(tmp_path, folder, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    reference = urdf_of(tmp_path, "ball.stl", "lost.stl")
-    made = anew(reference)
-    assert read == ["ball.stl"] and len(made.faults) == 1 and "lost.stl is not there" in made.faults[0]
-    assert_same(anew(reference), made)
-    assert read == ["ball.stl"]
-    assert folder.stat().st_mode & 0o777 == 0o700
-
-
-def test_any_change_makes_a_new_entry(tmp_path, folder, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    reference = urdf_of(tmp_path, "ball.stl", "late.stl")
-    first = anew(reference)
-    before = (tmp_path / "ball.stl").stat()
-    FINE_BALL.copy().apply_scale([1, 1, 2]).export(tmp_path / "ball.stl")  # as large, and as old
-    os.utime(tmp_path / "ball.stl", ns=(before.st_atime_ns, before.st_mtime_ns))
-    second = anew(reference)
-    assert np.ptp(second.meshes[4].vertices[:, 2]) == pytest.approx(
-        2 * np.ptp(first.meshes[4].vertices[:, 2]), rel=0.01
-    )
-    FINE_BALL.export(tmp_path / "late.stl")
-    third = anew(reference)
-    assert third.faults == () and read == ["ball.stl", "ball.stl", "ball.stl", "late.stl"]
-    urdf_of(tmp_path, "ball.stl", "late.stl", more="<link name='alone'/>")
-    anew(reference)
-    anew(Reference(reference.path, tip="lower"))
-    assert read[4:] == ["ball.stl", "late.stl"] * 2
 
 
 def test_a_damaged_entry_is_made_again(tmp_path, folder, read):

@@ -1,4 +1,4 @@
-"""Checks of the source that are no tests: style, types, public docstrings, files of the forge, faults to make. `python tests/lint.py`
+"""Checks of the source that are no tests: style, types, public docstrings, forge files, faults. `python tests/lint.py`
 
 CI runs it once, beside the tests. It needs the dependency groups `lint` and `test`.
 """

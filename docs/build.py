@@ -1,9 +1,7 @@
-"""Builds the documentation: python docs/build.py [FOLDER]. Every example in it is executed; one that fails ends it.
+"""Builds the documentation: python docs/build.py FOLDER. Every example in it is executed; one that fails ends it.
 
-The lab is written beside it, lab.html.
-
-It needs `pip install -e . --group docs`, of pip 25.1 or newer. Without a folder it goes to build/site, where
-`viewimit docs` finds it.
+It needs `pip install -e . --group docs`, of pip 25.1 or newer. `viewimit site DIR` builds it with the lab and the
+lessons, to which it links, beside it.
 """
 
 import shutil
@@ -12,10 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from sphinx.cmd.build import build_main
-from viewimit.app.lab.page import lab_page
 
 HERE = Path(__file__).parent
-NEEDLESS = (".buildinfo",)
 
 
 def build(folder: Path) -> int:
@@ -23,17 +19,11 @@ def build(folder: Path) -> int:
     shutil.rmtree(folder, ignore_errors=True)
     with TemporaryDirectory() as kept:
         status = build_main(["-q", "-E", "-W", "--keep-going", "-b", "html", "-d", kept, str(HERE), str(folder)])
-    for name in NEEDLESS:
-        (folder / name).unlink(missing_ok=True)
-    shutil.rmtree(folder / "_sources", ignore_errors=True)
-    if not status:
-        folder.joinpath("lab.html").write_text(lab_page(), "utf-8")
+    (folder / ".buildinfo").unlink(missing_ok=True)
     return status
 
 
 if __name__ == "__main__":
-    asked = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "build" / "site"
-    ended = build(asked.resolve())
-    if not ended:
-        print(f"the documentation begins at {asked.resolve() / 'index.html'}")
-    sys.exit(ended)
+    if len(sys.argv) != 2:
+        sys.exit("python docs/build.py FOLDER")
+    sys.exit(build(Path(sys.argv[1]).resolve()))

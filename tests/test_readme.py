@@ -1,5 +1,5 @@
 """README and docs say what is: commands print what README shows, lines are those that run, links lead somewhere. The
-documentation's own examples are executed when it is built: tests/test_package.py."""
+documentation's own examples are executed when it is built: tests/docs/test_site.py."""
 
 import re
 import shlex
@@ -93,6 +93,6 @@ def test_the_version_stands_in_one_place_and_all_files_tell_one_licence():
     said, citation = tomllib.loads((ROOT / "pyproject.toml").read_text()), (ROOT / "CITATION.cff").read_text()
     assert "version" not in said["project"] and "\nversion:" not in citation
     assert said["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "viewimit.__version__"}
-    assert f"## [{viewimit.__version__}]" in (ROOT / "CHANGELOG.md").read_text()
+    assert (ROOT / f"docs/changes/{viewimit.__version__}.md").is_file()
     assert said["project"]["license"].startswith("MIT AND ") and "\nlicense: MIT\n" in citation
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")

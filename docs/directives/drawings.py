@@ -1,4 +1,4 @@
-"""The page's own drawings of a state, each with a link that opens the page in it."""
+"""Drawings of a state, with a link to the lab in it where the lab can show it."""
 
 import re
 from collections.abc import Callable
@@ -104,9 +104,9 @@ class DrawingDirective(SphinxDirective):
         figure += nodes.raw("", f'<div class="drawn">{inside}</div>', format="html")
         words = nodes.container("", classes=["words"])
         self.state.nested_parse(self.content, self.content_offset, words)
-        E = states.session(drawing.state).snapshot.E
-        anchor = f'class="open" data-conflict="{E!r}" href="{states.address(drawing.state)}"'
-        words += nodes.raw("", f"<p><a {anchor}>Open the page in this state</a></p>", format="html")
+        if lab := states.STATES[drawing.state].lab:
+            link = f'<p><a class="open" href="../index.html#{lab}">Open the lab in this state</a></p>'
+            words += nodes.raw("", link, format="html")
         figure += words
         return [figure]
 

@@ -44,7 +44,7 @@ class Live(SphinxDirective):
         words = nodes.container("", classes=["words"])
         self.state.nested_parse(self.content, self.content_offset, words)
         if name in LAB_STATES:
-            link = f'<p><a class="open" href="lab.html#{LAB_STATES[name]}">Open the lab in this state</a></p>'
+            link = f'<p><a class="open" href="../index.html#{LAB_STATES[name]}">Open the lab in this state</a></p>'
             words += nodes.raw("", link, format="html")
         shown += words
         self.env.metadata[self.env.docname]["live"] = "yes"

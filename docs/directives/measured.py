@@ -15,12 +15,13 @@ FILE = Path(__file__).parents[1] / "figures.toml"
 
 class Figure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """what was measured, what was found, by which commands, and the settings of each; none of a command that takes
-    none."""
+    none. day: of the code, "" for that of the others."""
 
     what: str
     found: str
     commands: list[str]
     settings: list[dict[str, Any]] = []
+    day: str = ""
 
 
 def figures() -> list[Figure]:
@@ -34,7 +35,8 @@ class Measured(SphinxDirective):
         rows = ["| what | found | command |", "|---|---|---|"]
         for figure in figures():
             commands = "<br>".join(f"`{command}`" for command in figure.commands)
-            rows.append(f"| {figure.what} | {figure.found} | {commands} |")
+            day = f" ({figure.day})" if figure.day else ""
+            rows.append(f"| {figure.what} | {figure.found}{day} | {commands} |")
         place = nodes.container(classes=["measured"])
         self.state.nested_parse(StringList(rows, str(FILE)), 0, place)
         settings = {command: found for figure in figures() for command, found in zip(figure.commands, figure.settings)}

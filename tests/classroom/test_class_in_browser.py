@@ -274,11 +274,11 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
     for student in students:
         student.at("servo")
         assert student.page.evaluate(goal) == lecturer.page.evaluate(goal), "the same start for all"
-        slider = student.page.locator("input[type=range]").first
+        slider = student.page.locator(".turned input").first
         slider.focus()
-        for _ in range(3):
-            slider.press("ArrowRight")
-        student.wait("lesson.stage().motions.length > 1")
+        for key in (*3 * ["ArrowRight"], "Enter"):
+            slider.press(key)
+        student.wait("lesson.stage().motions.length === 2")
     lecturer.page.click(f"{BAR} .class-count")
     lecturer.page.click(".class-tabs >> text=Paths")
     lecturer.sees("2 of 2 at this step have the same target as this page.")
@@ -290,6 +290,43 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
     lecturer.press("Ask the class")
     for student in students:
         student.sees("what do you say?")
+        student.close()
+
+
+def test_a_class_copies_one_pose_and_the_robot_is_among_the_first(browser, server, lecturer):
+    students = [Tab(browser, server, name=name) for name in ("Ann", "Bo")]
+    lecturer.press("Challenge")
+    for student in students:
+        student.page.wait_for_selector(".class-challenge[open] .task:not(:empty)")
+    assert len({student.page.inner_text(".class-challenge .task") for student in students}) == 1, "the same for all"
+    lecturer.sees("2 play, 0 did not find it.")
+    find = """async by => {
+        const {game, joints} = classroom.challenge.screen, to = game.challenge.demonstrator;
+        for (const miss of [.3, 0].slice(by)) {
+            joints.wanted = [to[0], to[1] + miss * (to[1] > -1.5 ? -1 : 1)];
+            joints.button.click();
+            while (classroom.challenge.screen.isMoving) await new Promise(requestAnimationFrame);
+        }
+    }"""
+    students[0].page.evaluate(find, 1)
+    lecturer.sees("1 play, 0 did not find it.")
+    lecturer.page.click(".class-tabs >> text=Students")
+    lecturer.page.wait_for_selector(".class-tile.answered")
+    assert (
+        "° off" not in lecturer.page.inner_text(".class-tiles")
+        and lecturer.page.locator(".class-tile .goal").count() == 0
+    )
+    lecturer.page.click(".class-tabs >> text=Standings")
+    students[1].page.evaluate(find, 0)
+    lecturer.sees("0 play, 0 did not find it.")
+    rows = [row.split() for row in lecturer.page.locator(".class-standings tr").all_inner_texts()]
+    assert [row[1] for row in rows] == ["Ann", "Bo", "The"] and [row[0] for row in rows] == ["1", "2", "3"]
+    assert [row[-1] for row in rows[:2]] == ["1", "2"] and int(rows[2][-1]) >= 4
+    lecturer.page.keyboard.press("Escape")
+    lecturer.press("Gather here")
+    for student in students:
+        student.page.wait_for_selector(".class-challenge:not([open])", state="attached")
+        assert not student.problems
         student.close()
 
 

@@ -1,24 +1,15 @@
-"""The short paper's tables are what the commands beside them print, and its algorithm is the one of the code."""
+"""The short paper's tables are what the commands beside them print, with today's defaults."""
 
-import dataclasses
 import json
 import re
 import shlex
 from pathlib import Path
 
-import pytest
-
 from viewimit.commands import cli
-from viewimit.experiments.bench import BENCHMARKS
-from viewimit.experiments.bench.benchmark import CaseOptions
-from viewimit.servo.trust_region import PHASES
-from viewimit.servo.trust_region.state import Phase
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAPER = (DOCS / "paper.md").read_text("utf-8")
-MEASURED = {path.stem: json.loads(path.read_text("utf-8")) for path in sorted((DOCS / "measured").glob("*.json"))}
 COMMANDS = [line.strip("`") for line in re.findall(r"`viewimit bench [^`]+`|^viewimit bench .+$", PAPER, re.M)]
-PRINTING = [command for command in COMMANDS if "--json" in command]
 CHOSEN_LATER = {"points"}  # by the scene, if it is not given
 
 
@@ -29,45 +20,18 @@ def options_of(command):
     return {name: plain(value) for name, value in args.items() if name not in {"command", "run", "json"}}
 
 
-def is_of(printed, command):
-    """Whether this command prints it, with today's defaults."""
-    given = options_of(command)
+def is_of(printed, given):
+    """Whether a command with these options prints it."""
     same = given.keys() == printed["options"].keys()
     return same and all(
         value == printed["options"][name] or (name in CHOSEN_LATER and value is None) for name, value in given.items()
     )
 
 
-@pytest.mark.parametrize("command", PRINTING)
-def test_a_command_of_the_paper_has_printed_one_table(command):
+def test_each_table_was_printed_by_one_command_of_the_paper():
     """A default or an option that changes changes the table: then it has to be measured again."""
-    assert sum(is_of(printed, command) for printed in MEASURED.values()) == 1
-
-
-@pytest.mark.parametrize("name", MEASURED)
-def test_a_table_has_its_command_in_the_paper_and_the_cases_of_today(name):
-    printed = MEASURED[name]
-    assert sum(is_of(printed, command) for command in PRINTING) == 1
-    options = printed["options"]
-    kind, found = BENCHMARKS[options["benchmark"]], printed[options["benchmark"]]
-    rows = found["rows"] if options["benchmark"] == "scenes" else found
-    assert rows
-    if issubclass(kind, CaseOptions):
-        study = kind(**{field.name: options[field.name] for field in dataclasses.fields(kind)})
-        measured = [row.get("case") or row["row"] for row in rows]
-        assert measured == [case.name for case in study.chosen_cases() if case.name in measured]  # some are newer
-
-
-def test_other_commands_of_the_paper_can_be_given():
-    others = [command for command in COMMANDS if command not in PRINTING]
-    assert {options_of(command)["benchmark"] for command in others} == {"compare"}
-
-
-def test_the_algorithm_of_the_paper_has_the_phases_and_transitions_of_the_code():
-    listing = PAPER.partition("## 4 The algorithm")[2].partition("\n## ")[0]
-    found = re.findall(r"^\d\. \*\*([A-Z]+)\.\*\*.*?Next: (.+?)\.$", listing, re.M | re.S)
-    assert [name for name, _ in found] == [phase.name for phase in Phase]
-    for name, after in found:
-        words = set(re.findall(r"[A-Z]{2,}|a motion", after))
-        makes_motion = Phase[name] is not Phase.PLAN
-        assert words == {one.name for one in PHASES[Phase[name]][1]} | ({"a motion"} if makes_motion else set())
+    printing = {command: options_of(command) for command in COMMANDS if "--json" in command}
+    measured = {path.stem: json.loads(path.read_text("utf-8")) for path in (DOCS / "measured").glob("*.json")}
+    of = {command: [name for name in measured if is_of(measured[name], given)] for command, given in printing.items()}
+    assert sorted(sum(of.values(), [])) == sorted(measured) and all(len(names) == 1 for names in of.values()), of
+    assert {options_of(command)["benchmark"] for command in COMMANDS if command not in printing} == {"compare"}

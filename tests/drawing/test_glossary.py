@@ -1,14 +1,10 @@
 """The glossary: each entry is complete, shown in the help and behind a "?", and what is wrong with one is said."""
 
-import re
-
 import pytest
 from drawn import parsed
 from page_fakes import call
 from quiet_page import QuietPage
-from sameness import assert_same
 from viewimit.app.drawing.overlays import asks, beside
-from viewimit.app.model.keeping import tab_link
 from viewimit.app.panels.guide import help_html
 
 from viewimit.drawing import glossary
@@ -63,42 +59,3 @@ def test_errors_name_entry_and_field(tmp_path, text, said):
     with pytest.raises(ValueError, match=said) as error:
         glossary.load(path)
     assert str(path) in str(error.value)
-
-
-def give_back_offered(page):
-    """Of which entries the cards do."""
-    return re.findall(r"#vi-word-(\w+) \.vi-give-back\{display:block\}", page.shown)
-
-
-def test_what_was_there_before_is_given_back_to_the_bit():
-    """Whatever was done meanwhile: another entry, motions, another view. And it goes on as it would have."""
-    page, twin = (QuietPage(Settings()) for _ in range(2))
-    for one in (page, twin):
-        for control, value in (("point", "3"), ("large", "1")):
-            one.act(control, value)
-        for _ in range(4):
-            one.page.queue.call("step")
-            one.tick(1.0)
-        one.act("moment", "2")
-        one.tick(1.0)
-    model = page.page.model
-    before, view, past = tab_link(model), model.view, model.past.everything
-    history = tuple(model.session.history)
-    assert give_back_offered(page) == []
-    for key in ("E", "condition"):
-        page.act("show", key)
-        page.tick(1.0)
-        page.tick(10.0)
-        assert give_back_offered(page) == [key]
-    model.undoable.change(noise_px=1.0)
-    page.act("point", "1")
-    page.act("restore", "0")
-    page.tick(1.0)
-    page.tick(10.0)
-    assert tab_link(model) == before and model.view == view and model.past.everything == past
-    assert_same(tuple(model.session.history), history)
-    assert give_back_offered(page) == []
-    for one in (page, twin):
-        one.page.queue.call("step")
-        one.tick(1.0)
-    assert_same(tuple(model.session.history), tuple(twin.page.model.session.history))

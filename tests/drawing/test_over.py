@@ -5,12 +5,7 @@ import re
 import numpy as np
 import pytest
 from drawn import NEAREST, marked, parsed
-from viewimit.app.drawing.overlays import (
-    MIN_HIT,
-    point_links,
-    point_places,
-    posture_links,
-)
+from viewimit.app.drawing.overlays import MIN_HIT, point_links, point_places, posture_field
 
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
@@ -59,18 +54,16 @@ class TestPoints:
                 assert (0 <= one).all() and (one <= SIZES[False][view]).all()
 
 
-class TestPostures:
-    @pytest.mark.parametrize("name", ["panda", "iiwa"])
-    def test_cells_tile_the_landscape_and_each_is_around_its_posture(self, name):
-        scene = load_scene(name)
-        plane = PosturePlane(scene)
-        x, y, w, h = plane.box
-        area = 0.0
-        for link in parsed(posture_links(scene)).iter("a"):
-            up, across = map(float, link.get("data-do").rsplit("/", 1)[1].split(","))
-            left, top, right, bottom = map(float, re.findall(r"[\d.]+", link[0].get("d"))[:4])
-            top, bottom = sorted((top, bottom))
-            px = plane.place(np.array([up, across]))
-            assert left - 0.1 <= px[0] <= right + 0.1 and top - 0.1 <= px[1] <= bottom + 0.1
-            area += (right - left) * (bottom - top)
-        assert area == pytest.approx(w * h, rel=0.01)
+def values(rect) -> list[float]:
+    return [float(value) for value in rect.get("data-values").split(",")]
+
+
+@pytest.mark.parametrize("name", ["panda", "iiwa"])
+def test_the_field_of_a_landscape_has_its_postures_where_they_are_drawn(name):
+    scene = load_scene(name)
+    (field,) = [one for one in parsed(posture_field(scene)).iter("rect") if one.get("data-field") == "posture"]
+    left, right, bottom, top = values(field)
+    x, y, w, h = (float(field.get(one)) for one in ("x", "y", "width", "height"))
+    corners = PosturePlane(scene).place(np.array([[bottom, left], [top, right]]))
+    np.testing.assert_allclose(corners, [[x, y + h], [x + w, y]], atol=0.1)
+    assert posture_field(load_scene("panda", joints=(1, 2, 3))) == ""

@@ -10,7 +10,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
-DEFAULTS = {"string": "", "float64": 0.0, "float32": 0.0, "bool": False}
+DEFAULTS = {"string": "", "float64": 0.0, "bool": False}
 
 
 class Wire:

@@ -11,7 +11,6 @@ import pytest
 cv2 = pytest.importorskip("cv2")
 FOLDER = Path(__file__).parents[2] / "examples" / "two_webcams"
 TRUTH = json.loads((FOLDER / "truth.json").read_text("utf-8"))
-MAX_BYTES = 400_000
 
 
 @pytest.fixture(scope="module")
@@ -21,13 +20,6 @@ def points(tmp_path_factory):
     out = tmp_path_factory.mktemp("points") / "points.csv"
     assert main(["detect", str(FOLDER), "--aruco", TRUTH["dictionary"], "--out", str(out)]) == 0
     return out
-
-
-def test_it_is_small_and_complete():
-    pictures = {path.name for path in FOLDER.glob("*.webp")}
-    assert pictures == {f"{k:02}_{side}.webp" for k in range(len(TRUTH["frames"])) for side in ("left", "right")}
-    assert sum(path.stat().st_size for path in FOLDER.iterdir()) < MAX_BYTES
-    assert len(TRUTH["frames"]) == TRUTH["motions"] + 1 and TRUTH["status"] == "converged"
 
 
 def test_the_detector_finds_markers_where_they_were(points):

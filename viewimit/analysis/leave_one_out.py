@@ -45,15 +45,8 @@ class LeaveOneOut:
 
 
 def leave_one_out(views: FourViews, rectifying: bool = True) -> LeaveOneOut:
-    """Measure the errors of every transfer, and find the rectification that lowers them.
-
-    Parameters
-    ----------
-    views : FourViews
-        T frames of N points, (T, N, …).
-    rectifying : bool
-        Whether to compare rectified images.
-    """
+    """Measure the errors of every transfer, and find the rectification that lowers them. views: T frames of N points,
+    (T, N, …); rectifying: whether to compare rectified images."""
     usable = np.flatnonzero(views.usable.sum(-1) > MIN_POINTS)
     frames = usable[_spaced(len(usable), FRAMES)]
     matches, points = _matches(views, np.union1d(frames, _spaced(len(views.demo), MATCH_FRAMES)))

@@ -66,20 +66,9 @@ def study_transfer(world: World, snapshot: Snapshot, transfer: str) -> TransferS
 
 
 def local_minima(found: Landscape, E_at: Conflict) -> Minima:
-    """Descend from the grid's local minima: those that are artefacts of the grid run on downhill.
-
-    Parameters
-    ----------
-    found : Landscape
-        E on a grid of two joints.
-    E_at : callable
-        E in px² at postures off the grid, given as m arrays of rad that are broadcast against each other.
-
-    Returns
-    -------
-    Minima
-        At most as many as the grid shows.
-    """
+    """Descend from the grid's local minima: those that are artefacts of the grid run on downhill. found: E on a grid of
+    two joints; E_at: E in px² at postures off the grid, given as m arrays of rad that are broadcast against each other.
+    Returns at most as many as the grid shows."""
     bounds = np.array([[axis.min(), axis.max()] for axis in found.axes])
     spacing = max(np.diff(axis).max() for axis in found.axes)
     ends, E = descend(E_at, found.local_minima(), bounds, spacing)

@@ -58,18 +58,9 @@ class TimeShift:
 
 
 def find_time_shift(images: Floats) -> TimeShift | None:
-    """Find out whether the right camera shows another moment than the left one.
-
-    Parameters
-    ----------
-    images : (T, N, 4) array
-        Left and right image of one body's points in frames of equal distance [px], NaN where they are not seen.
-
-    Returns
-    -------
-    TimeShift or None
-        None if they are in time, or the images do not tell: too few frames, or too little motion.
-    """
+    """Find out whether the right camera shows another moment than the left one. images: (T, N, 4) left and right image
+    of one body's points in frames of equal distance [px], NaN where they are not seen. Returns None if they are in
+    time, or the images do not tell: too few frames, or too little motion."""
     found, left = _search(images), images
     for _ in range(MAX_LEFT_OUT if found else 0):  # one misplaced point could feign a shift
         assert found is not None

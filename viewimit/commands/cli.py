@@ -39,6 +39,7 @@ COMMANDS = {
     "evaluate": "Evaluate the method on your own tracked points: which transfer fits, residuals, E. "
     "Compare E only between images of like size.",
     "bench": "Measure speed, and how often and how soon each servo arrives.",
+    "site": "Write lab, lessons and documentation as a folder that any web server can publish.",
     "docs": "Open the documentation in a browser.",
 }
 

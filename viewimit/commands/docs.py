@@ -9,7 +9,8 @@ from pathlib import Path
 from . import BadInput
 from .options import DONE
 
-PACKAGE = Path(__file__).parents[1]
+CLONE = Path(__file__).parents[2]
+SITE = CLONE / "build" / "site"  # where `viewimit docs` looks for what `viewimit site` wrote
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -17,19 +18,19 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    built = first_page(PACKAGE.parent)
-    where = str(built) if built.is_file() else published()
+    built = SITE / "docs" / "index.html"
+    where = built.as_uri() if built.is_file() else published()
     if where is None:
-        raise BadInput(how_to_build(PACKAGE.parent))
-    print(where)
-    if not args.only_print and not webbrowser.open(built.as_uri() if built.is_file() else where):
+        raise BadInput(how_to_build(sources() / "build.py", f"viewimit site {SITE}"))
+    print(built if built.is_file() else where)
+    if not args.only_print and not webbrowser.open(where):
         print("viewimit docs: no browser is found; open that address with one", file=sys.stderr)
     return DONE
 
 
-def first_page(clone: Path) -> Path:
-    """Return where docs/build.py puts the first page of a clone's documentation."""
-    return clone / "build" / "site" / "index.html"
+def sources() -> Path:
+    """Return the folder from which the documentation of a clone is built."""
+    return CLONE / "docs"
 
 
 def published() -> str | None:
@@ -39,10 +40,9 @@ def published() -> str | None:
     return addresses.get("Documentation")
 
 
-def how_to_build(clone: Path) -> str:
-    """Return what to run for it."""
-    source = clone / "docs" / "build.py"
-    if not source.is_file():
-        return "an installed package has no documentation; run `python docs/build.py` in a clone of viewimit"
-    group = f"{sys.executable} -m pip install --group '{clone / 'pyproject.toml'}:docs'"
-    return f"build it first: {group} && {sys.executable} {source}, with pip 25.1 or newer"
+def how_to_build(build: Path, command: str) -> str:
+    """Return what to run for it, of a clone's docs/build.py and the command that calls it."""
+    if not build.is_file():
+        return f"an installed package has no documentation; run `{command}` in a clone of viewimit"
+    group = f"{sys.executable} -m pip install --group '{build.parents[1] / 'pyproject.toml'}:docs'"
+    return f"it needs Sphinx: {group} && {command}, with pip 25.1 or newer"

@@ -8,21 +8,29 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.leave_one_out import leave_one_out
-from ..analysis.timing import TimeShift, find_time_shift
+from ..analysis.evaluation import TOO_FEW, Frame, evaluate
+from ..analysis.own_body import (
+    NamedPoints,
+    OwnBody,
+    find_misfit,
+    gain_words,
+    learn_own_body,
+    name_points,
+    own_points,
+)
+from ..analysis.timing import TimeShift
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
-from ..estimation.rectification import fit_transfer
-from ..estimation.residuals import conflict
-from ..estimation.transfers import TRANSFERS, TransferMethod, default_transfer
-from ..estimation.transfers.registry import FLAT, FLATNESS, ILL_CONDITIONED, PROJECTIVE_MIN_POINTS
-from ..estimation.views import VIEW_NAMES, VIEWS, FourViews, extents, why_degenerate
-from ..geometry.affine import MIN_POINTS, fit_affine_fundamental
-from ..geometry.handedness import Handedness, principal_axes
-from ..geometry.rectification import Rectification
+from ..estimation.transfers import TRANSFERS
+from ..estimation.views import VIEW_NAMES, VIEWS, FourViews
+from ..geometry.affine import MIN_POINTS
+from ..geometry.kinematics.clusters import Observations
+from ..geometry.rectification import fit_rectification
+from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
 from ..sensing.files import MAX_NAME_CHARS, escape
 from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from . import BadInput, evaluate_body, evaluate_report, lenses
+from ..sensing.tracks.text import Table, column_names
+from . import BadInput, evaluate_report, lenses
 from .json_output import print_json
 from .options import (
     DEFAULT_TRANSFER,
@@ -33,17 +41,17 @@ from .options import (
     add_settings,
     add_view_options,
     between,
+    misfit_json,
     naming,
+    naming_json,
     naming_words,
     require_separate_files,
 )
 
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
-FIGURES = ("E", "condition", "flatness", "rms_px", "fundamental", "seen", "recovered", "refused", "weak", "mirrored")
-TOO_FEW = f"no {MIN_POINTS} points are seen in all four views"
 NAMED = 10  # points that --min-confidence removed, in words
-TOGETHER = 2000  # frames at a time, for memory's sake
-MIN_SPREAD = 6.0  # of σ₁/σ₄: noise alone gives 5 at most in 95 % of frames, arms give 24 and more at 1 px
+MARGIN_RAD = np.radians(30.0)  # beyond the learner's own postures, in which the demonstrator's is looked for
+NEEDED = "--calibration FILE of viewimit rehearse, or --postures FILE with the learner's joint angles in each frame"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +75,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write a report with the points drawn: .html, .svg, .png, .pdf"
     )
-    evaluate_body.add_options(parser)
+    parser.add_argument(
+        "--unmatched",
+        action="store_true",
+        help="names in l and r are not those in L and R: find out which point is which; needs one of the next two",
+    )
+    also = "it also shows why a demonstrator is no body like it"
+    parser.add_argument(
+        "--calibration", type=Path, metavar="FILE", help=f"the learner's body, by viewimit rehearse; {also}"
+    )
+    parser.add_argument(
+        "--postures",
+        type=Path,
+        metavar="FILE",
+        help=f"table of the learner's joint angles: frame, then a column of degrees for each joint; {also}",
+    )
     add_json_option(parser)
 
 
@@ -75,173 +97,174 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         with naming("--out"):
             evaluate_report.require_format(args.out)
-    evaluate_body.require_options(args)
+    _require_options(args)
     tracked = _read(args)
-    if lost := tracked.n_missing(args.min_confidence):
-        says = f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
-        print(f"viewimit evaluate: {says}", file=sys.stderr)
-    unnamed = tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
-    for said in (*tracked.notes, *unnamed, tracked.doubtful_units(), tracked.doubtful_frames()):
-        if said:
-            print(f"viewimit evaluate: {said}", file=sys.stderr)
     removed = tracked.n_below_confidence(args.min_confidence)
-    if removed:
-        print(f"viewimit evaluate: {_removed(tracked, removed, args.min_confidence)}", file=sys.stderr)
+    _say(*_told_of(args, tracked, removed))
     images = tracked.views(args.min_confidence)
     views, points, named = lenses.without_distortion(args, images), tracked.points, None
-    body = evaluate_body.learn_body(args, tracked.frames, views)
+    body = _learn_body(args, tracked.frames, views)
     if body is not None and args.unmatched:
-        views, points, named = evaluate_body.named(body, tracked.frames, points, views)
+        matched = name_points(body, views)
+        named = _naming_json(matched, body, tracked.frames, points)
+        views = matched.views
     elif body is not None:
-        own = body.points
-        views = FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
-        points = tuple(points[k] for k in own.tolist())
-    shift = _time_shift(tracked, views)
-    for said in filter(None, (*_lengths(tracked), *_shift_words(shift, tracked.frames))):
-        print(f"viewimit evaluate: {said}", file=sys.stderr)
-    if body is not None and body.gains is not None:
-        said = f"--postures: these are no degrees: {evaluate_body.gain_words(body.gains)}; write degrees"
-        print(f"viewimit evaluate: {said}", file=sys.stderr)
-    transfer = args.transfer or default_transfer(_usual_count(views))
-    found = find_outliers(views, rounding_px=views_rounding_std(images))
-    without = found.corrected(views)
-    compared = leave_one_out(without, args.rectify != "off")
-    rectification = compared.rectification
-    frames = evaluate_frames(tracked.frames, points, views, transfer, rectification)
-    if found.noise_px is not None:
-        _find_mirrored(frames, select_matches(without), rectification, found.noise_px)
-    rectified = None if rectification is None else {"left": rectification.left, "right": rectification.right}
-    result = {
-        "transfer": transfer,
-        "rectification": rectified,
-        "points": points,
+        views = own_points(body, views)
+    if body is not None:
+        points = tuple(points[k] for k in body.points.tolist())
+    found = evaluate(
+        views, points, tracked.frames, args.transfer, args.rectify != "off", rounding_px=views_rounding_std(images)
+    )
+    gains = None if body is None else body.gains
+    units = "" if gains is None else f"--postures: these are no degrees: {gain_words(gains)}; write degrees"
+    _say(*_lengths(tracked), *_shift_words(found.time_shift, tracked.frames), units)
+    of_body = {
         **({} if named is None else {"naming": named}),
-        **({} if body is None or body.gains is None else {"degrees_per_unit": body.gains}),
-        **({} if body is None else {"misfit": evaluate_body.misfit_of(body, tracked.frames, points, views)}),
-        "removed_by_confidence": removed,
-        "time_shift": _shift_json(shift, tracked.frames),
-        "leave_one_out": evaluate_report.transfers_json(compared),
-        "suspects": evaluate_report.suspects_json(found, points, tracked.frames),
-        "undecided": found.undecided,
-        "frames": frames,
+        **({} if gains is None else {"degrees_per_unit": gains}),
+        **({} if body is None else {"misfit": _misfit_json(body, tracked.frames, points, views)}),
     }
-    evaluated = [frame for frame in frames if frame["E"] is not None]
-    if args.out and evaluated:
+    result = evaluate_report.Report(found, of_body, removed, _shift_json(found.time_shift, tracked.frames))
+    is_evaluated = any(frame.E is not None for frame in found.frames)
+    if args.out and is_evaluated:
         with naming("--out"):
-            evaluate_report.write(args.out, result | {"first": evaluate_report.named_coefficients(evaluated[0])})
+            evaluate_report.write(args.out, result)
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(args, result | {"frames": map(evaluate_report.named_coefficients, frames)})
+        print_json(args, evaluate_report.as_json(result))
     else:
-        evaluate_report.print_report(result)
+        print("\n".join(evaluate_report.report_lines(result)))
     if named is not None and not named["accepted"]:
-        print(f"viewimit evaluate: names {naming_words(named)}", file=sys.stderr)
+        _say(f"names {naming_words(named)}")
         return MISSED
-    if all(frame["refused"] == TOO_FEW for frame in frames):
-        print(f"viewimit evaluate: {_too_few(tracked, args.min_confidence)}", file=sys.stderr)
+    if all(frame.refused == TOO_FEW for frame in found.frames):
+        _say(_too_few(tracked, args.min_confidence))
         return MISSED
-    for said in _doubts(frames):
+    _say(*_doubts(found.frames))
+    return DONE if is_evaluated else MISSED
+
+
+def _say(*sentences: str | None) -> None:
+    """Print what the reader has to know beside the report, a line each."""
+    for said in filter(None, sentences):
         print(f"viewimit evaluate: {said}", file=sys.stderr)
-    return DONE if evaluated else MISSED
 
 
-def evaluate_frames(
-    numbers: Sequence[int],
-    points: Sequence[str],
-    views: FourViews,
-    transfer: str,
-    rectification: Rectification | None = None,
-) -> list[dict]:
-    """Evaluate T frames, (T, N, …). One that no transfer can be fitted to has the reason; its other values are None."""
-    frames: list[dict] = [{} for _ in numbers]
-    patterns, of = np.unique(views.usable, axis=0, return_inverse=True)
-    for k, usable in enumerate(patterns):
-        names = [name for name, seen in zip(points, usable) if seen]
-        alike = np.flatnonzero(of.ravel() == k)
-        for at in np.array_split(alike, -(-len(alike) // TOGETHER)):
-            some = _frames(views, at).select(usable)
-            why = why_degenerate(some) if len(names) >= MIN_POINTS else [TOO_FEW] * len(at)
-            good = np.array([not words for words in why])
-            results = iter(_evaluated(_frames(some, good), transfer, rectification) if good.any() else ())
-            for index, words in zip(at.tolist(), why):
-                found = dict.fromkeys(FIGURES) | {"refused": words} if words else next(results)
-                frames[index] = {"frame": numbers[index], "usable": names} | found
-    return frames
+def _told_of(args: argparse.Namespace, tracked: TrackedPoints, removed: dict[str, int]) -> Iterator[str | None]:
+    """What was noticed while the files were read."""
+    if lost := tracked.n_missing(args.min_confidence):
+        yield f"{lost} point{'s' if lost > 1 else ''} at (0, 0) or (-1, -1): taken for lost by the tracker, not seen"
+    yield from tracked.notes
+    yield from tracked.unmatched_names(tuple(BODIES.values()) if args.unmatched else (VIEWS,))
+    yield tracked.doubtful_units()
+    yield tracked.doubtful_frames()
+    if removed:
+        yield _removed(tracked, removed, args.min_confidence)
 
 
-def _evaluated(seen: FourViews, transfer: str, rectification: Rectification | None) -> Iterator[dict]:
-    """Of frames whose points are all seen, and no degenerate ones."""
-    method = TRANSFERS[transfer]
-    fitted = fit_transfer(method, seen, rectification)
-    recovered = fitted.recover(seen.demo_left, seen.demo_right)
-    image = dict(zip(VIEWS, (seen.demo_left, seen.demo_right, seen.own_left, seen.own_right)))
-    pairs = [fit_affine_fundamental(image[p], image[q]) for p, q in evaluate_report.PAIRS]
-    F = np.stack([np.concatenate([f, f33[..., None]], -1) for f, f33 in pairs], -2)
-    demo, own = extents(seen.demo), extents(seen.own)
-    flat, condition = demo[:, 0] / demo[:, 2], np.broadcast_to(fitted.condition, len(F))
-    E, rms = fitted.conflict(seen), np.sqrt(conflict(seen.own - recovered))
-    for k in range(len(F)):
-        yield {
-            "E": float(E[k]),
-            "condition": float(condition[k]),
-            "flatness": float(flat[k]),
-            "rms_px": float(rms[k]),
-            "fundamental": F[k],
-            "seen": {VIEW_NAMES[view]: points[k] for view, points in image.items()},
-            "recovered": {VIEW_NAMES["L"]: recovered[k, :, :2], VIEW_NAMES["R"]: recovered[k, :, 2:]},
-            "refused": None,
-            "weak": _weak(method, seen.own.shape[-2], float(condition[k]), demo[k], own[k]),
-            "mirrored": None,
-        }
+def _require_options(args: argparse.Namespace) -> None:
+    """Raise BadInput for options that do not go together."""
+    given = [name for name in ("calibration", "postures") if vars(args)[name] is not None]
+    if len(given) > 1:
+        raise BadInput("--calibration, --postures: both show the learner's body, give one")
+    if args.unmatched and not given:
+        raise BadInput(f"--unmatched: needs {NEEDED}")
 
 
-def _find_mirrored(
-    frames: Sequence[dict], matches: NDArray, rectification: Rectification | None, noise_px: float
-) -> None:
-    """Fill in whether each frame's fit is a reflection, None where the points are too flat to tell.
+def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews) -> OwnBody | None:
+    """Learn the own body from a table of joint angles or a calibration; None without either. views: T frames.
 
-    matches: (M, 4) px of both bodies; noise_px: of an image coordinate, standard deviation.
+    Raises BadInput.
     """
-    rectified = (lambda images: images) if rectification is None else rectification.apply
-    axes = principal_axes(rectified(matches))
-    for frame in frames:
-        if frame["refused"]:
+    if args.postures is None and args.calibration is None:
+        return None
+    own = np.flatnonzero(views.visible[..., 2:].all(-1).any(0))
+    matches, noise_px = select_matches(views), find_outliers(views).noise_px or 0.0
+    rectification = None if args.rectify == "off" else fit_rectification(matches[:, :2], matches[:, 2:])
+    if args.postures:
+        with naming("--postures"):
+            seen = _with_postures(args.postures, frames, views, own)
+            limits = seen.displacement.min(0) - MARGIN_RAD, seen.displacement.max(0) + MARGIN_RAD
+            return learn_own_body(seen, own, limits, noise_px, rectification)
+    with naming("--calibration"):
+        calibration = SelfCalibration.load(args.calibration)
+        limits = np.zeros(len(calibration.body.span_deg)), np.radians(calibration.body.span_deg)
+        noise_px = max(noise_px, calibration.noise_px)
+        return learn_own_body(_of_calibration(calibration, len(own)), own, limits, noise_px, rectification, False)
+
+
+def _with_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDArray[np.int_]) -> Observations:
+    """The own images of the frames whose joint angles a table has. Raises OSError or ValueError."""
+    table, heading, angles = Table(path), None, dict[int, list[float]]()
+    for line, cells in table.lines():
+        if heading is None:
+            heading = column_names(cells)
+            if heading[:1] != ["frame"] or len(heading) < 2:
+                raise ValueError(f"{path}: the heading must be frame, and a column for each joint")
             continue
-        views = FourViews.from_images(*(frame["seen"][name] for name in VIEW_NAMES.values()))
-        handedness = Handedness.from_images(rectified(views.demo), axes, noise_px)
-        if handedness is not None:
-            frame["mirrored"] = handedness.is_mirrored(rectified(views.own))
+        cells = table.filled(line, cells, len(heading))
+        values = [table.number(line, name, text, np.nan) for name, text in zip(heading[1:], cells[1:])]
+        angles[table.whole(line, "frame", cells[0])] = values
+    at = [k for k, frame in enumerate(frames) if np.isfinite(angles.get(frame, [np.nan])).all()]
+    if len(at) < MIN_POSTURES:
+        raise ValueError(f"{path}: it has the joint angles of {len(at)} frames; needs {MIN_POSTURES} or more")
+    visible = np.asarray(views.visible[at][:, own, 2:].all(-1))
+    return Observations(np.radians([angles[frames[k]] for k in at]), views.own[at][:, own], visible)
 
 
-def _weak(method: TransferMethod, count: int, condition: float, demo: NDArray, own: NDArray) -> str | None:
-    """What speaks against the result of a frame of `count` points. demo, own: their extents, (4,) px each."""
-    if method is TRANSFERS["projective"] and count < PROJECTIVE_MIN_POINTS:
-        return f"{count} points: fewer than {PROJECTIVE_MIN_POINTS} fit the projective transfer wherever the arms are"
-    if condition >= ILL_CONDITIONED:
-        return f"{method.condition_name} {condition:.3g}: {method.degenerate_message}"
-    for of, sigma in (("", demo), (" of [L R]", own)):
-        if sigma[0] >= ILL_CONDITIONED * sigma[2]:
-            return f"{FLATNESS}{of} {sigma[0] / sigma[2]:.3g}: {FLAT}"
-        if sigma[0] < MIN_SPREAD * sigma[3]:
-            return f"σ₁/σ₄{of} {sigma[0] / sigma[3]:.3g}: the spread is little more than noise, E may mislead"
-    return None
+def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
+    """The own images of a calibration. Raises ValueError for another number of points than the tracks have."""
+    count = len(calibration.visits[0].own)
+    if count != n_own:
+        raise ValueError(
+            f"it has {count} points of the learner, the tracks have {n_own}: they must be the same, in order"
+        )
+    return Observations(
+        np.array([visit.displacement for visit in calibration.visits]),
+        np.array([visit.own for visit in calibration.visits]),
+        np.array([visit.seen.all(-1) for visit in calibration.visits]),
+    )
 
 
-def _usual_count(views: FourViews) -> int:
-    """How many points are usable in half of the frames that have enough of them for a transfer; 0 without any."""
-    counts = views.usable.sum(-1)
-    enough = counts[counts >= MIN_POINTS]
-    return int(np.median(enough)) if len(enough) else 0
+def _misfit_json(body: OwnBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
+    """Why the demonstrator is no body like the own one, with names of points and the frame that shows it."""
+    found = find_misfit(body, views)
+    if found is None:
+        return None
+    said = misfit_json(found[0], range(1, 1 + len(body.lower)), points)
+    assert said is not None
+    return said | {"frame": frames[found[1]]}
 
 
-def _doubts(frames: Sequence[dict]) -> Iterator[str]:
+def _naming_json(found: NamedPoints, body: OwnBody, frames: Sequence[int], points: Sequence[str]) -> dict:
+    """What was found, with names of points instead of indices."""
+    one = found.naming
+    if one is None:
+        return {"accepted": False, "frame": None}
+    said = naming_json(one)
+    assert said is not None
+    names = [points[k] for k in body.points.tolist()]
+    partner = [None if row < 0 or not one.accepted else points[row] for row in one.names]
+    return said | {
+        "frame": frames[found.frame],
+        "posture_deg" if body.gains is None else "posture": np.degrees(one.displacement),
+        "names": dict(zip(names, partner)),
+        "probability": dict(zip(names, one.probability)),
+        "certain": dict(zip(names, one.certain)),
+        "without_partner": {
+            "learner": [name for name, row in zip(names, one.names) if row < 0],
+            "demonstrator": [points[row] for row in one.unnamed],
+        },
+    }
+
+
+def _doubts(frames: Sequence[Frame]) -> Iterator[str]:
     """In one line each: which frames were refused, which are weak, and why the first is."""
     for key in ("refused", "weak", "mirrored"):
-        those = [frame for frame in frames if frame[key]]
+        those = [frame for frame in frames if getattr(frame, key)]
         if those:
             first = those[0]
-            why = evaluate_report.MIRRORED if key == "mirrored" else first[key]
-            yield f"{len(those)} of {len(frames)} frames {key}: frame {first['frame']}: {why}"
+            why = evaluate_report.MIRRORED if key == "mirrored" else getattr(first, key)
+            yield f"{len(those)} of {len(frames)} frames {key}: frame {first.number}: {why}"
 
 
 def _lengths(tracked: TrackedPoints) -> Iterator[str]:
@@ -255,16 +278,6 @@ def _lengths(tracked: TrackedPoints) -> Iterator[str]:
                 f"the {body} has frames {left}, but {right}: if one camera has lost a frame, left and right are not "
                 "of the same moment from then on; cut both to the same moments"
             )
-
-
-def _time_shift(tracked: TrackedPoints, views: FourViews) -> TimeShift | None:
-    """Of both bodies together, as one head sees both, or else of one that moves."""
-    steps = np.diff(tracked.frames)
-    if len(steps) == 0 or (steps != steps[0]).any():
-        return None
-    seen = [views.demo, views.own]
-    tried = (np.concatenate(seen, 1), *seen)  # NaN, where a point is not seen
-    return next(filter(None, map(find_time_shift, tried)), None)
 
 
 def _shift_json(shift: TimeShift | None, frames: Sequence[int]) -> dict | None:
@@ -288,10 +301,6 @@ def _shift_words(shift: TimeShift | None, frames: Sequence[int]) -> Iterator[str
         f"each left frame with the right one {', '.join(by)}: the rms misfit falls from "
         f"{shift.rms_px:.2g} to {shift.shifted_px:.2g} px"
     )
-
-
-def _frames(views: FourViews, which: NDArray | int) -> FourViews:
-    return FourViews(views.demo[which], views.own[which], views.visible[which])
 
 
 def _read(args: argparse.Namespace) -> TrackedPoints:

@@ -102,19 +102,9 @@ def f_test_sigmas(ratio: float, numerator: int, denominator: int) -> float:
 
 
 def affine_whitening(views: FourViews, own_variance_ratio: float = 1.0) -> Array:
-    """Compute C with C Cᵀ = (κ I + BᵀB)⁻¹, which whitens residuals e (..., N, 4) of affine cameras as e C.
-
-    Parameters
-    ----------
-    views : FourViews
-        Points visible in all views, (..., N, 4) px; B maps centred [l; r] to [L; R].
-    own_variance_ratio : float
-        κ, variance of the own images over that of the demonstrator's.
-
-    Returns
-    -------
-    (..., 4, 4) array
-    """
+    """Compute C with C Cᵀ = (κ I + BᵀB)⁻¹, which whitens residuals e (..., N, 4) of affine cameras as e C. views:
+    points visible in all views, (..., N, 4) px; B maps centred [l; r] to [L; R]; own_variance_ratio: κ, variance of the
+    own images over that of the demonstrator's. Returns (..., 4, 4)."""
     B = np.swapaxes(linear.fit(views).matrix, -1, -2)
     return np.linalg.cholesky(np.linalg.inv(own_variance_ratio * np.eye(4) + np.swapaxes(B, -1, -2) @ B))
 
@@ -302,18 +292,9 @@ def rounding_std(points: Array, visible: NDArray[np.bool_]) -> float:
     """Compute the noise that rounding to whole pixels, or to another grid, has left.
 
     Images at rest do not show it: they are rounded alike. Rows of parallel cameras even hide it: most are equal to the
-    last bit, and the others one step off.
-
-    Parameters
-    ----------
-    points : (..., N, 2 v) array
-        Points in v views [px]. Each coordinate of each view has a grid of its own, with any origin.
-    visible : (..., N, v) array of bool
-
-    Returns
-    -------
-    float
-        Standard deviation of a coordinate [px], root mean square of all, step/√12 each; 0 without a grid.
+    last bit, and the others one step off. points: (..., N, 2 v) points in v views [px]. Each coordinate of each view
+    has a grid of its own, with any origin; visible: (..., N, v). Returns standard deviation of a coordinate [px], root
+    mean square of all, step/√12 each; 0 without a grid.
     """
     shown = np.repeat(visible, 2, -1)
     each = [points[..., k][shown[..., k]] for k in range(points.shape[-1])]

@@ -24,19 +24,9 @@ MIN_NOISE = 1e-3  # image units: a smaller noise counts as this
 
 
 def target_velocity(looks: Sequence[FourViews]) -> NDArray[np.float64]:
-    """Predict how far the demonstrator's points move in the next motion.
-
-    Parameters
-    ----------
-    looks : sequence of FourViews
-        The last VELOCITY_LOOKS, the present one last.
-
-    Returns
-    -------
-    (N, 4) array or ()
-        Last displacement [px] if the one before points the same way; one jump is no velocity. 0 for points that were
-        not visible in all looks, and () for a demonstrator at rest.
-    """
+    """Predict how far the demonstrator's points move in the next motion. looks: the last VELOCITY_LOOKS, the present
+    one last. Returns (N, 4), last displacement [px] if the one before points the same way; one jump is no velocity. 0
+    for points that were not visible in all looks, and () for a demonstrator at rest."""
     demo = [views.demo for views in looks]
     if len(demo) < VELOCITY_LOOKS or demo[1] is demo[2]:  # the same array: it was not even looked at again
         return AT_REST

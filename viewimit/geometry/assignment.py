@@ -14,23 +14,9 @@ from numpy.typing import NDArray
 
 
 def assign(cost: NDArray[np.float64]) -> NDArray[np.int_]:
-    """Pair every row with a column of its own.
-
-    Parameters
-    ----------
-    cost : (n, m) array
-        Finite costs, n ≤ m.
-
-    Returns
-    -------
-    (n,) array
-        Column of each row; the sum of their costs is the least possible.
-
-    Raises
-    ------
-    ValueError
-        For more rows than columns, or a cost that is not finite.
-    """
+    """Pair every row with a column of its own. cost: (n, m) finite costs, n ≤ m. Returns (n,), column of each row; the
+    sum of their costs is the least possible. Raises ValueError for more rows than columns, or a cost that is not
+    finite."""
     n, m = cost.shape
     if n > m:
         raise ValueError(f"{n} rows cannot have a column each of {m}: transpose the costs")
@@ -66,20 +52,8 @@ def assign(cost: NDArray[np.float64]) -> NDArray[np.int_]:
 
 
 def cheapest_pairs(cost: NDArray[np.float64], count: int) -> NDArray[np.int_]:
-    """Pair some rows with columns.
-
-    Parameters
-    ----------
-    cost : (n, m) array
-        Finite costs.
-    count : int
-        Number of pairs, at most n and m.
-
-    Returns
-    -------
-    (n,) array
-        Column of each row, -1 of those left out; the sum of the pairs' costs is the least possible.
-    """
+    """Pair some rows with columns. cost: (n, m) finite costs; count: number of pairs, at most n and m. Returns (n,),
+    column of each row, -1 of those left out; the sum of the pairs' costs is the least possible."""
     n, m = cost.shape
     if count == n <= m:
         return assign(cost)

@@ -78,18 +78,8 @@ class Evaluation:
         return fit_pairs(np.concatenate([views.demo, views.own], 1)[self.views.usable], known)
 
     def epipolar_lines(self, point: int) -> NDArray[np.float64] | None:
-        """Compute the epipolar lines of a body point in the original images.
-
-        Parameters
-        ----------
-        point : int
-            Index of the point.
-
-        Returns
-        -------
-        (12, 3) array or None
-            Lines as `PairGeometry.lines`; those in rectified images are mapped back. None with too few points.
-        """
+        """Compute the epipolar lines of a body point in the original images. point: index of the point. Returns (12,
+        3), lines as `PairGeometry.lines`; those in rectified images are mapped back. None with too few points."""
         if self.fundamental is None:
             return None
         if point not in self._lines:

@@ -71,25 +71,9 @@ def joined(pairs: Pairs) -> str:
 
 
 def said(script: Script, base: Settings) -> list[tuple[str, str]]:
-    """Say a script in the fields of a query.
-
-    Parameters
-    ----------
-    script : Script
-        What to say.
-    base : Settings
-        What the reader knows without being told, such as the settings of a preset, complete.
-
-    Returns
-    -------
-    list of (str, str)
-        Words and their values, in order.
-
-    Raises
-    ------
-    NotReadable
-        If no field stands for something of it.
-    """
+    """Say a script in the fields of a query. script: what to say; base: what the reader knows without being told, such
+    as the settings of a preset, complete. Returns words and their values, in order. Raises NotReadable if no field
+    stands for something of it."""
     pairs = list(_differences(script.settings, base))
     has_begun = False  # whether a session is at work: a change then is no part of what it begins with
     for action in script.actions:
@@ -161,25 +145,9 @@ def _angle(rounded: float, angle: float) -> str:
 
 
 def understood(pairs: Pairs, base: Settings) -> Script:
-    """Read the script that the fields of a query say.
-
-    Parameters
-    ----------
-    pairs : sequence of (str, str)
-        Words of ACTIONS and their values, in order.
-    base : Settings
-        What it is said against, complete.
-
-    Returns
-    -------
-    Script
-        The one that was said.
-
-    Raises
-    ------
-    ValueError
-        For a word or a value that is not understood, in one line; for more work than a link may ask for.
-    """
+    """Read the script that the fields of a query say. pairs: words of ACTIONS and their values, in order; base: what it
+    is said against, complete. Returns the one that was said. Raises ValueError for a word or a value that is not
+    understood, in one line; for more work than a link may ask for."""
     if sum(name not in ("steps", "looks", "demo") for name, _ in pairs) > MAX_CHANGES:
         raise ValueError(f"the link has more than {MAX_CHANGES} changes")
     begun, at = _beginning(pairs, 0, base)

@@ -300,15 +300,8 @@ class Fiducials:
         self._detector = cv2.aruco.ArucoDetector(self.dictionary, parameters)
 
     def cells(self, number: int, side: int) -> NDArray[np.bool_]:
-        """Return which cells of a printed marker are white: (side, side).
-
-        Parameters
-        ----------
-        number : int
-            Of the marker. Raises ValueError for one that the dictionary does not have.
-        side : int
-            Cells of the paper's side, with the marker in the middle. The detector needs a white cell around it.
-        """
+        """Return which cells of a printed marker are white, (side, side), with one white cell around it, as the
+        detector needs. side: cells of the paper. Raises ValueError for a number that the dictionary does not have."""
         import cv2
 
         count = len(self.dictionary.bytesList)

@@ -28,20 +28,9 @@ Look = Callable[[int], tuple[Points, Visible]]
 
 
 def average_frames(points: Points, visible: Visible) -> tuple[Points, Visible]:
-    """Average each point over the frames that show it, without outliers.
-
-    Parameters
-    ----------
-    points : (k, N, 2 v) array
-        k frames of N points in v views [px].
-    visible : (k, N, v) array
-        Whether a frame shows a point in a view.
-
-    Returns
-    -------
-    (N, 2 v) and (N, v) arrays
-        Mean points [px], and whether any frame shows them.
-    """
+    """Average each point over the frames that show it, without outliers. points: (k, N, 2 v) k frames of N points in v
+    views [px]; visible: (k, N, v) whether a frame shows a point in a view. Returns (N, 2 v), mean points [px], and
+    whether any frame shows them."""
     if len(points) == 1:
         return points[0], visible[0]
     shown = np.repeat(visible, 2, -1)

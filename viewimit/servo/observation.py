@@ -58,8 +58,18 @@ class Observation:
     # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
+    # (N, 4) px, the same, averaged over all looks since the demonstrator last moved; None: there is only `demo`
+    demo_average: NDArray[np.float64] | None = None
+    demo_noise_px: float | None = None  # px, standard deviation of a coordinate of that; None: `noise_px`
     seed: int = 0  # of the session, for random searches
     matched: bool = True  # whether these are the own points, one by one; otherwise they are in an unknown order
+
+    @property
+    def demonstrator(self) -> tuple[NDArray[np.float64], float]:
+        """Its points in [l, r], (N, 4) px, from all looks since it last moved, and their standard deviation, px."""
+        demo = self.demo if self.demo_average is None else self.demo_average
+        demo = np.full_like(self.own, np.nan) if demo is None else demo
+        return demo, self.noise_px if self.demo_noise_px is None else self.demo_noise_px
 
     def with_origin(self, offset: NDArray[np.float64]) -> "Observation":
         """Correct the displacements of an arm that is not where it was sent.
@@ -107,6 +117,8 @@ def in_units(observation: Observation, unit_px: float) -> Observation:
         observation,
         own=observation.own / unit_px,
         demo=None if observation.demo is None else observation.demo / unit_px,
+        demo_average=None if observation.demo_average is None else observation.demo_average / unit_px,
+        demo_noise_px=None if observation.demo_noise_px is None else observation.demo_noise_px / unit_px,
         E=observation.E / unit_px**2,
         residual=observation.residual / unit_px,
         noise_px=observation.noise_px / unit_px,

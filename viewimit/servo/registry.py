@@ -16,6 +16,9 @@ from ..estimation.equations import HOLE, Equation, angles, column, each, number,
 from ..estimation.residuals import ResidualFunction
 from ..wording import plural, sentences
 from .broyden import Broyden, BroydenState
+from .estimator.explanation import describe_status as describe_estimator
+from .estimator.explanation import equations as estimator_equations
+from .estimator.servo import Estimator
 from .gradient import RETUNED, Gradient, GradientOptions, GradientState
 from .image_jacobian import MIN_STEP_RAD
 from .observation import Observation
@@ -41,6 +44,7 @@ class ServoMethod:
     slow: bool = False  # whether it makes hundreds of motions
     predicts: bool = False  # whether it predicts its images: it can use a calibration, and moves on where few are seen
     names_points: bool = False  # whether it finds the names of a demonstrator's points that come without
+    rigid: bool = False  # whether it needs a body of rigid links: it claims nothing of images that show none
     mirror_columns: bool = False  # whether residuals get three more columns where images fit only a mirror image
     equations: Callable[[Any, LastMotion], tuple[Equation, ...]] = lambda state, motion: ()  # state: None at the start
     describe_status: Callable[[Any, ServoStatus], str] = lambda state, status: ""  # what it does, or why it rests
@@ -277,5 +281,17 @@ SERVOS = Servos(
             describe_status=_describe_recursive,
         ),
         "trust-region": trust_region_method(),
+        "likelihood": ServoMethod(
+            servo=Estimator(),
+            title="Likelihood of all images",
+            assumes="Joints turn points as rigid bodies. All images so far are one estimation problem.",
+            limitations="Bodies without rigid links: it goes to the least E that it has seen, and claims nothing.",
+            predicts=True,
+            names_points=True,
+            rigid=True,
+            mirror_columns=True,
+            equations=estimator_equations,
+            describe_status=describe_estimator,
+        ),
     }
 )

@@ -77,20 +77,8 @@ class Camera:
     T_world_camera: Floats  # (4, 4), m
 
     def project(self, points: Floats, T_world_points: Floats = WORLD) -> tuple[Floats, NDArray[np.bool_]]:
-        """Project many points, components first.
-
-        Parameters
-        ----------
-        points : (3, ...) array
-            Points in a frame [m].
-        T_world_points : (4, 4) array
-            That frame.
-
-        Returns
-        -------
-        (2, ...) and (...) arrays
-            Image points [px], and whether they are in front of the camera and inside the image.
-        """
+        """Project many points, components first. points: (3, ...) points in a frame [m]; T_world_points: (4, 4) that
+        frame. Returns (2, ...), image points [px], and whether they are in front of the camera and inside the image."""
         R_camera_world = self.T_world_camera[:3, :3].T
         rotation = R_camera_world @ T_world_points[:3, :3]
         offset = R_camera_world @ (T_world_points[:3, 3] - self.T_world_camera[:3, 3])

@@ -150,20 +150,8 @@ class Robot:
         return parts
 
     def with_fixed_joints(self, angles: Floats, moving: Sequence[int] | Ints) -> tuple["Robot", BodyFrames]:
-        """Fix all joints but some at given angles.
-
-        Parameters
-        ----------
-        angles : (n,) array
-            Angles of all joints [rad].
-        moving : sequence of int
-            Indices, from 0, of the joints that still move.
-
-        Returns
-        -------
-        Robot, BodyFrames
-            A shorter chain, and the frames of all links on it.
-        """
+        """Fix all joints but some at given angles. angles: (n,) angles of all joints [rad]; moving: indices, from 0, of
+        the joints that still move. Returns a shorter chain, and the frames of all links on it."""
         joints: list[Joint] = []
         T_kept_link = np.eye(4)  # of the current link, in the frame of the last one that still moves
         owner, offset = [0], [T_kept_link]
@@ -183,21 +171,10 @@ class Robot:
     def place_points(self, angles: Angles, body: BodyPoints) -> list[tuple[Ints, Floats]]:
         """Return body points in the base frame, grouped by the joints that move them.
 
-        Parameters
-        ----------
-        angles : n arrays
-            Angles of all joints [rad]. With shape (91, 1) for one joint and (181,) for another, the points of the
-            base are placed once, those moved by the first joint alone 91 times, and the others 91 x 181 times.
-        body : BodyPoints
-
-        Returns
-        -------
-        list of (index (k,), xyz (3, k, *shape))
-            Indices of body points, and their places [m].
-
-        Notes
-        -----
-        Horner's scheme from the tip: each joint moves all points beyond it one frame down.
+        angles: angles of all joints [rad]. With shape (91, 1) for one joint and (181,) for another, the points of the
+        base are placed once, those moved by the first joint alone 91 times, and the others 91 x 181 times. Returns
+        indices of body points, and their places [m]. Horner's scheme from the tip: each joint moves all points beyond
+        it one frame down.
         """
         dims = max(np.ndim(angle) for angle in angles)
         groups: dict[tuple[int, ...], tuple[Ints, Floats]] = {}

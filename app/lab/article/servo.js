@@ -3,7 +3,7 @@ import {recovered, World} from "../engine/engine.js";
 import {Curve} from "../view/curve.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {SERVO_WORDS} from "../view/words.js";
+import {SERVO_WORDS, told} from "../view/words.js";
 import {DEGREE} from "./frame.js";
 import {Ground, KEYS} from "./ground.js";
 import {sessionOf} from "./views.js";
@@ -66,18 +66,18 @@ export function servo(frame, data) {
       curve.measure();
     },
     draw() {
-      const {now, trace} = session, steps = `${now.motion} ${now.motion === 1 ? "step" : "steps"}`;
+      const {now, trace} = session;
       const path = trace.slice(0, -1).map(({theta}, k) => ({theta, probe: trace[k + 1].probe}));
       ground.draw(DEMONSTRATOR, now.theta, path);
       images.draw(world, {moment: now, recovered: recovered(now), lines: [], chosen: 8, goal: true, ease: 1});
       curve.draw(trace);
       const off = Math.max(...now.theta.map((v, k) => Math.abs(v - DEMONSTRATOR[k]))) / DEGREE;
+      const ended = now.motion >= MAX_STEPS ? "max-motions" : now.status;
+      const {label, says, dot} = told(ended, {steps: now.motion, E: now.E, seen: now.usable.length});
       frame.say(
         SERVO_WORDS[law].says,
-        `After ${steps}, E is <b>${energyText(now.E)} px²</b>.`,
-        `The arm is <b>${fixed(off)}°</b> off, which it cannot know.`,
-        now.status === "settled" ? "It has come to rest at a local minimum." : "",
-        now.motion >= MAX_STEPS ? "The run stops here." : "",
+        `<i class="state ${dot}"></i><b>${label}.</b> ${says}`,
+        `E is <b>${energyText(now.E)} px²</b>, and the arm is <b>${fixed(off)}°</b> off, which it cannot know.`,
       );
     },
     state: () => ({law, motion: session.now.motion, theta: session.now.theta, E: session.now.E}),

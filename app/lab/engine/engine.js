@@ -26,7 +26,7 @@ export {clamp} from "./algebra.js";
 export {backProject, projectPoint, triangulate} from "./camera.js";
 export {reachFor, transform} from "./kinematics.js";
 export {Landscape} from "./landscape.js";
-export {Generator} from "./random.js";
+export {draws, Generator} from "./random.js";
 export {SERVOS} from "./servo.js";
 export {geometry, MIN_POINTS, recovered, Session} from "./session.js";
 export {conflict, residual, TRANSFERS} from "./transfers.js";

@@ -102,3 +102,14 @@ export class Generator {
     }
   }
 }
+
+/** Numbers from 0 to 1 that a seed gives (mulberry32). @param {number} seed */
+export function draws(seed) {
+  let state = seed * 0x9e3779b1 | 0;
+  return () => {
+    state = state + 0x6d2b79f5 | 0;
+    let t = Math.imul(state ^ state >>> 15, 1 | state);
+    t = t + Math.imul(t ^ t >>> 7, 61 | t) ^ t;
+    return ((t ^ t >>> 14) >>> 0) / 2 ** 32;
+  };
+}

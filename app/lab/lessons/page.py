@@ -22,7 +22,12 @@ from .step_data import Scenes, items_with_facts, lesson_data, situation_of
 
 HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
-STYLE_FILES = ("lessons/lesson.css", "lessons/figures/figures.css", "lessons/figures/limits.css")
+STYLE_FILES = (
+    "lessons/lesson.css",
+    "lessons/figures/figures.css",
+    "lessons/figures/limits.css",
+    "challenge/joints.css",
+)
 MAX_BYTES = 800_000  # of a page with one lesson
 
 

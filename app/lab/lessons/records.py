@@ -17,7 +17,7 @@ from viewimit.analysis.observability import joint_uncertainty, residual_jacobian
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews, Pairs
 from viewimit.loop.session import Session
-from viewimit.servo import Certificate
+from viewimit.servo import Certificate, ServoStatus
 
 from .situation import Situation
 
@@ -68,26 +68,24 @@ def claim_probability(certificate: Certificate, within_deg: float = CLAIM_DEG) -
 
 
 def claim_record(session: Session) -> dict[str, Any]:
-    """The learner's claim at the end, beside the truth: degrees off in each joint, None for one it cannot observe."""
-    last = session.snapshot
-    unobservable = [] if last.certificate is None else last.certificate.reportable_joints(last.status)
-    off = np.degrees(np.abs(last.theta - last.theta_demo))
+    """How a run ended, as a page tells it by the verdict of its status, and which points were taken for swapped."""
+    last, known = session.snapshot, session.snapshot.certificate
     return {
-        "status": str(last.status),
-        "offDeg": [None if joint in unobservable else plain(value) for joint, value in enumerate(off)],
+        "status": str(last.status if last.status.is_at_rest else ServoStatus.MAX_MOTIONS),
+        "seen": int(last.usable.sum()),
+        "unobservable": [] if known is None else known.reportable_joints(last.status),
+        "expectedOffDeg": None if known is None else plain(np.degrees(known.simultaneous_std_error)),
         "swapped": [list(pair) for pair in last.exchanged],
-        "unobservable": unobservable,
     }
 
 
 def run_record(session: Session) -> dict[str, Any]:
-    """A run as the page has it: postures in rad, E in px², probes, status and claim."""
+    """A run as the page has it: postures in rad, E in px², probes and how it ended."""
     as_seen = [moment.E for moment in session.history if not moment.exchanged]
     return {
         "postures": plain([moment.theta for moment in session.history], 6),
         "E": plain([moment.E for moment in session.history]),
         "probes": [bool(moment.probe) for moment in session.history],
-        "status": str(session.snapshot.status),
         "claim": claim_record(session),
         "leastAsSeen": plain(np.nanmin(as_seen)),  # px², before points were swapped back
     }

@@ -1,6 +1,5 @@
 """Ten finished runs to bet on: half of their arms are within CLAIM_DEG of the demonstrator, half are not."""
 
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,16 +14,10 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.sensing.files import parse_toml
 from viewimit.simulation.world import World
 
-from .records import CLAIM_DEG, claim_probability, plain, run
+from .records import CLAIM_DEG, claim_probability, claim_record, plain, run
 from .situation import Situation
 
 SERVO, MAX_MOTIONS = "trust-region", 60
-HOW_IT_ENDED: Mapping[str, str] = {
-    "converged": "claims to have arrived",
-    "settled": "rests, and makes no claim",
-    "unobservable": "cannot see every joint, and makes no claim",
-    "no-progress": "found no way to a smaller E, and makes no claim",
-}
 
 
 class SignedRun(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -68,7 +61,7 @@ def _record(signed: SignedRun) -> dict[str, Any]:
     off, seen = off_deg(last), last.usable
     return {
         "name": signed.name,
-        "ended": HOW_IT_ENDED[str(last.status)],
+        "claim": claim_record(session),
         "postures": plain([moment.theta for moment in session.history], 6),
         "E": plain([moment.E for moment in session.history]),
         "probes": [bool(moment.probe) for moment in session.history],

@@ -10,8 +10,13 @@ import {short} from "./measured.js";
 const LOGARITHMIC_STEPS = 200, WHOLE = 1 - 1e-9; // so that rounding does not put the last step beyond the end
 const ACTS = ["do", "pose", "predict"]; // kinds whose sliders are there before the answer
 
+/** Whether the arm is moved step by step, by sliders that wait for Go. @param {Stage} stage */
+export const isSteered = ({step: {ask}, isRevealed}) => ask.kind === "do" && Boolean(ask.counted) && !isRevealed;
+
 /** Whether they are in reach. @param {Stage} stage */
-export function areOpen({step, isRevealed}) {
+export function areOpen(stage) {
+  const {step, isRevealed} = stage;
+  if (isSteered(stage)) return false;
   if (step.ask.kind === "pose" || step.ask.kind === "predict") return !isRevealed;
   return ACTS.includes(step.ask.kind) || isRevealed;
 }
@@ -21,7 +26,7 @@ export class SlidersRow {
    * @param {HTMLElement} box
    * @param {Stage} stage
    * @param {(slider: Slider, value: number) => void} slid while it is dragged
-   * @param {(slider: Slider, value: number) => void} released
+   * @param {() => void} released
    */
   constructor(box, stage, slid, released) {
     this.stage = stage;
@@ -36,7 +41,7 @@ export class SlidersRow {
       const value = () => Math.min(high, Math.max(low, logarithmic ? Math.exp(Number(input.value))
         : Number(input.value)));
       input.addEventListener("input", () => { slid(slider, value()); });
-      input.addEventListener("change", () => { released(slider, value()); });
+      input.addEventListener("change", () => { released(); });
       const kind = slider.name.startsWith("demo ") ? "of-demonstrator" : slider.name.startsWith("own ") ? "of-learner"
         : "of-other";
       const row = make("label", {class: `slider ${kind}`}, make("span", {class: "name", html: inline(slider.label)}),

@@ -120,7 +120,13 @@
  *   to: of the
  *   ringed point; measure: of the ask, after the turn
  * @typedef {{theta: number[], E: number, probe: boolean, shown?: boolean}} Motion shown: by the page, not made by hand
- * @typedef {{postures: number[][], E: number[], probes: boolean[], status: string, claim?: any}} Race
+ * @typedef {{postures: number[][], E: number[], probes: boolean[], claim: Claim}} Race
+ * @typedef {Object} Claim how a run ended
+ * @property {string} status
+ * @property {number} seen points at the end
+ * @property {number[]} unobservable joints that the learner knows nothing of
+ * @property {number | null} expectedOffDeg what the learner expects to be off; null if it does not say
+ * @property {number[][]} swapped pairs of points that the learner takes to bear each other's names
  *
  * @typedef {Object} Figure a drawing in its box
  * @property {(stage: Stage, layers: Set<string>) => void} draw the whole of it, at most once a frame, with its text
@@ -139,7 +145,7 @@
  * @property {(box: HTMLElement, stage: Stage) => Figure} create
  */
 import {stageMap} from "./maps.js";
-import {clamp, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {clamp, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
@@ -345,7 +351,9 @@ export class Stage {
         && session.step()) snapshots.push(session.now);
       const [postures, E, probes] = [snapshots.map(({theta}) => theta), snapshots.map(one => one.E),
         snapshots.map(({probe}) => probe)];
-      this.raced[servo] = {postures, E, probes, status: session.now.status};
+      const status = snapshots.length > MAX_RACE ? "max-motions" : session.now.status; // "moving" where the goal is reached
+      const claim = {status, seen: session.now.usable.length, unobservable: [], expectedOffDeg: null, swapped: []};
+      this.raced[servo] = {postures, E, probes, claim};
     }
     return this.raced[servo];
   }
@@ -426,17 +434,6 @@ function randomKnobs(seed) {
     + draw() * (KNOB_GAINS[1] - KNOB_GAINS[0]));
   const both = [[gain(), 0], [0, gain()]];
   return draw() < .5 ? both : both.reverse();
-}
-
-/** Numbers from 0 to 1 that a seed gives (mulberry32). @param {number} seed */
-export function draws(seed) {
-  let state = seed * 0x9e3779b1 | 0;
-  return () => {
-    state = state + 0x6d2b79f5 | 0;
-    let t = Math.imul(state ^ state >>> 15, 1 | state);
-    t = t + Math.imul(t ^ t >>> 7, 61 | t) ^ t;
-    return ((t ^ t >>> 14) >>> 0) / 2 ** 32;
-  };
 }
 
 /** The numbers from 0 to count - 1 in an order that a seed gives. @param {number} count @param {number} seed */

@@ -36,14 +36,15 @@ import {inline, make, touched} from "./dom.js";
 import {FIGURES} from "./figures/registry.js";
 import {Marks} from "./marks.js";
 import {grade, measure} from "./measures.js";
-import {SlidersRow} from "./sliders-row.js";
+import {isSteered, SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
+import {between, Joints, play} from "../challenge/joints.js";
 import {smoothstep} from "../view/svg.js";
 
 const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
 const MAX_SEED = 9999;
+const DEGREE = Math.PI / 180;
 const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
-const still = typeof matchMedia === "undefined" ? {matches: true} : matchMedia("(prefers-reduced-motion: reduce)");
 
 /** @implements {Screen} */
 export class StepScreen {
@@ -89,8 +90,12 @@ export class StepScreen {
     this.mounted = places.filter(({kind}) => kind).map(one => ({...one, figure: one.kind.create(one.box, stage)}));
     const own = this.mounted.find(one => one.isAsked);
     this.marks = own ? new Marks(own.box, own.figure, () => stage, mark => this.mark(mark), () => this.isOpen) : null;
-    this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), (slider, value) =>
-      this.released(slider, value));
+    this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), () => this.released());
+    this.steered = make("div", {class: "steered"});
+    row.after(this.steered);
+    /** What moves the arm step by step until the goal is reached. */
+    this.joints = !isSteered(stage) ? null : new Joints(this.steered, (step.sliders ?? []).map(({label, low, high}) =>
+      ({name: label, low: low * DEGREE, high: high * DEGREE})), theta => this.#go(theta));
     this.sizes = new ResizeObserver(() => {
       for (const {figure} of this.mounted) figure.resize?.();
       this.reached = null;
@@ -119,6 +124,8 @@ export class StepScreen {
     this.marks?.draw();
     this.card.update();
     this.sliders.update(this.course.isLocked());
+    this.steered.hidden = !isSteered(stage) || this.isSolving;
+    this.joints?.show(stage.moment.theta, Boolean(this.stop), this.course.isLocked());
     this.figures.classList.toggle("is-asking", this.isOpen);
     if (this.reached !== stage.isRevealed) {
       this.reached = stage.isRevealed;
@@ -149,9 +156,8 @@ export class StepScreen {
 
   /** @param {Slider} slider @param {number} value */
   slid(slider, value) {
-    const {stage} = this, {ask} = stage.step, isCounted = ask.kind === "do" && ask.counted
-      && slider.name.startsWith("own ") && !stage.isRevealed;
-    if (isCounted || slider.name.startsWith("knob ")) {
+    const {stage} = this, {ask} = stage.step;
+    if (slider.name.startsWith("knob ")) {
       stage.sliders.set(slider.name, value);
       this.course.redraw();
       return;
@@ -164,21 +170,20 @@ export class StepScreen {
     }
   }
 
-  /** @param {Slider} slider @param {number} value */
-  released(slider, value) {
-    const {stage} = this, {ask} = stage.step, joint = Number(slider.name.split(" ")[1]) - 1;
-    if (ask.kind === "do" && ask.counted && slider.name.startsWith("own ") && !stage.isRevealed) {
-      const theta = stage.moment.theta.map((v, k) => k === joint ? value * Math.PI / 180 : v);
-      if (theta.every((v, k) => Math.abs(v - stage.moment.theta[k]) < 1e-9)) return;
-      this.#glide(theta, () => {
-        stage.move(theta);
-        this.course.keep();
-        this.#look();
-      });
-      return;
-    }
+  released() {
     this.course.keep();
     this.#look();
+  }
+
+  /** One step, which counts. @param {number[]} theta */
+  #go(theta) {
+    const {stage} = this;
+    this.#glide(theta, () => {
+      stage.move(theta);
+      stage.step.sliders?.forEach(({name}, k) => stage.sliders.set(name, theta[k] / DEGREE));
+      this.course.keep();
+      this.#look();
+    });
   }
 
   /** Whether what has to be reached is reached. */
@@ -290,33 +295,23 @@ export class StepScreen {
   /** The arm goes to a posture. @param {number[]} theta @param {() => void} arrived */
   #glide(theta, arrived) {
     const from = this.stage.moment.theta;
-    this.#play(MOVE_MS, share => this.stage.observe(from.map((v, k) => v + share * (theta[k] - v))), arrived);
+    this.#play(MOVE_MS, share => this.stage.observe(between(from, theta, share)), arrived);
   }
 
   /** @param {number} lasts ms @param {(share: number, isOver: boolean) => void} frame @param {() => void} over */
   #play(lasts, frame, over) {
     this.stop?.();
-    const isStill = still.matches || lasts <= 0, start = performance.now();
-    let isStopped = false;
-    const end = () => {
-      if (isStopped) return;
-      isStopped = true;
+    let isOver = false;
+    const stop = play(lasts, share => {
+      frame(share, share === 1);
+      if (share < 1) this.course.redraw();
+    }, () => {
+      isOver = true;
       this.stop = null;
-      frame(1, true);
       over();
       this.course.redraw();
-    };
-    if (isStill) return end();
-    this.stop = end;
-    const next = () => {
-      if (isStopped) return;
-      const share = (performance.now() - start) / lasts;
-      if (share >= 1) return end();
-      frame(share, false);
-      this.course.redraw();
-      requestAnimationFrame(next);
-    };
-    next();
+    });
+    if (!isOver) this.stop = stop;
   }
 
   // Buttons and keys

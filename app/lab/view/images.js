@@ -101,6 +101,14 @@ export class Images {
     this.unit = 1;
     /** Whether the windows have to fit at once. */
     this.fresh = true;
+    /** What the windows of L and R hold instead of what they show. @type {Outline[][] | null} */
+    this.held = null;
+  }
+
+  /** Let the windows of L and R hold these postures of the learner, and stay. @param {World} world @param {number[][]} postures rad */
+  hold(world, postures) {
+    this.held = postures.map((theta, k) => this.outlines.of(world, "learner", theta, `held ${k}`));
+    this.fresh = true;
   }
 
   /** The sizes of the drawings are those of their boxes. */
@@ -121,7 +129,9 @@ export class Images {
     const demo = this.outlines.of(world, "demonstrator", moment.thetaDemo, "demo");
     const own = this.outlines.of(world, "learner", moment.theta, "own");
     const goal = this.outlines.of(world, "learner", moment.thetaDemo, "goal");
-    const moves = [this.#fit(0, [demo], ease), this.#fit(2, picture.goal ? [own, goal] : [own], ease, picture.recovered)].some(Boolean);
+    const shown = picture.goal ? [own, goal] : [own];
+    const moves = [this.#fit(0, [demo], ease), this.#fit(2, this.held ?? shown, ease, this.held ? undefined : picture.recovered)]
+      .some(Boolean);
     this.fresh = false;
     const goalImages = picture.goal ? world.look("learner", moment.thetaDemo).images : null;
     const bones = picture.bones === undefined ? this.#recoveredBones(moment, demo) : picture.bones;

@@ -1,4 +1,5 @@
 /** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it. */
+import {Challenges} from "../challenge/challenges.js";
 import {listen, returnFocus} from "./keys.js";
 import {Lab} from "./lab.js";
 import {byId as $, fault, unpacked} from "./page.js";
@@ -16,18 +17,23 @@ function begin(data, meshes) {
   /** @type {Lab | Replay | null} */
   let shown = null;
   returnFocus();
-  const view = new View(data, meshes, () => shown?.redraw());
-  new ResizeObserver(() => shown?.resized()).observe($("map"));
   /** @type {Lab | null} */
   let lab = null;
+  /** @type {View | null} */
+  let made = null;
+  const viewed = () => {
+    if (!made) new ResizeObserver(() => shown?.resized()).observe($("map"));
+    return made ??= new View(data, meshes, () => shown?.redraw());
+  };
   const openLab = (/** @type {string} */ address) => {
-    shown = lab = new Lab(data, view, address);
-    publish(lab, view);
+    shown = lab = new Lab(data, viewed(), address);
+    publish(lab, viewed());
     return lab;
   };
   const {run} = data;
-  if (!run) return void openLab(location.hash);
+  if (!run) return play(data, openLab);
 
+  const view = viewed();
   $("words").innerHTML = data.words ?? "";
   const takes = data.presets.length > 0;
   const takeOver = (/** @type {Partial<import("./address.js").State>} */ state, /** @type {string} */ says) => {
@@ -51,6 +57,26 @@ function begin(data, meshes) {
   if (takes && location.hash.includes("preset=")) return void openLab(location.hash);
   shown = replay;
   replay.open(Number(location.hash.slice(1)) || 0); // replay.html#12
+}
+
+/** The lab, or the challenge that the address asks for. @param {Data} data @param {(address: string) => Lab} openLab */
+function play(data, openLab) {
+  const challenges = new Challenges(data);
+  /** @type {Lab | null} */
+  let lab = null;
+  const route = () => {
+    if (challenges.route()) lab?.close();
+    else if (lab) lab.open();
+    else {
+      lab = openLab(location.hash);
+      const {experiment} = lab;
+      $("challenge").hidden = false;
+      $("challenge").addEventListener("click", () =>
+        challenges.maker.open({demonstrator: experiment.now.thetaDemo, start: experiment.state.start}));
+    }
+  };
+  addEventListener("hashchange", route); // before the lab's own, which reads its address once it is open
+  route();
 }
 
 /** What tests and the console can reach. @param {Lab} lab @param {View} view */

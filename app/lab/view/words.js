@@ -31,14 +31,28 @@ export function outcome(now, playing, points, posedAt) {
   const few = points < MIN_POINTS, ended = few ? "too-few-points" : now.status;
   const isUnderWay = ended === "moving" && (playing || now.motion > 0);
   const status = ended in verdicts && ended !== "moving" ? ended : isUnderWay ? "moving" : "ready";
-  const {label, says, dot} = verdicts[status], seen = now.usable.length;
-  const text = fill(says, {steps: stepsText(now.motion - posedAt), differ: residualText(now.E), seen, joints: "every joint"});
+  const {label, says, dot} = told(status, {steps: now.motion - posedAt, E: now.E, seen: now.usable.length});
   const more = few ? "With fewer, E is 0 in every pose."
     : posedAt && (status === "settled" || status === "no-progress") ? "Steps count from the demonstrator’s last pose."
     : status === "ready" ? "Press Play, or pose the demonstrator."
     : status !== "moving" || !playing ? "" : now.probe
       ? "A test move: it turns one joint to see how its pictures change." : "It goes where it expects a smaller E.";
-  return {status, label, text: [text, more].filter(Boolean).join(" "), dot};
+  return {status, label, text: [says, more].filter(Boolean).join(" "), dot};
+}
+
+/**
+ * The verdict of a status on one run, as `Verdict.sentence` in Python has it.
+ *
+ * @param {string} status
+ * @param {{steps: number, E: number, seen?: number, joints?: string, expectedOffDeg?: number | null}} run joints: names
+ *   of those that the points do not show; expectedOffDeg: what the learner expects to be off, if it says so
+ * @returns {{label: string, says: string, dot: string}}
+ */
+export function told(status, {steps, E, seen = 0, joints = "every joint", expectedOffDeg = null}) {
+  const {label, says, dot} = verdicts[status];
+  const sentence = expectedOffDeg === null ? says.split(" It expects", 1)[0] : says;
+  const off = expectedOffDeg === null ? "" : `${fixed(Math.max(expectedOffDeg, .1), expectedOffDeg >= 10 ? 0 : 1)}°`;
+  return {label, dot, says: fill(sentence, {steps: stepsText(steps), differ: residualText(E), seen, joints, off})};
 }
 
 /** @param {string} text with {places} @param {Record<string, string | number>} parts */

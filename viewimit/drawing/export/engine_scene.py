@@ -48,13 +48,8 @@ def can_compute(scene: Scene) -> bool:
 
 
 def engine_scene(scene: Scene) -> dict[str, Any]:
-    """Return a scene as app/lab/engine/world.js documents it.
-
-    Raises
-    ------
-    ValueError
-        For a scene of other than two moving joints, or with lenses that distort.
-    """
+    """Return a scene as app/lab/engine/world.js documents it. Raises ValueError for a scene of other than two moving
+    joints, or with lenses that distort."""
     require_scene(scene)
     bodies = {str(count): scene.body_points(count) for count in sorted(map(int, scene.points))}
     described = describe_world(World(scene, min(map(int, scene.points))), bodies)

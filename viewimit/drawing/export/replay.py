@@ -44,15 +44,9 @@ EXPORT = re.compile(r"^export (?:async )?(?:const|let|function|class) (\w+)", re
 def bundle(entry: str) -> str:
     """Return ES modules as one script: each becomes a function that returns its exports, in the order of imports.
 
-    Parameters
-    ----------
-    entry
-        The module that is run last, a path in app/lab/.
-
-    Notes
-    -----
-    Modules import by name, from relative paths, at the top: `import {a, b as c} from "./x.js";`. They export
-    declarations, one name each, or names of other modules; JSON files come by one name. No module imports in a circle.
+    entry: the module that is run last, a path in app/lab/. Modules import by name, from relative paths, at the top:
+    `import {a, b as c} from "./x.js";`. They export declarations, one name each, or names of other modules; JSON files
+    come by one name. No module imports in a circle.
     """
     parts: dict[Path, str] = {}
     at = lambda path: f"MODULES[{path.relative_to(SCRIPTS).as_posix()!r}]"
@@ -78,20 +72,9 @@ def bundle(entry: str) -> str:
 
 
 def with_policy(page: str, *inserted: str) -> str:
-    """Let a page's content policy allow its own scripts alone, which it names by their hashes.
-
-    Parameters
-    ----------
-    page
-        HTML with a policy whose script-src is 'own'.
-    inserted
-        Scripts that the page's own ones insert.
-
-    Returns
-    -------
-    str
-        The page with the hashes in its policy.
-    """
+    """Let a page's content policy allow its own scripts alone, which it names by their hashes. page: HTML with a policy
+    whose script-src is 'own'; inserted: scripts that the page's own ones insert. Returns the page with the hashes in
+    its policy."""
     digests = (hashlib.sha256(script.encode()).digest() for script in (*SCRIPT.findall(page), *inserted))
     names = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
     return page.replace("script-src 'own'", f"script-src {names}", 1)
@@ -131,23 +114,8 @@ class Replay:
         self.html = html
 
     def save(self, path: str | Path) -> int:
-        """Write the page to a file.
-
-        Parameters
-        ----------
-        path
-            Of the file, by convention ending in .html.
-
-        Returns
-        -------
-        int
-            Bytes written.
-
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
-        """
+        """Write the page to a file. path: of the file, by convention ending in .html. Returns bytes written. Raises
+        OSError if the file cannot be written."""
         return Path(path).write_bytes(self.html.encode())
 
     def _repr_html_(self) -> str:
@@ -262,7 +230,7 @@ def lab_html(
         dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
         version=escape(__version__),
-        styles="\n".join((styles("view/lab.css"), more_styles)),
+        styles="\n".join((styles("view/lab.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),

@@ -46,15 +46,8 @@ Windows = dict[bool, dict[str, Window]]
 
 
 def image_windows(reach: Mapping[str, NDArray[np.float64]], frame: tuple[int, int]) -> Windows:
-    """Choose the windows of the four views, by whether whole frames are shown.
-
-    Parameters
-    ----------
-    reach
-        Where points can be, (k, 2) px by view.
-    frame
-        Width and height of the images, px.
-    """
+    """Choose the windows of the four views, by whether whole frames are shown. reach: where points can be, (k, 2) px by
+    view; frame: width and height of the images, px."""
     windows: Windows = {False: {}, True: {}}
     for whole, boxes in SIZES.items():
         for pair in ("lr", "LR"):

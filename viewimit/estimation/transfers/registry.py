@@ -64,13 +64,8 @@ def name_of(function: Callable) -> str:
 
 
 def transfer_method(given: TransferMethod | TransferFunction) -> TransferMethod:
-    """Return a `TransferMethod` unchanged, or make one of a plain function of one posture's views.
-
-    Raises
-    ------
-    TypeError
-        For anything else.
-    """
+    """Return a `TransferMethod` unchanged, or make one of a plain function of one posture's views. Raises TypeError for
+    anything else."""
     if isinstance(given, TransferMethod):
         return given
     if not callable(given):

@@ -118,7 +118,7 @@ def joints_moving_points(
     """
     visible = observations.visible_in_both
     farthest = np.full((visible.shape[1], observations.displacement.shape[1]), -1.0)  # px, -1 if never observed
-    for k, l, joint in _single_joint_pairs(observations.displacement):
+    for k, l, joint in single_joint_pairs(observations.displacement):
         moved_px = np.abs(observations.images[k] - observations.images[l]).max(-1)
         farthest[:, joint] = np.maximum(farthest[:, joint], np.where(visible[k] & visible[l], moved_px, -1.0))
     min_motion = max(MIN_MOTION_PX, MOTION_SIGMA * np.sqrt(2) * noise_px)
@@ -138,7 +138,7 @@ def _moves_more(moved: NDArray[np.bool_]) -> NDArray[np.float64]:
     return (beyond > 0) & (beyond.T == 0)
 
 
-def _single_joint_pairs(displacement: NDArray[np.float64]) -> list[tuple[int, int, int]]:
+def single_joint_pairs(displacement: NDArray[np.float64]) -> list[tuple[int, int, int]]:
     """(k, l, joint): pairs of visits between which one joint was turned, and no other."""
     k, l = np.triu_indices(len(displacement), 1)
     turned = np.abs(displacement[k] - displacement[l])

@@ -21,6 +21,7 @@ Hartley and Kang, "Parameter-free radial distortion correction with center of di
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,15 +86,15 @@ class Lens:
 
 
 @dataclass(frozen=True)
-class _Extended:
-    """Kinematics with unknowns more, as `bundle` adjusts them."""
+class Extended:
+    """Kinematics, or a pair of bodies, with unknowns more, as `bundle` adjusts them."""
 
     parameters: Array  # (..., P + n): of the kinematics, and n more
     points: Array  # (..., N, 3)
-    kinematics: ProjectiveKinematics  # whose parameters and points these replace
+    kinematics: Any  # ProjectiveKinematics or BodyPair, whose parameters and points these replace
 
     @property
-    def body(self) -> ProjectiveKinematics:
+    def body(self) -> Any:
         return replace(self.kinematics, parameters=self.parameters[..., : self._n], points=self.points)
 
     @property
@@ -109,12 +110,12 @@ class _Extended:
 def _adjusted(
     kinematics: ProjectiveKinematics,
     more: Array,
-    residuals_of: Callable[[_Extended], Array],
+    residuals_of: Callable[[Extended], Array],
     problem: BundleAdjustment,
     prior: Array,
 ) -> tuple[ProjectiveKinematics, Array]:
     """Adjust kinematics and (n,) unknowns more, which have the prior weights (n,) px²."""
-    initial = _Extended(np.concatenate([kinematics.parameters, more]), kinematics.points, kinematics)
+    initial = Extended(np.concatenate([kinematics.parameters, more]), kinematics.points, kinematics)
     weights = np.concatenate([problem.prior_weights(len(kinematics.parameters)), prior])
     found = levenberg_marquardt(initial, residuals_of, weights, FTOL, MAX_ITER)
     return found.body, found.more
@@ -187,7 +188,7 @@ def _fit_shortfall(
         """Shares of unbounded unknowns: a share of 2 or more would let the arm swing farther from motion to motion."""
         return MAX_SHARE * np.tanh(more[..., 0])
 
-    def residuals(model: _Extended) -> Array:
+    def residuals(model: Extended) -> Array:
         return problem.residuals(model.body, _reached(sent, bounded(model.more)))
 
     more = np.arctanh([share / MAX_SHARE])
@@ -262,7 +263,7 @@ def _fit_lens(
     def lens(more: Array) -> Lens:
         return replace(flat, bend=more[..., 0], centre=more[..., 1:])
 
-    def residuals(model: _Extended) -> Array:
+    def residuals(model: Extended) -> Array:
         coordinates = kinematics.coordinates_of(lens(model.more).straightened(images))
         return replace(problem, coordinates=coordinates).residuals(model.body)
 

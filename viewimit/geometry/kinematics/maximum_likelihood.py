@@ -105,7 +105,7 @@ def _changes(
     max_raised: px², how much more than these kinematics they may cost by the prediction.
     """
     points, raised, placed = predicted_changes(kinematics, problem)
-    contradictions = _contradictions(kinematics.moved_by)
+    before = contradictions(kinematics.moved_by)
     for at in np.argsort(raised, axis=None, kind="stable"):
         k, joint = np.unravel_index(at, raised.shape)
         if not raised[k, joint] < max_raised:
@@ -113,11 +113,11 @@ def _changes(
         moved_by, positions = kinematics.moved_by.copy(), kinematics.points.copy()
         moved_by[points[k], joint] ^= True
         positions[points[k]] = placed[k, joint]
-        if moved_by[points].any(0).all() and _contradictions(moved_by) <= contradictions:
+        if moved_by[points].any(0).all() and contradictions(moved_by) <= before:
             yield replace(kinematics, moved_by=moved_by, points=positions)
 
 
-def _contradictions(moved_by: NDArray[np.bool_]) -> int:
+def contradictions(moved_by: NDArray[np.bool_]) -> int:
     """Count pairs of joints of which each moves points that the other does not, and some that both do: no tree has any.
 
     moved_by: (N, m).

@@ -22,13 +22,14 @@ Hartley and Zisserman, Multiple View Geometry, 2nd ed. 2003, sections 4.1 (DLT) 
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..rectification import MIN_DENOMINATOR
 from .adjustment import BundleAdjustment
-from .bundle import jacobian, levenberg_marquardt, normal_equations
+from .bundle import Residuals, jacobian, levenberg_marquardt, normal_equations
 from .clusters import Observations, chain_transforms
 from .model import MAX_LOG_SCALE, MIN_RATE, N_FRAME, ProjectiveKinematics, frame_matrices, twist_matrices
 
@@ -84,12 +85,25 @@ class BodyPair:
         return replace(self.kinematics, parameters=self.parameters[..., :n], points=self.points)
 
     @property
+    def angle_slice(self) -> slice:
+        """Of the demonstrator's angles, among the parameters."""
+        begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY
+        return slice(begin, begin + self.n_postures * self.n_joints)
+
+    @property
     def angles(self) -> Array:
         """(..., T, m) rad: displacements of the demonstrator."""
-        begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY
-        shape = self.n_postures, len(self.kinematics.reference)
-        angles = self.parameters[..., begin : begin + shape[0] * shape[1]]
-        return angles.reshape(*angles.shape[:-1], *shape)
+        angles = self.parameters[..., self.angle_slice]
+        return angles.reshape(*angles.shape[:-1], self.n_postures, self.n_joints)
+
+    def in_postures(self, postures: Array) -> "BodyPair":
+        """The same body and place with the demonstrator in other postures, (..., T, m) rad."""
+        at, lead = self.angle_slice, postures.shape[:-2]
+        every = lambda values: np.broadcast_to(values, (*lead, *values.shape))
+        angles = postures.reshape(*lead, -1)
+        parameters = [every(self.parameters[: at.start]), angles, every(self.parameters[at.stop :])]
+        parameters, count = np.concatenate(parameters, -1), postures.shape[-2]
+        return replace(self, parameters=parameters, points=every(self.points), n_postures=count)
 
     def unwound(self, postures: Array) -> "BodyPair":
         """Turn the demonstrator's joints by whole turns to the angles nearest to its postures, (T, m) rad.
@@ -97,15 +111,11 @@ class BodyPair:
         A turn is 2π over the joint's rate |ω|, which is estimated and near 1. It moves points by the pitch at most
         of the joint's screw, which noise makes.
         """
-        begin = self.kinematics.parameters.shape[-1] + N_SIMILARITY
-        rate = np.linalg.norm(self.parameters[N_FRAME : begin - N_SIMILARITY].reshape(-1, 6)[:, :3], axis=1)
+        rate = np.linalg.norm(self.parameters[N_FRAME : len(self.kinematics.parameters)].reshape(-1, 6)[:, :3], axis=1)
         turns = np.round((self.angles - postures) * rate / (2 * np.pi))
         if not turns.any():
             return self
-        angles = self.angles - turns * (2 * np.pi / np.maximum(rate, MIN_RATE))
-        parameters = self.parameters.copy()
-        parameters[begin : begin + angles.size] = angles.ravel()
-        return replace(self, parameters=parameters)
+        return self.in_postures(self.angles - turns * (2 * np.pi / np.maximum(rate, MIN_RATE)))
 
     def with_difference(self, difference: Difference) -> "BodyPair":
         """Let a demonstrator of the same body and head differ; begin with no difference."""
@@ -175,10 +185,16 @@ class PairAdjustment:
     own: BundleAdjustment  # of the own visits
     images: Array  # (T, N, 4) px: of the demonstrator in [l, r], rectified, 0 where not visible
     visible: NDArray[np.bool_]  # (T, N, 2): which of its points are visible in each image
+    weight: float = 1.0  # of their residuals: noise of the own images over the noise of these
 
     @classmethod
     def of(
-        cls, kinematics: ProjectiveKinematics, observations: Observations, demo: Array, noise_px: float
+        cls,
+        kinematics: ProjectiveKinematics,
+        observations: Observations,
+        demo: Array,
+        noise_px: float,
+        weight: float = 1.0,
     ) -> "PairAdjustment":
         """Set it up. demo: (T, N, 4) px in [l, r], NaN where hidden; observations: of the own body, as demo in px."""
         own = BundleAdjustment.of(kinematics, observations, noise_px).restricted_to_known(kinematics)
@@ -186,7 +202,7 @@ class PairAdjustment:
         rectification = kinematics.rectification
         images = np.nan_to_num(demo)
         images = images if rectification is None else rectification.apply(images)
-        return cls(own, images, visible)
+        return cls(own, images, visible, weight)
 
     @property
     def visible_in_both(self) -> NDArray[np.bool_]:
@@ -203,14 +219,15 @@ class PairAdjustment:
     def residuals(self, pair: BodyPair) -> Array:
         """Predicted minus observed coordinates, (..., K + T, N, 3) px, of own and demonstrator's images.
 
-        A point of the demonstrator that one image alone shows has the two coordinates of that image.
+        The demonstrator's are multiplied by `weight`, so that all have the noise of the own images. A point of it that
+        one image alone shows has the two coordinates of that image.
         """
         frame, coordinates = pair.kinematics.frame, pair.demonstrator()
         difference = (coordinates - frame.coordinates(self.images)) * frame.unit_px
         theirs = np.where(self.visible_in_both[..., None], difference, 0.0)
         if (self.visible.any(-1) != self.visible_in_both).any():
             theirs = theirs + self._partial_residuals(coordinates @ frame.axes + frame.mean)
-        return np.concatenate([self.own.residuals(pair.body), theirs], -3)
+        return np.concatenate([self.own.residuals(pair.body), self.weight * theirs], -3)
 
     def _partial_residuals(self, images: Array) -> Array:
         """Predicted minus observed x and y, and 0, of points that one image alone shows, of (..., T, N, 4) px."""
@@ -256,15 +273,20 @@ class PairAdjustment:
 
     def covariance(self, pair: BodyPair) -> Array:
         """(P, P): of the parameters for noise of 1 px. What the images leave open has a very large variance."""
-        P = len(pair.parameters)
-        A, B, C = normal_equations(jacobian(pair, self.residuals, self.residuals(pair)), P)
-        known = np.linalg.pinv(C, hermitian=True)
-        schur = A + np.diag(self.prior_weights(pair)) - np.tensordot(B @ known, B, ([0, 2], [0, 2]))
-        size = np.sqrt(np.diag(schur))
-        scale = np.where(size > 0, size, 1.0)
-        values, vectors = np.linalg.eigh(schur / np.outer(scale, scale))
-        vectors = vectors / scale[:, None]
-        return vectors / np.maximum(values, LEFT_OPEN * values[-1]) @ vectors.T
+        return covariance_of(pair, self.residuals, self.prior_weights(pair))
+
+
+def covariance_of(model: Any, residuals_of: Residuals, prior: Array) -> Array:
+    """(P, P): of the parameters of a model, as of `levenberg_marquardt`, for noise of 1 px."""
+    P = len(model.parameters)
+    A, B, C = normal_equations(jacobian(model, residuals_of, residuals_of(model)), P)
+    known = np.linalg.pinv(C, hermitian=True)
+    schur = A + np.diag(prior) - np.tensordot(B @ known, B, ([0, 2], [0, 2]))
+    size = np.sqrt(np.diag(schur))
+    scale = np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(schur / np.outer(scale, scale))
+    vectors = vectors / scale[:, None]
+    return vectors / np.maximum(values, LEFT_OPEN * values[-1]) @ vectors.T
 
 
 def rotations(vectors: Array) -> Array:

@@ -47,21 +47,9 @@ CONVERT = {
 
 
 def read_files(paths: Mapping[str, Path], individuals: Mapping[str, str] | None = None) -> TrackedPoints:
-    """Read one file for each view, each of any format.
-
-    Parameters
-    ----------
-    paths : mapping
-        Files by view. Views have their full names, such as demo_left, or the paper's, such as l.
-    individuals : mapping, optional
-        By view, the individual to take from a file that holds several.
-
-    Raises
-    ------
-    ValueError
-        Names the file and the fault.
-    OSError
-    """
+    """Read one file for each view, each of any format. paths: files by view. Views have their full names, such as
+    demo_left, or the paper's, such as l; individuals: by view, the individual to take from a file that holds several.
+    Raises ValueError: names the file and the fault. Raises OSError."""
     files = {view_of(name): path for name, path in paths.items()}
     whose = {view_of(name): individual for name, individual in (individuals or {}).items()}
     return combine_views({view: read_view(files[view], whose.get(view)) for view in VIEWS}).require_pixels("")

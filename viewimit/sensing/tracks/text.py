@@ -210,7 +210,7 @@ def write_tidy(path: Path, rows: Mapping[str, Sequence[Row]]) -> None:
                 out.writerow((frame, VIEW_NAMES[view], point, f"{x:.4f}", f"{y:.4f}", f"{confidence:.4f}"))
 
 
-def read_tidy(path: Path) -> TrackedPoints:
+def read_tidy(path: str | Path) -> TrackedPoints:
     """Read a table of all four views: one row for each point visible in a picture.
 
     Columns are frame, view, point, x, y and, optionally, confidence or the like. Views have their full names, such as
@@ -218,6 +218,7 @@ def read_tidy(path: Path) -> TrackedPoints:
 
     Raises ValueError that names the file, line and column, and OSError.
     """
+    path = Path(path)
     tracks = _read_rows(path, (Meaning.FRAME, Meaning.VIEW, *REQUIRED))
     lacking = [VIEW_NAMES[view] for view in VIEWS if view not in tracks]
     if lacking:

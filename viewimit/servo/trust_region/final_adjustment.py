@@ -69,13 +69,15 @@ class FinalAdjustment:
     variance: float  # px², of an image coordinate
 
     @classmethod
-    def of(cls, likely: Likely, observations: Observations, demo: Array, noise_px: float) -> "FinalAdjustment | None":
+    def of(
+        cls, likely: Likely, observations: Observations, demo: Array, noise_px: float, weight: float = 1.0
+    ) -> "FinalAdjustment | None":
         """Set it up; None if too few points are visible for any test.
 
         likely: explains all visits; demo: (T, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of an
-        image coordinate.
+        own image's coordinate; weight: as of `PairAdjustment`.
         """
-        problem = PairAdjustment.of(likely.kinematics, observations, demo, noise_px)
+        problem = PairAdjustment.of(likely.kinematics, observations, demo, noise_px, weight)
         if problem.degrees_of_freedom < 1 or problem.own.degrees_of_freedom < 1:
             return None
         return cls(problem, likely.kinematics, likely.cost, likely.variance(problem.own))
@@ -192,6 +194,7 @@ def fit_same_body(
     noise_px: float,
     postures: Array,
     options: TrustRegionOptions,
+    weight: float = 1.0,
 ) -> SameBody | None:
     """Fit a demonstrator like the own body, from postures near its own; None if too few points are visible.
 
@@ -202,7 +205,7 @@ def fit_same_body(
     problem = BundleAdjustment.of(kinematics, seen, noise_px).restricted_to_known(kinematics)
     fits: list[tuple[FinalAdjustment, PairFit]] = []
     for likely in likely_kinematics(kinematics, problem):
-        adjustment = FinalAdjustment.of(likely, seen, demos, noise_px)
+        adjustment = FinalAdjustment.of(likely, seen, demos, noise_px, weight)
         if adjustment is None:
             return None
         fit = adjustment.best_fit(adjustment.problem.starts(likely.kinematics, postures), options.max_body_sigmas)

@@ -152,7 +152,7 @@ class Explanation:
 
 
 @dataclass(frozen=True)
-class _Candidate:
+class Candidate:
     """A fitted reason."""
 
     kind: MisfitKind
@@ -163,7 +163,7 @@ class _Candidate:
     amount: float | None = None
 
 
-def _criterion(candidate: _Candidate) -> float:
+def _criterion(candidate: Candidate) -> float:
     return candidate.criterion
 
 
@@ -200,7 +200,7 @@ def explain(
         return None
     if np.count_nonzero(like_own.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return None
-    reasons = _Reasons(
+    reasons = Reasons(
         like_own.adjustment, like_own.fit, visits, replace(observation, noise_px=noise_px), theta, options
     )
     found = sorted(reasons.all(), key=_criterion)
@@ -214,7 +214,7 @@ def explain(
 
 
 @dataclass(frozen=True)
-class _Reasons:
+class Reasons:
     """Fits every reason."""
 
     adjustment: FinalAdjustment
@@ -224,7 +224,7 @@ class _Reasons:
     theta: Array  # (m,) rad, near the demonstrator's posture
     options: TrustRegionOptions
 
-    def all(self) -> Iterator[_Candidate]:
+    def all(self) -> Iterator[Candidate]:
         """Yield each reason with its best fit."""
         other_head = _fit_other_head(self.adjustment, self.same.pair)
         yield self._candidate(MisfitKind.TWO_HEADS, other_head)
@@ -236,11 +236,11 @@ class _Reasons:
         if (lens := self._lens()) is not None:
             yield lens
 
-    def _candidate(self, kind: MisfitKind, fit: PairFit, points: tuple[int, ...] = (), choices: int = 1) -> _Candidate:
+    def _candidate(self, kind: MisfitKind, fit: PairFit, points: tuple[int, ...] = (), choices: int = 1) -> Candidate:
         """Compute the criterion. choices: number of such reasons, of which this one is the best."""
         unknowns = sum(fit.pair.difference.sizes(fit.pair.n_joints))
         criterion = fit.raised + unknowns * self._log_coordinates + 2 * np.log(choices)
-        return _Candidate(kind, self.adjustment, fit, criterion, points)
+        return Candidate(kind, self.adjustment, fit, criterion, points)
 
     @property
     def _log_coordinates(self) -> float:
@@ -249,7 +249,7 @@ class _Reasons:
         freedom = problem.degrees_of_freedom + problem.own.degrees_of_freedom
         return float(np.log(freedom + pair.parameters.size + pair.points.size))
 
-    def _points(self) -> Iterator[_Candidate]:
+    def _points(self) -> Iterator[Candidate]:
         """Yield the best single point, and the best link, that leave enough points to compare the bodies by."""
         visible, pair = self.adjustment.problem.visible_in_both[0], self.same.pair
         single = [(int(point),) for point in np.flatnonzero(visible)]
@@ -263,7 +263,7 @@ class _Reasons:
 
     def _with_points(
         self, kind: MisfitKind, choices: int, points: tuple[int, ...], max_iter: int = MAX_ITER
-    ) -> _Candidate:
+    ) -> Candidate:
         start = self.same.pair.with_difference(Difference(points=points))
         return self._candidate(kind, self.adjustment.fit(start, max_iter), points, choices)
 
@@ -283,7 +283,7 @@ class _Reasons:
         starts = problem.starts(kinematics, theta[None], mirror=True)
         return self.adjustment.best_fit(starts, options.max_body_sigmas)
 
-    def _lens(self) -> _Candidate | None:
+    def _lens(self) -> Candidate | None:
         """Fit a body like the own one to images that a lens bends.
 
         The own images alone have to favour the lens, by the same criterion, else this is no reason that is named: it
@@ -300,7 +300,8 @@ class _Reasons:
         kinematics, lens = found
         own, theirs = lens.straightened(seen.images), lens.straightened(demo[None])[0]
         visits = tuple(replace(visit, own=images) for visit, images in zip(self.visits, own))
-        like_own = fit_same_body(kinematics, visits, theirs[None], noise_px, self.theta[None], self.options)
+        weight = self.adjustment.problem.weight
+        like_own = fit_same_body(kinematics, visits, theirs[None], noise_px, self.theta[None], self.options, weight)
         if like_own is None:
             return None
         adjustment, fit = like_own.adjustment, like_own.fit
@@ -309,7 +310,7 @@ class _Reasons:
         price = (N_LENS - replaced) * self._log_coordinates
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
-        return _Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
+        return Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
 
 
 def _fit_other_head(adjustment: FinalAdjustment, same: BodyPair) -> PairFit:

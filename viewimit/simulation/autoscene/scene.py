@@ -54,19 +54,8 @@ class AutoScene:
 
 
 def make_scene(reference: Reference, joints: Sequence[int] | None = None) -> AutoScene:
-    """Make a scene for a URDF.
-
-    Parameters
-    ----------
-    reference : Reference
-    joints : sequence of int, optional
-        Numbers, from 1, of one or two moving joints; by default the two that move the images most.
-
-    Raises
-    ------
-    ValueError
-        Names the file and the joint.
-    """
+    """Make a scene for a URDF. joints: numbers, from 1, of one or two moving joints; by default the two that move the
+    images most. Raises ValueError: names the file and the joint."""
     shapes = shapes_of(reference)
     return _make_scene(read_tree(reference.path), shapes, reference, None if joints is None else tuple(joints))
 

@@ -1,4 +1,5 @@
 /** Cards and tables as HTML, for figures that are words and numbers. */
+import {told} from "../../view/words.js";
 import {escaped} from "./drawing.js";
 
 const ICONS = {
@@ -39,11 +40,25 @@ export const written = (kind, name, write) => box => {
  * @param {string} head
  * @param {string} bold its main sentence; empty for none
  * @param {string} [more] HTML after it
+ * @param {string} [dot] colour of the mark before the main sentence
  */
-export function card(kind, head, bold, more = "") {
-  const icon = kind === "plain" ? "" : ICONS[kind], said = bold ? `<b>${escaped(bold)}</b>` : "";
+export function card(kind, head, bold, more = "", dot = "") {
+  const icon = kind === "plain" ? "" : ICONS[kind], mark = dot ? `<i class="state ${dot}"></i>` : "";
+  const said = bold ? `<b>${mark}${escaped(bold)}</b>` : "";
   return `<div class="lesson-says lesson-says-${kind}"><small>${icon}${escaped(head)}</small>${said}${more}</div>`;
 }
+
+/**
+ * How a run ended, as every front end says it.
+ *
+ * @param {import("../stage.js").Claim} claim
+ * @param {{E: number[]}} run
+ * @param {string[]} names of the joints
+ */
+export const ending = ({status, seen, unobservable, expectedOffDeg}, {E}, names) => told(status, {
+  steps: E.length - 1, E: E[E.length - 1], seen, expectedOffDeg,
+  joints: unobservable.length ? `the ${unobservable.map(k => names[k]).join(" and the ")}` : undefined,
+});
 
 /** @param {string[]} heads @param {string[][]} rows words, escaped here; the first cell of a row is its name */
 export function table(heads, rows) {

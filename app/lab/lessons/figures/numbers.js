@@ -6,6 +6,7 @@
  * @typedef {import("../stage.js").Race} Race
  */
 import {energyText, fixed} from "../../view/svg.js";
+import {verdicts} from "../../view/words.js";
 import {measure} from "../measures.js";
 import {Chart, stepTicks} from "./chart.js";
 import {escaped} from "./drawing.js";
@@ -120,11 +121,6 @@ export const progress = {
   },
 };
 
-const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reach the goal
-  settled: "rests", unobservable: "cannot see a joint", "no-progress": "finds nothing lower",
-    "too-few-points": "sees too few points",
-});
-
 /**
  * A race's cells: steps to the goal, E and how far off there, and why it ended.
  *
@@ -133,13 +129,13 @@ const ENDS = /** @type {Record<string, string>} */ ({ // of runs that never reac
  */
 function raceRow(stage, race) {
   if (!stage.isRevealed) return ["?", "", "", ""];
-  const {E, postures, status} = race, last = stage.last(race), {goal} = stage;
+  const {E, postures, claim} = race, last = stage.last(race), {goal} = stage;
   const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
   if (shown < last) return ["…", energyText(E[shown]), "", ""];
   const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
   const isThere = goal !== null && E[last] < goal;
   return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`,
-    isThere ? "" : ENDS[status] ?? `after ${last} steps`];
+    isThere ? "" : verdicts[claim.status].label];
 }
 
 /** Who came how far from the same start, the visitor first. */

@@ -6,7 +6,7 @@
  * @typedef {import("../stage.js").FigureKind} FigureKind
  * @typedef {Object} Run as the library records it
  * @property {string} name of its difference
- * @property {string} ended in words
+ * @property {import("../stage.js").Claim} claim
  * @property {number[][]} postures rad
  * @property {number[]} E px²
  * @property {boolean[]} probes
@@ -21,7 +21,7 @@
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {card, named, table, written} from "./cards.js";
+import {card, ending, named, table, written} from "./cards.js";
 import {
   axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
 } from "./drawing.js";
@@ -150,10 +150,11 @@ const words = E => E < LEAST_E ? "< 0.0001" : E < .1 ? String(Number(E.toPrecisi
 function claimed(stage, layers) {
   const run = runOf(stage), names = stage.world.scene.names.map(name => name.split(" ")[0].toLowerCase());
   const rows = [
-    ["How it ended", run.ended], ["E", `${words(run.E[run.E.length - 1])} px²`],
-    ["Steps made", String(run.E.length - 1)], ["Points seen", run.points], ["Noise in the pictures", run.noise],
+    ["E", `${words(run.E[run.E.length - 1])} px²`], ["Steps made", String(run.E.length - 1)],
+    ["Points seen", run.points], ["Noise in the pictures", run.noise],
   ].map(([name, value]) => `<tr><th>${name}</th><td class="lesson-of-${name[0]}">${escaped(value)}</td></tr>`);
-  const known = card("plain", "What the learner knows", "", `<table>${rows.join("")}</table>`);
+  const ended = ending(run.claim, run, names), table = `<p>${escaped(ended.says)}</p><table>${rows.join("")}</table>`;
+  const known = card("plain", "How it ended, as the learner knows it", ended.label, table, ended.dot);
   const off = run.offDeg.map((v, k) => `${fixed(v)}° off at the ${names[k]}`).join(", ");
   const outcome = `${run.holds ? "True" : "False"}: ${off}.`, because = `<p>${escaped(run.because)}</p>`;
   const truth = card("truth", "The truth (hidden from the learner)", outcome, because);

@@ -1,0 +1,73 @@
+/** "Challenge a friend": what makes a challenge of a pose, and gives its link. */
+import {World} from "../engine/engine.js";
+import {make} from "../lessons/dom.js";
+import {copy} from "../view/page.js";
+import {say} from "../view/svg.js";
+import {stepsText} from "../view/words.js";
+import {fromPose, LEVELS, POINTS, robotSteps, toLink} from "./rules.js";
+
+/** @typedef {import("./rules.js").Challenge} Challenge @typedef {import("./rules.js").Level} Level */
+
+/** Where a link opens for others: an address of the web, and not a file's or this device's own. */
+export const isPublic = () => location.protocol.startsWith("http") && !/^(localhost|127\.|\[::1\])/.test(location.hostname);
+
+/** @param {Challenge} challenge */
+export const addressOf = challenge => location.href.split("#")[0] + toLink(challenge);
+
+export class Maker {
+  /**
+   * @param {import("../engine/world.js").Scene} scene
+   * @param {(challenge: Challenge) => void} tried whoever made it looks at it
+   */
+  constructor(scene, tried) {
+    this.world = new World(scene, POINTS);
+    /** @type {Pick<Challenge, "demonstrator" | "start">} */
+    this.pose = {demonstrator: [], start: []};
+    /** @type {Level} */
+    this.level = "points";
+    /** @type {Challenge | null} */
+    this.made = null;
+    this.name = make("input", {type: "text", maxlength: 20, autocomplete: "nickname", oninput: () => this.#show()});
+    this.levels = Object.entries(LEVELS).map(([level, {title}]) => make("button", {type: "button", onclick: () => {
+      this.level = /** @type {Level} */ (level);
+      this.#show();
+    }}, title));
+    this.says = make("p", {class: "says", role: "status"});
+    this.link = make("input", {type: "text", readonly: true, "aria-label": "The link"});
+    this.copying = make("button", {type: "button", class: "filled", onclick: () => void copy(this.copying, this.link.value, "The link:")},
+      "Copy link");
+    this.playing = make("a", {class: "button"}, "Look at it");
+    this.playing.addEventListener("click", () => {
+      if (this.made) tried(this.made);
+      this.dialog.close();
+    });
+    const hint = isPublic() ? null : make("p", {class: "hint"}, location.protocol === "file:"
+      ? "This page is a file: send it too, and add the link’s end to its address." : "This link opens on this device only.");
+    this.sending = make("div", {class: "sending"}, this.link, this.copying, this.playing, hint);
+    this.dialog = document.body.appendChild(make("dialog", {class: "maker", closedby: "any", "aria-label": "Challenge a friend"},
+      make("form", {method: "dialog"}, make("button", {class: "close", "aria-label": "Close"}, "×")),
+      make("h2", {}, "Challenge a friend"),
+      make("p", {}, "A friend copies the orange arm’s pose. The fewer steps, the better."),
+      make("label", {}, "Your name ", this.name), make("div", {class: "levels", role: "group", "aria-label": "Level"}, ...this.levels),
+      this.says, this.sending));
+  }
+
+  /** @param {Pick<Challenge, "demonstrator" | "start">} pose rad @param {Level} [level] */
+  open(pose, level = this.level) {
+    this.pose = pose;
+    this.level = level;
+    this.#show();
+    this.dialog.showModal();
+  }
+
+  #show() {
+    const {world, level, name} = this, made = fromPose(world, {...this.pose, level, by: name.value});
+    this.levels.forEach((one, k) => one.setAttribute("aria-pressed", String(Object.keys(LEVELS)[k] === level)));
+    this.sending.hidden = typeof made === "string";
+    if (typeof made === "string") return say(this.says, made);
+    this.made = made;
+    say(this.says, `${LEVELS[level].says} The robot needs ${stepsText(robotSteps(world, made) ?? 0)}.`);
+    this.link.value = isPublic() ? addressOf(made) : toLink(made);
+    this.playing.href = toLink(made);
+  }
+}

@@ -1,0 +1,248 @@
+"""The learner's own body, learned from its pictures at known joint angles: it names points, and says why two differ.
+
+Kinematics that explain these pictures predict how the own body would look in the demonstrator's posture. So points
+that come without names are named, and it is said why the demonstrator is no body like the own one.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimation.views import FourViews
+from ..geometry.affine import MIN_POINTS, image_unit
+from ..geometry.kinematics.adjustment import KinematicsCovariance, fit_kinematics
+from ..geometry.kinematics.clusters import Observations
+from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
+from ..geometry.kinematics.model import ProjectiveKinematics
+from ..geometry.rectification import Rectification
+from ..servo import Misfit, MisfitKind, Observation
+from ..servo.observation import Visit
+from ..servo.trust_region.image_models import KinematicImages
+from ..servo.trust_region.misfit import Explanation, explain, explain_again
+from ..servo.trust_region.naming import Naming, find_naming, mixed_up, nearest_posture
+from ..servo.trust_region.options import DEFAULTS
+
+UNITS_DEG = {"radians": float(np.degrees(1)), "turns": 360.0, "steps of 4096 a turn": 360 / 4096, "tenths": 0.1}
+SAME_UNIT = 0.15  # of the logarithm of a joint's turn for a unit
+MIN_GAIN_CHANGE, GAIN_SIGMA = 0.1, 4.0  # of a joint's turn for a degree; in standard errors
+N_TOGETHER = 5  # frames that show how a demonstrator's body differs, at most
+N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is tried
+
+
+@dataclass(frozen=True)
+class OwnBody:
+    """The learner's own body, in image units."""
+
+    points: NDArray[np.int_]  # (N,): its points, among those tracked
+    seen: Observations  # in K postures
+    kinematics: ProjectiveKinematics  # that explain these images
+    shortfall: Shortfall | None  # of an arm that was not where the table says
+    noise_px: float
+    unit_px: float  # pixels of one unit
+    lower: NDArray[np.float64]  # (m,) rad, between which the demonstrator's posture is looked for
+    upper: NDArray[np.float64]
+    gains: NDArray[np.float64] | None = None  # (m,) degrees that each joint turns for a unit of the table, if no degree
+
+    @property
+    def model(self) -> KinematicImages:
+        """Predicts its images."""
+        return KinematicImages(self.kinematics, self.seen.displacement[0], self.seen, self.noise_px, None)
+
+    @property
+    def visits(self) -> tuple[Visit, ...]:
+        """The K looks at it, as a servo has them."""
+        seen = self.seen
+        rows = zip(seen.displacement, seen.images, np.repeat(seen.visible_in_both[..., None], 2, -1))
+        return tuple(Visit.of(*row) for row in rows)
+
+
+@dataclass(frozen=True)
+class NamedPoints:
+    """The demonstrator's points in the order of the learner's own.
+
+    Parameters
+    ----------
+    views
+        T frames of the learner's N points, (T, N, …) px; without any of the demonstrator's if no naming explains them.
+    naming
+        The best one that was found, in px; None if none was.
+    frame
+        Index of the frame in which it was found.
+    """
+
+    views: FourViews
+    naming: Naming | None
+    frame: int
+
+
+def learn_own_body(
+    seen: Observations,
+    points: NDArray[np.int_],
+    limits: tuple[NDArray[np.float64], NDArray[np.float64]],
+    noise_px: float,
+    rectification: Rectification | None = None,
+    of_table: bool = True,
+) -> OwnBody:
+    """Learn the own body from its images at known joint angles.
+
+    Parameters
+    ----------
+    seen : Observations
+        K looks: displacements in rad, images in px.
+    points : (N,) array of int
+        Its points, among those tracked.
+    limits : two (m,) arrays
+        Between which the demonstrator's posture is looked for [rad].
+    noise_px : float
+        Standard deviation of an image coordinate.
+    rectification : Rectification, optional
+        Of images in px.
+    of_table : bool, optional
+        Whether the angles come from a table, whose units the images can contradict.
+
+    Returns
+    -------
+    OwnBody
+
+    Raises
+    ------
+    ValueError
+        For angles in another unit, which it names, and for postures that do not show how the joints move points.
+    """
+    unit_px = image_unit(seen.images[seen.visible_in_both])
+    seen, noise = replace(seen, images=seen.images / unit_px), noise_px / unit_px
+    rectified = None if rectification is None else rectification.in_units(unit_px)
+    in_radians = of_table and np.abs(seen.displacement).max() <= np.radians(2 * np.pi)
+    if in_radians:
+        _require_degrees(seen, noise, rectified, {"radians": UNITS_DEG["radians"]})
+    kinematics, shortfall = fit_kinematics(seen, noise, rectified), None
+    if kinematics is None and (found := fit_shortfall(seen, noise, rectified)) is not None:
+        kinematics, shortfall = found
+        seen = replace(seen, displacement=shortfall.reached(seen.displacement))
+    if kinematics is None and of_table:
+        _require_degrees(seen, noise, rectified, UNITS_DEG)
+    if kinematics is None:
+        wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
+        wanted += "; if these are radians, write degrees" if in_radians else ""
+        raise ValueError(f"{len(seen.displacement)} postures do not show how the joints move points: {wanted}")
+    gains = _gains(kinematics, seen, noise) if of_table else None
+    return OwnBody(points, seen, kinematics, shortfall, noise, unit_px, *limits, gains)
+
+
+def _require_degrees(
+    seen: Observations, noise: float, rectified: Rectification | None, units_deg: Mapping[str, float]
+) -> None:
+    """Raise ValueError for joint angles of which the images tell that they are in one of these units."""
+    for unit, degrees in units_deg.items():
+        scaled = replace(seen, displacement=seen.displacement * degrees)
+        kinematics = fit_kinematics(scaled, noise, rectified)
+        if kinematics is not None and (rates := kinematics.rates).min() > 0:
+            if np.abs(np.log(degrees * rates)).max() < SAME_UNIT:
+                return
+            if np.abs(np.log(rates)).max() < SAME_UNIT:
+                raise ValueError(f"these look like {unit}, not degrees: multiply them by {degrees:.5g}")
+            raise ValueError(f"these are no degrees: {gain_words(degrees * rates)}; write degrees")
+
+
+def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -> NDArray[np.float64] | None:
+    """By how many degrees each joint turns for a unit of the table, (m,); None if the images agree to degrees."""
+    rates, m = kinematics.rates, seen.displacement.shape[1]
+    twists = kinematics.parameters[-6 * m :].reshape(m, 6)[:, :3]
+    cov = KinematicsCovariance.estimate(kinematics, seen).sqrt_cov[-6 * m :].reshape(m, 6, -1)[:, :3]
+    along = twists / np.maximum(rates, 1e-9)[:, None]
+    std = noise * np.linalg.norm(np.einsum("mk,mkp->mp", along, cov), axis=1)
+    differs = np.abs(rates - 1) > np.maximum(MIN_GAIN_CHANGE, GAIN_SIGMA * std)
+    return rates if differs.any() else None
+
+
+def gain_words(gains: NDArray[np.float64]) -> str:
+    """Say by how much the joints turn for a unit."""
+    turns = ", ".join(f"joint {k} by {gain:.3g}°" for k, gain in enumerate(gains, 1))
+    return f"the images show that one unit turns {turns}"
+
+
+def find_misfit(body: OwnBody, views: FourViews) -> tuple[Misfit, int] | None:
+    """Find out why the demonstrator is no body like the own one, or the own arm not where it was sent.
+
+    Parameters
+    ----------
+    body : OwnBody
+    views : FourViews
+        T frames of its points, (T, N, …) px.
+
+    Returns
+    -------
+    misfit, frame
+        The reason in px, and the index of the frame with the most points of the demonstrator, which shows it; None if
+        there is no sign of one.
+    """
+    shown = np.asarray(views.visible[..., :2].all(-1))
+    demos = np.where(shown[..., None], views.demo / body.unit_px, np.nan)
+    at = int(shown.sum(-1).argmax())
+    demo = demos[at]
+    if shown[at].sum() < MIN_POINTS:
+        return None
+    visits, last = body.visits, body.visits[-1]
+    observation = Observation(
+        own=last.own,
+        seen=last.seen,
+        E=np.nan,
+        displacement=last.displacement,
+        lower=body.lower,
+        upper=body.upper,
+        motion=0,
+        noise_px=body.noise_px,
+        rectification=body.kinematics.rectification,
+        demo=demo,
+    )
+    theta = nearest_posture(demo, body.model, body.lower, body.upper)
+    explanation = explain(body.kinematics, visits, observation, theta, DEFAULTS)
+    if explanation is not None:
+        if swaps := mixed_up(demo, body.model, body.lower, body.upper):
+            return Misfit(MisfitKind.MIXED_UP, tuple(sorted({k for pair in swaps for k in pair}))), at
+        if explanation.misfit.kind is MisfitKind.ANOTHER_BODY:
+            explanation = _explained_together(body, demos) or explanation
+        return explanation.misfit.per_pixel(body.unit_px), at
+    return None if body.shortfall is None else (Misfit(MisfitKind.ARM, amount=body.shortfall.share), at)
+
+
+def _explained_together(body: OwnBody, demos: NDArray[np.float64]) -> Explanation | None:
+    """Find out how the demonstrator's body differs from several of the frames with the most points, (T, N, 4) px."""
+    counts = np.isfinite(demos).all(-1).sum(-1)
+    most = np.flatnonzero(counts == counts.max())
+    some = np.unique(demos[most[np.linspace(0, len(most) - 1, N_TOGETHER).round().astype(int)]], axis=0)
+    postures = np.array([nearest_posture(demo, body.model, body.lower, body.upper) for demo in some])
+    return explain_again(body.kinematics, body.visits, some, postures, body.noise_px, DEFAULTS)
+
+
+def name_points(body: OwnBody, views: FourViews) -> NamedPoints:
+    """Find out which of the demonstrator's points is which of the learner's. views: T frames of P points, (T, P, …)."""
+    views = replace(views, matched=False)
+    shown = np.asarray(views.visible[..., :2].all(-1))
+    found: Naming | None = None
+    used = 0
+    for frame in np.argsort(-shown.sum(-1), kind="stable")[:N_FRAMES].tolist():
+        demo = np.where(shown[frame, :, None], views.demo[frame] / body.unit_px, np.nan)
+        tried = find_naming(demo, body.model, body.lower, body.upper)
+        if tried is not None and (found is None or tried.accepted):
+            found, used = tried, frame
+        if found is not None and found.accepted:
+            break
+    rows = found.names if found is not None and found.accepted else np.full(len(body.points), -1)
+    demo = np.where((rows >= 0)[:, None], views.demo[:, rows], np.nan)
+    ordered = FourViews(demo, views.own[:, body.points], _visible(views, rows, body.points))
+    return NamedPoints(ordered, None if found is None else found.per_pixel(body.unit_px), used)
+
+
+def own_points(body: OwnBody, views: FourViews) -> FourViews:
+    """Select the points of the own body in T frames, (T, N, …)."""
+    own = body.points
+    return FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])
+
+
+def _visible(views: FourViews, rows: NDArray[np.int_], own: NDArray[np.int_]) -> NDArray[np.bool_]:
+    """(T, N, 4), of the demonstrator's points in their new order and of the own points."""
+    demo = np.where((rows >= 0)[:, None], views.visible[:, rows, :2], False)
+    return np.concatenate([demo, views.visible[:, own, 2:]], -1)

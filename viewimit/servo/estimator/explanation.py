@@ -1,0 +1,100 @@
+"""What the estimator shows its users: its equations, and in words what it does."""
+
+import numpy as np
+
+from ...estimation.equations import HOLE, Equation, angles, number
+from ...wording import plural, sentences
+from ..servo import LastMotion
+from ..status import TEST_MOVE, ServoStatus
+from ..trust_region.misfit import MisfitKind
+from .state import EstimatorState, Purpose
+
+_LIKELIHOOD = (
+    r"-2\log L=\sum_{k,i}\frac{|\pi(𝐂𝐀^{-1}e^{\theta_{k1}𝐒_1}\cdots e^{\theta_{km}𝐒_m}𝐀𝐗_i)-𝐲_{ki}|^2}{\sigma^2}"
+    r"+\sum_i\frac{|\pi(𝐂𝐀^{-1}𝐒𝐀\cdots 𝐗_i)-𝐳_i|^2}{\sigma_D^2}"
+)
+_RULE = (
+    r"\mathrm{loss}=\varepsilon+w\,Φ\!\left(\tfrac{\log(\varepsilon/\varepsilon_c)}{s}\right)"
+    r"+a\cdot\mathrm{steps}+b\cdot\mathrm{way}"
+)
+PURPOSES = {
+    Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
+    Purpose.GROW: "This step, ({step}), shows more: the images so far do not tell enough.",
+    Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
+    Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lessens the expected error by more than it costs.",
+    Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
+    Purpose.FOLLOW: "This step, ({step}), goes to where the demonstrator will be.",
+    Purpose.NEAREST: "This step, ({step}), goes to the least E: the images leave a joint open.",
+}
+DOES = {
+    Purpose.PROBE: TEST_MOVE,
+    Purpose.GROW: "It moves to see more, because the images so far do not tell enough.",
+    Purpose.NAME: "It learns more of its images, because no naming of the demonstrator's points explains them yet.",
+    Purpose.LOOK: "It looks from elsewhere first, because that lessens the expected error.",
+    Purpose.ARRIVE: "It goes to the likeliest pose.",
+    Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
+    Purpose.NEAREST: "It goes to the least E, because the images leave a joint open.",
+    Purpose.REST: "",
+}
+HYPOTHESES = {
+    MisfitKind.ANOTHER_BODY: "another body",
+    MisfitKind.LINK_POINTS: "points of one link elsewhere",
+    MisfitKind.POINT: "one point elsewhere",
+    MisfitKind.TWO_HEADS: "another head",
+    MisfitKind.MIRRORED: "a mirror image",
+    MisfitKind.LENS: "a lens",
+    MisfitKind.NONE: "none of the known ones",
+}
+
+
+def equations(state: EstimatorState | None, motion: LastMotion) -> tuple[Equation, ...]:
+    """Return likelihood and rule with the numbers of a motion, as `ServoMethod.equations`."""
+    if state is None:
+        return (
+            Equation("", "no step yet", _LIKELIHOOD, wide=True),
+            Equation("", "rule: the least expected loss", _RULE, wide=True),
+        )
+    n = len(state.visits)
+    known = plural("{n} picture of the own body.", "{n} pictures of the own body.", n).format(n=n)
+    likelihood = Equation("", "all images, one likelihood", _LIKELIHOOD, note=sentences(known, _says(state)), wide=True)
+    text = PURPOSES.get(state.purpose, "") if motion.moved.any() else ""
+    note = text.format(step=angles(motion.moved))
+    if state.certificate is None or not np.isfinite(error := state.certificate.simultaneous_std_error):
+        return likelihood, Equation("", "rule: the least expected loss", _RULE, note=note, wide=True)
+    latex = rf"{_RULE},\quad\varepsilon={HOLE}"
+    numbers = (number(float(np.degrees(error)), 2) + "°",)
+    return likelihood, Equation("", "rule: the least expected loss", latex, numbers, note, wide=True)
+
+
+def _says(state: EstimatorState) -> str:
+    """Return which hypothesis is the likeliest."""
+    if state.body is None:
+        return "They do not determine a body yet."
+    if state.best is None:
+        return ""
+    if state.best.explanation is not None:
+        return f"Likeliest hypothesis: {HYPOTHESES[state.best.explanation.misfit.kind]}."
+    return (
+        "Likeliest hypothesis: the same body, with swapped points."
+        if state.exchanged
+        else ("Likeliest hypothesis: the same body.")
+    )
+
+
+def describe_status(state: EstimatorState, status: ServoStatus) -> str:
+    """Return what the servo does, or why it rests, as `ServoMethod.describe_status`."""
+    if not status.is_at_rest:
+        return DOES[state.purpose]
+    if state.misfit is not None and not status.is_claim:
+        return state.misfit.describe()
+    if status == ServoStatus.CONVERGED:
+        return "Noise explains all images, and nothing is worth another step."
+    if status == ServoStatus.SETTLED:
+        return "The expected error is too large for a claim, and nothing is worth another step."
+    if status == ServoStatus.UNOBSERVABLE:
+        return "The images leave a joint open."
+    if state.purpose is Purpose.NAME:
+        return "No naming of the demonstrator's points explains its images."
+    if state.body is None:
+        return "No body of rigid links explains the own images: another servo may, such as Broyden's."
+    return "No hypothesis explains the images."

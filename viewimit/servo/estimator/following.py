@@ -1,0 +1,84 @@
+"""Follow a demonstrator that keeps moving: by its angles alone, as the place where it stands is known.
+
+All its images since it began to move share one similarity. It is adjusted again each time their number has doubled. The
+arm goes to where the demonstrator will be at the next look: a line through its last few angles is continued.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.kinematics.adjustment import NOISE_FLOOR_PX
+from ...geometry.kinematics.maximum_likelihood import Likely
+from ...geometry.kinematics.own_body import OwnBody
+from ..least_squares import minimise
+from ..observation import Observation
+from ..status import ServoStatus
+from ..trust_region.final_adjustment import FinalAdjustment
+from .hypotheses import Estimate
+from .state import Displacement, EstimatorState, Purpose
+
+MAX_TRAIL = 16  # looks that are remembered
+ON_LINE = 3  # of these, that the line is fitted to
+MIN_POINTS = 4  # of an image that tells the angles
+FEW_STEPS = 10  # of an adjustment
+MAX_SIGMAS = 3.09  # by which several images may contradict one place where the demonstrator stands
+
+
+def follow(state: EstimatorState, body: OwnBody, see: Observation) -> tuple[EstimatorState, Displacement]:
+    """Go where a moving demonstrator will be."""
+    best, demo = state.best, see.demo
+    assert best is not None and demo is not None
+    theta = where_it_stood(best, demo, see)
+    trail = (*state.trail, (demo, theta))[-MAX_TRAIL:]
+    if len(trail) > 1 and len(trail) & (len(trail) - 1) == 0 and len(state.trail) < MAX_TRAIL:
+        best = with_place_adjusted(best, body, see, trail)
+    best = replace(best, theta=theta)
+    state = replace(state, best=best, trail=trail, status=ServoStatus.MOVING, probe=False, purpose=Purpose.FOLLOW)
+    ahead = np.clip(expected([angles for _, angles in trail]), see.lower, see.upper)
+    return state, ahead - see.displacement
+
+
+def expected(angles: list[Displacement]) -> Displacement:
+    """The angles at the next look, by a line through the last few, (m,) rad each."""
+    last = np.array(angles[-ON_LINE:])
+    if len(last) == 1:
+        return last[0]
+    steps = np.arange(len(last)) - (len(last) - 1) / 2
+    slope = steps @ last / (steps @ steps)
+    return last.mean(0) + slope * ((len(last) + 1) / 2)
+
+
+def where_it_stood(before: Estimate, demo: NDArray[np.float64], see: Observation) -> Displacement:
+    """Angles, (m,) rad, of a demonstrator that moves its joints and stands where it stood: likeliest for (N, 4) px."""
+    assert before.fit is not None
+    pair, frame = before.fit.pair, before.fit.pair.kinematics.frame
+    seen = np.isfinite(demo).all(1) & ~np.isnan(pair.points[:, 0])
+    if np.count_nonzero(seen) < MIN_POINTS:
+        return before.theta
+    wanted = pair.kinematics.coordinates_of(demo[seen])
+
+    def residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        shown = pair.in_postures(theta[..., None, :]).demonstrator()[..., 0, :, :]
+        return (shown[..., seen, :] - wanted) * frame.unit_px
+
+    return minimise(residuals, before.theta[None], see.lower, see.upper).theta
+
+
+def with_place_adjusted(
+    best: Estimate, body: OwnBody, see: Observation, trail: tuple[tuple[NDArray[np.float64], Displacement], ...]
+) -> Estimate:
+    """Adjust the place where it stands to all its images; the same estimate if they contradict one place."""
+    assert best.fit is not None and best.adjustment is not None
+    k = best.adjustment.kinematics
+    demos, postures = (np.array(one) for one in zip(*trail))
+    own = Likely(k, best.adjustment.own_cost, best.adjustment.own_cost)
+    observations = best.adjustment.problem.own.observations
+    adjustment = FinalAdjustment.of(own, observations, demos, max(see.noise_px, NOISE_FLOOR_PX))
+    if adjustment is None:
+        return best
+    fit = adjustment.fit(best.fit.pair.in_postures(postures), FEW_STEPS)
+    if fit.sigmas >= MAX_SIGMAS:
+        return best
+    return replace(best, fit=replace(best.fit, pair=fit.pair.in_postures(fit.pair.angles[-1:])))

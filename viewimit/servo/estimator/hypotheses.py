@@ -1,0 +1,299 @@
+"""What the demonstrator's images say: hypotheses, each adjusted together with the own images, compared by likelihood.
+
+| hypothesis | unknowns besides the body's | found by |
+|---|---|---|
+| the same body | 7 of a similarity, m angles | `same_body`, from the last estimate or each minimum of E |
+| the same body, points swapped | the same, times the choices | `find_pairs` |
+| another body; head; points elsewhere; mirrored; lens | 3m; 8; 3 a point; 0; 5 more | `otherwise` |
+| the same body, other chains or postures | the same | `with_rivals`: their weights e^(-Δ/2) widen the error |
+
+Δ is the rise of the cost over σ². Schwarz's criterion Δ + k ln n compares hypotheses of different size. The same body
+is asked first, and the others only where an F-test says that noise does not explain what it leaves.
+
+References
+----------
+Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...estimation.residuals import ResidualFunction, conflict
+from ...estimation.views import Pairs
+from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
+from ...geometry.kinematics.loose_pair import LoosePair
+from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
+from ...geometry.kinematics.own_body import OwnBody
+from ...geometry.kinematics.two_bodies import BodyPair
+from ..least_squares import minimise
+from ..observation import Observation, Visit
+from ..trust_region.correspondences import find_swaps
+from ..trust_region.final_adjustment import FinalAdjustment, PairFit
+from ..trust_region.image_models import KinematicImages
+from ..trust_region.misfit import Candidate, Explanation, Misfit, MisfitKind, Reasons, link_changes
+from ..trust_region.naming import mixed_up
+from ..trust_region.options import DEFAULTS as NAMING
+from .options import EstimatorOptions
+
+Array = NDArray[np.float64]
+GOALS = MisfitKind.ANOTHER_BODY, MisfitKind.LENS, MisfitKind.TWO_HEADS  # of which a claim is made
+ANGLES = (*GOALS, MisfitKind.POINT, MisfitKind.LINK_POINTS)  # whose angles are worth imitating
+APART, DISTINCT = np.radians([15.0, 2.0])  # rad: between starts of the search; between its results
+BEYOND = np.radians(3.0)  # rad: outside the limits by more, a posture is only taken if there is no other
+NO_ERROR, MANY_POINTS = 1e-7, 8  # E in squared image units, that is rounding; points from which it says something
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The demonstrator's posture by one hypothesis."""
+
+    theta: Array  # (m,) rad
+    std: Array  # (m,) rad: of the way from the arm to the demonstrator
+    sigmas: float  # by how many standard deviations its images contradict
+    fit: PairFit | None = None  # None of an estimate without noise, whose covariance was not needed yet
+    adjustment: FinalAdjustment | None = None  # that the fit is of
+    explanation: Explanation | None = None  # another hypothesis than the same body
+    minima: tuple[tuple[float, Array], ...] = ()  # E and posture of the last search over all postures, the least first
+    rivalry: float = 1.0  # factor by which rivals enlarge the standard error
+
+    def fits(self, options: EstimatorOptions) -> bool:
+        """Whether noise explains the images, by a hypothesis that allows a claim."""
+        if self.explanation is None:
+            return self.sigmas < options.max_sigmas
+        why = self.explanation
+        return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, NAMING.clear_criterion)
+
+    def is_clear(self, options: EstimatorOptions) -> bool:
+        """Whether another hypothesis explains the images, and no third nearly as well."""
+        why = self.explanation
+        return why is not None and why.is_convincing(options.max_sigmas, NAMING.early_criterion)
+
+
+def least_E(estimate: Estimate) -> Array:
+    """The posture of least E if it was searched for, else the estimate, (m,) rad."""
+    return estimate.minima[0][1] if estimate.minima else estimate.theta
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that hypotheses are compared by. Images are in image units."""
+
+    body: OwnBody
+    see: Observation
+    residuals: ResidualFunction
+    options: EstimatorOptions
+
+    @property
+    def noise_px(self) -> float:
+        """Of an own image's coordinate."""
+        return max(self.see.noise_px, NOISE_FLOOR_PX)
+
+    def adjustment(self, likely: Likely | None = None) -> FinalAdjustment | None:
+        """The adjustment of both bodies; None if too few points are visible for any test."""
+        body, (demo, demo_noise_px) = self.body, self.see.demonstrator
+        likely = Likely(body.kinematics, body.cost, body.cost) if likely is None else likely
+        weight = self.noise_px / max(demo_noise_px, NOISE_FLOOR_PX)
+        return FinalAdjustment.of(likely, body.seen, demo[None], self.noise_px, weight)
+
+    def inside(self, fit: PairFit) -> bool:
+        """Whether a fit's posture is hardly beyond the limits."""
+        theta = fit.pair.angles[0]
+        return bool(np.maximum(self.see.lower - theta, theta - self.see.upper).max() < BEYOND)
+
+    def is_right(self, fit: PairFit) -> bool:
+        """Whether noise explains a fit, and no limit excludes it."""
+        return fit.sigmas < self.options.max_sigmas and self.inside(fit)
+
+    def estimate(
+        self,
+        adjustment: FinalAdjustment,
+        fit: PairFit,
+        minima: tuple[tuple[float, Array], ...] = (),
+        explanation: Explanation | None = None,
+    ) -> Estimate:
+        """The posture of a fit, with its standard error."""
+        problem, slack = adjustment.problem, self.body.slack
+        std = LoosePair(problem, slack).std(fit.pair) if slack else problem.angle_std(fit.pair)[0]
+        return Estimate(fit.pair.angles[0], fit.std * std, fit.sigmas, fit, adjustment, explanation, minima)
+
+    def continued(self, previous: Estimate) -> BodyPair | None:
+        """The last pair, with the points and chains that the body has now; None if its coordinates are other ones."""
+        assert previous.fit is not None
+        pair, k = previous.fit.pair, self.body.kinematics
+        if pair.kinematics.frame is not k.frame:
+            return None
+        moved = (pair.kinematics.moved_by != k.moved_by).any(1) | np.isnan(pair.points[:, 0]) | k.unknown
+        return replace(pair, kinematics=k, points=np.where(moved[:, None], k.points, pair.points))
+
+    def postures(self, near: Array | None = None) -> tuple[tuple[float, Array], ...]:
+        """Minima of E in the body's predicted images, the least first. near: (m,) rad, to search about alone."""
+        see, options, m = self.see, self.options, len(self.see.lower)
+        conflict_at = lambda theta: self.residuals(self.body.kinematics.predict(theta))
+        if near is not None:
+            one = minimise(conflict_at, near[None], see.lower, see.upper)
+            return ((one.E, one.theta),) if np.isfinite(one.E) else ()
+        if m < 3:
+            grid = np.stack(np.meshgrid(*np.linspace(see.lower, see.upper, options.grid).T), -1).reshape(-1, m)
+        else:
+            rng = np.random.default_rng([see.seed, see.motion, m])
+            grid = rng.uniform(see.lower, see.upper, (options.samples, m))
+        E, starts = conflict(conflict_at(grid)), list[Array]()
+        for g in np.argsort(E):
+            if np.isfinite(E[g]) and len(starts) < options.starts and _is_new(grid[g], starts, APART):
+                starts.append(grid[g])
+        distinct = list[tuple[float, Array]]()
+        for one in sorted(
+            (minimise(conflict_at, s[None], see.lower, see.upper) for s in starts), key=lambda one: one.E
+        ):
+            if _is_new(one.theta, [theta for _, theta in distinct], DISTINCT):
+                distinct.append((one.E, one.theta))
+        return tuple(distinct)
+
+
+def _is_new(theta: Array, others: Iterable[Array], apart: float) -> bool:
+    return all(np.abs(theta - other).max() > apart for other in others)
+
+
+def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate | None:
+    """The demonstrator as the same body: from the last estimate, else from each minimum of E; the likeliest.
+
+    Without noise, E = 0 of many points in both views is the same body. None if too few points are visible.
+    """
+    body, see, m = evidence.body, evidence.see, len(evidence.see.lower)
+    k, options = body.kinematics, evidence.options
+    enough = np.count_nonzero(np.isfinite(see.demonstrator[0]).all(1) & ~k.unknown) >= MANY_POINTS
+    quick = see.noise_px == 0 and not body.slack and enough and (previous is None or previous.fit is None)
+    if quick and previous is not None:
+        at = evidence.postures(previous.theta)
+        if at and at[0][0] < NO_ERROR:
+            return replace(previous, theta=at[0][1])
+    if (adjustment := evidence.adjustment()) is None:
+        return None
+    if previous is not None and previous.fit is not None and (start := evidence.continued(previous)) is not None:
+        fit = adjustment.fit(start, options.few_steps)
+        if evidence.is_right(fit):
+            return evidence.estimate(adjustment, fit, previous.minima)
+    minima, found = evidence.postures(), list[PairFit]()
+    if quick and minima and minima[0][0] < NO_ERROR:
+        return Estimate(minima[0][1], np.zeros(m), 0.0, minima=minima)
+    for _, theta in minima:
+        for start in adjustment.problem.starts(k, theta[None])[:2]:
+            found.append(fit := adjustment.fit(start, options.few_steps))
+            if evidence.is_right(fit):
+                return evidence.estimate(adjustment, fit, minima)
+    if not found:
+        return None
+    best = min(found, key=lambda fit: (fit.sigmas >= options.max_sigmas, not evidence.inside(fit), fit.raised))
+    return evidence.estimate(adjustment, best, minima)
+
+
+def converged(same: Estimate, evidence: Evidence) -> Estimate:
+    """The same hypothesis after as many steps as it takes, with the likeliest chains that the points may have."""
+    assert same.fit is not None and same.adjustment is not None
+    found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair), same.minima)]
+    if not found[0].fits(evidence.options) and not evidence.body.slack:
+        found += _other_chains(same, evidence)
+    return min(found, key=_cost)
+
+
+def _cost(estimate: Estimate) -> float:
+    assert estimate.fit is not None
+    return estimate.fit.cost
+
+
+def _other_chains(same: Estimate, evidence: Evidence) -> Iterator[Estimate]:
+    """Yield estimates with other chains of the points, which explain the own images nearly as well."""
+    for likely in likely_kinematics(evidence.body.kinematics, evidence.body.problem):
+        other = replace(evidence, body=replace(evidence.body, kinematics=likely.kinematics))
+        start, adjustment = other.continued(same), other.adjustment(likely)
+        if adjustment is not None and start is not None:
+            yield evidence.estimate(adjustment, adjustment.fit(start), same.minima)
+
+
+def with_rivals(best: Estimate, evidence: Evidence) -> Estimate:
+    """The estimate, more uncertain by all that are nearly as likely: other chains of the points, other postures."""
+    see, body, options = evidence.see, evidence.body, evidence.options
+    if best.fit is None:  # without noise: only now its covariance is needed
+        adjustment = evidence.adjustment()
+        starts = [] if adjustment is None else adjustment.problem.starts(body.kinematics, best.theta[None])
+        fit = adjustment.best_fit(starts, options.max_sigmas) if adjustment is not None and starts else None
+        if adjustment is None or fit is None:
+            return replace(best, std=np.full_like(best.std, np.inf))
+        best = evidence.estimate(adjustment, fit, best.minima)
+    adjustment, found = best.adjustment, [best]
+    assert adjustment is not None
+    if see.noise_px > 0 and not body.slack:
+        found += _other_chains(best, evidence)
+    minima = best.minima or evidence.postures()
+    for E, theta in minima:
+        low = E < options.rival * max(minima[0][0], see.noise_px**2, NO_ERROR)
+        if low and np.abs(theta - best.theta).max() > max(BEYOND, 5 * best.std.max()):
+            for start in adjustment.problem.starts(body.kinematics, theta[None])[:2]:
+                if evidence.is_right(fit := adjustment.fit(start, options.few_steps)):
+                    found.append(evidence.estimate(adjustment, fit))
+    least = min(found, key=_cost)
+    assert least.adjustment is not None
+    weights = np.exp((_cost(least) - np.array([_cost(one) for one in found])) / (2 * least.adjustment.variance))
+    squares = [one.std**2 + (one.theta - least.theta) ** 2 for one in found]
+    std = np.sqrt(np.average(squares, axis=0, weights=weights))
+    return replace(least, std=std, minima=minima, rivalry=float(std.max() / least.std.max()))
+
+
+def find_pairs(evidence: Evidence) -> Pairs:
+    """Pairs of the demonstrator's points that seem to be swapped; none if that explains nothing."""
+    see, k = evidence.see, evidence.body.kinematics
+    demo = see.demonstrator[0]
+    model = KinematicImages(k, see.displacement, evidence.body.seen, evidence.noise_px, None)
+    own = see.own[np.isfinite(see.own).all(1)]
+    floor = max(NAMING.floor_noise_ratio * see.noise_px**2, NAMING.floor_image_share * float(own.var(0).mean()))
+    options = replace(NAMING, seed=see.seed)
+    name = lambda: mixed_up(demo, model, see.lower, see.upper, options)
+    return find_swaps(k.predict, evidence.residuals, see.lower, see.upper, floor, options, name)
+
+
+def otherwise(same: Estimate, visits: tuple[Visit, ...], evidence: Evidence) -> Estimate:
+    """The likeliest hypothesis but the same body, by Schwarz's criterion; `same` if too few points tell.
+
+    Where its angles are not worth imitating, the posture of least E is the place to be. visits: with where the arm was.
+    """
+    see, (demo, _) = evidence.see, evidence.see.demonstrator
+    assert same.fit is not None and same.adjustment is not None
+    if np.count_nonzero(same.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
+        return same
+    see = replace(see, noise_px=evidence.noise_px, demo=demo)
+    reasons = Reasons(same.adjustment, same.fit, visits, see, same.theta, replace(NAMING, seed=see.seed))
+    best, *others = sorted(reasons.all(), key=_criterion)
+    assert best.fit is not None
+    if best.kind is MisfitKind.NONE or best.fit.sigmas >= NAMING.max_reason_sigmas:
+        kind, margin = MisfitKind.NONE, 0.0
+    else:
+        kind, margin = best.kind, min((one.criterion for one in others), default=np.inf) - best.criterion
+    links = link_changes(best.adjustment, best.fit) if kind is MisfitKind.ANOTHER_BODY else ()
+    estimate = best.adjustment.estimate(best.fit, demo)
+    why = Explanation(Misfit(kind, best.points, links, best.amount), estimate, float(margin))
+    found = replace(same, theta=estimate.theta, std=estimate.std_error, sigmas=estimate.sigmas, explanation=why)
+    accurate = found.sigmas < evidence.options.max_sigmas and found.std.max() < NAMING.max_imitated_std
+    if kind in ANGLES and accurate:
+        return replace(found, fit=best.fit, adjustment=best.adjustment)
+    return replace(found, theta=least_E(same))
+
+
+def _criterion(candidate: Candidate) -> float:
+    return candidate.criterion
+
+
+def once_more(before: Estimate, evidence: Evidence) -> Estimate | None:
+    """The hypothesis of the last estimate with the images seen since; None if it fits no more, or cannot go on."""
+    why = before.explanation
+    assert why is not None
+    start, adjustment = evidence.continued(before), evidence.adjustment()
+    if why.misfit.kind is MisfitKind.LENS or start is None or adjustment is None:
+        return None
+    fit = adjustment.fit(start, evidence.options.few_steps)
+    if fit.sigmas >= evidence.options.max_sigmas:
+        return None
+    why = replace(why, estimate=adjustment.estimate(fit, evidence.see.demonstrator[0]))
+    return evidence.estimate(adjustment, fit, before.minima, why)

@@ -124,8 +124,8 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
 
 def hide_truth(session):
     """Only the images of the demonstrator stay; its posture becomes NaN."""
-    images = session.observer.demo(session.settings, session.snapshot.theta_demo)
-    session.observer.demo = lambda settings, theta: images
+    demo, theta_demo = session.observer.demo, session.snapshot.theta_demo
+    session.observer.demo = lambda settings, theta, look=None: demo(settings, theta_demo, look)
     session.history.replace(replace(session.snapshot, theta_demo=np.full(2, np.nan)))
 
 

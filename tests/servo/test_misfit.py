@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
 from viewimit.estimation.views import permute
-from viewimit.experiments.bench.misfits import OtherDemonstrator, StopsShort, stretched
+from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.servo import Misfit, MisfitKind, Observation
 from viewimit.servo.observation import Visit

@@ -1,8 +1,7 @@
 /** What a pointer takes hold of: points in the images, the learner's dot on the map, hands and elbows in the scene. */
-import {projectPoint, reachFor} from "../engine/engine.js";
+import {projectPoint, reachFor, transform} from "../engine/engine.js";
 import {draggable} from "./drag.js";
 import {byId as $} from "./page.js";
-import {projected} from "./view.js";
 
 /** @typedef {import("./lab.js").Lab} Lab @typedef {import("./space.js").Who} Who */
 
@@ -31,9 +30,9 @@ export function dragging(lab) {
     const {now, scene: {lower, upper}} = lab.experiment, by = (event.shiftKey ? LARGE_STEP : 1) * DEGREE;
     lab.place(now.theta.map((v, k) => Math.min(upper[k], Math.max(lower[k], v + turns[k] * by))));
   });
-  if (lab.view.space) draggable($("space"), event => gripArm(lab, event), hold);
-  $("space").addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-    if (!event.buttons) $("space").classList.toggle("over", lab.isOpen && Boolean(nearestGrip(lab, event)));
+  for (const box of [$("space"), $("still")]) draggable(box, event => gripArm(lab, event), hold);
+  $("space").parentElement.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+    if (!event.buttons) $("space").parentElement.classList.toggle("over", lab.isOpen && Boolean(nearestGrip(lab, event)));
   });
 }
 
@@ -100,14 +99,13 @@ function gripArm(lab, event) {
  * @param {PointerEvent} event
  */
 function nearestGrip(lab, event) {
-  const {view: {space}, experiment: {scene, world}} = lab;
-  if (!space) return null;
+  const {view, experiment: {scene, world}} = lab;
   const box = $("space").getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;
   const links = scene.links.flatMap(({on}, link) => on > 0 ? [link] : []), hand = links[links.length - 1];
   let best = null, least = GRIP_PX;
   for (const who of /** @type {const} */ (["demonstrator", "learner"])) for (const link of links) {
     const seen = (/** @type {number[]} */ theta) =>
-      projected(space, world.arms[who].linkFrames(theta)[link], link === hand ? HAND_OFFSET : [0, 0, 0]);
+      view.place(transform(world.arms[who].linkFrames(theta)[link], link === hand ? HAND_OFFSET : [0, 0, 0]));
     const at = seen(posture(lab, who)), away = Math.hypot(at[0] - x, at[1] - y) - (link === hand ? HAND_PX : 0);
     if (away < least) [least, best] = [away, {who, seen, grip: [x - at[0], y - at[1]], box}];
   }

@@ -192,10 +192,13 @@ export class Lab {
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
-    say($("typical"), moment.fitted ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
+    say($("typical"), moment.fitted ? `The pictures disagree by ${residualText(moment.E)}` : "Too few points");
     $("map").classList.toggle("blank", !moment.fitted);
-    document.body.classList.toggle("goalless", !goal);
-    document.body.classList.toggle("lineless", state.transfer !== "epipolar");
+    const {classList} = document.body;
+    classList.toggle("goalless", !goal);
+    classList.toggle("unmoved", !now.motion);
+    classList.toggle("unchosen", state.point === undefined);
+    classList.toggle("lineless", state.transfer !== "epipolar");
     $("draw-of-noise").hidden = !state.noisePx;
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
@@ -248,7 +251,7 @@ export class Lab {
   /** Copy what opens elsewhere: of a page that is a file, what stands behind the file's address. */
   #copyLink() {
     const state = this.experiment.address(), hasAddress = location.protocol.startsWith("http");
-    if (!hasAddress) say($("says"),
+    if (!hasAddress) say($("linked"),
       "This page is a file, so no link opens it elsewhere. Send the file, and add what was copied to its address.");
     void copy($("link"), hasAddress ? location.href.split("#")[0] + state : state, "The link to this:");
   }
@@ -264,7 +267,7 @@ export class Lab {
       play: () => this.play(), step: () => this.step(),
       undo: () => this.undo(), reset: () => this.reset(),
       help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.#recolour(),
-      link: () => this.#copyLink(),
+      link: () => this.#copyLink(), dark: () => this.#recolour(),
     };
     for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
   }

@@ -68,8 +68,10 @@ function play(data, openLab) {
     if (challenges.route()) lab?.close();
     else if (lab) lab.open();
     else {
+      const isAsked = location.hash.length > 1; // a state
       lab = openLab(location.hash);
       const {experiment} = lab;
+      if (!isAsked) lab.player.nod();
       $("challenge").hidden = false;
       $("challenge").addEventListener("click", () =>
         challenges.maker.open({demonstrator: experiment.now.thetaDemo, start: experiment.state.start}));
@@ -80,13 +82,14 @@ function play(data, openLab) {
 }
 
 /** What tests and the console can reach. @param {Lab} lab @param {View} view */
-function publish(lab, {space, images, map}) {
-  const {experiment, landscapes} = lab;
+function publish(lab, view) {
+  const {experiment, landscapes} = lab, {space, images, map} = view;
   Object.assign(globalThis, {lab: {
     session: () => experiment.session, world: () => experiment.world, landscape: () => landscapes.shown, minimum: () => landscapes.minimum,
     pageLink: () => experiment.pageLink(), fineMap: () => landscapes.fine(),
     pose: (/** @type {number[]} */ theta) => lab.pose(theta),
     place: (/** @type {number[]} */ theta) => lab.place(theta),
+    placed: (/** @type {number[]} */ point) => view.place(point),
     step: () => lab.player.step(), draw: () => lab.draw(), space, images, map, drawnAt: performance.now(),
   }});
 }

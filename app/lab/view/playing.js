@@ -5,6 +5,7 @@ import {SERVO_WORDS} from "./words.js";
 const PROBE_MS = 1100; // of a test move
 const MAX_BEHIND_MS = 400, ADVANCE_MS = 10; // that slow drawing puts steps off for, and that steps take in a frame
 const GLIDE = 0.75, MIN_GLIDE_MS = 100; // share of a period in which the arm moves
+const NOD_MS = 1600, NOD = .16; // of the demonstrator when the page opens: how long, and rad
 const HELD = .25; // share of a period while something is dragged
 
 export class Player {
@@ -24,6 +25,8 @@ export class Player {
     this.isAsleep = false;
     this.isTicking = false;
     this.isDue = false;
+    /** When the demonstrator began to nod; it does not while this is -Infinity. */
+    this.nodBegan = -Infinity;
     this.due = 0;
     /** @type {{from: number[], began: number, lasts: number} | null} */
     this.glide = null;
@@ -38,6 +41,18 @@ export class Player {
   get isAtRest() {
     const {now} = this.experiment;
     return now === this.restedAt && Boolean(now.fitted);
+  }
+
+  /** Show once how the demonstrator's last joint moves: it stays where it is. */
+  nod() {
+    if (this.still.matches) return;
+    this.nodBegan = performance.now();
+    for (const name of ["pointerdown", "keydown"]) addEventListener(name, () => { this.nodBegan = -Infinity; }, {capture: true, once: true});
+    this.wake();
+  }
+
+  get #nodded() {
+    return (performance.now() - this.nodBegan) / NOD_MS;
   }
 
   /** Draw in the next frame, once. */
@@ -91,6 +106,10 @@ export class Player {
   /** The moment on display: the present one, or one on the way there. */
   shown() {
     const {now, session} = this.experiment;
+    if (this.#nodded < 1) {
+      const by = NOD * Math.sin(2 * Math.PI * smoothstep(this.#nodded)), last = now.thetaDemo.length - 1, {lower, upper} = this.experiment.scene;
+      return session.observe(now.theta, now.thetaDemo.map((v, k) => k < last ? v : Math.min(upper[k], Math.max(lower[k], v + by))));
+    }
     if (!this.glide) return now;
     const {from, began, lasts} = this.glide, share = Math.min(1, (performance.now() - began) / lasts);
     const eased = smoothstep(share);
@@ -121,7 +140,7 @@ export class Player {
         if (!this.experiment.now.fitted) this.play(false);
       }
     this.drawNow();
-    if (this.glide || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
+    if (this.glide || this.#nodded < 1 || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
     else this.isTicking = false;
   }
 }

@@ -60,6 +60,7 @@ export class Replay {
     this.isOpen = true;
     document.body.classList.remove("lineless");
     document.body.classList.add("replay");
+    $("method").open = true;
     this.view.setScene(this.scene);
     this.sliders.build(names, lower, upper);
     this.sliders.lock();

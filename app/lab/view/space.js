@@ -19,15 +19,17 @@
  * @typedef {Object} Shown what moves
  * @property {Record<Who, ArrayLike<number>[]>} frames T_world_link of every link, 3 x 4, row by row
  * @property {Record<Who, Vector[]>} points body points
- * @property {ArrayLike<number>[] | null} [ghost] frames of an arm to see through
+ * @property {Vector[][] | null} [goal] corners of the links of an arm, around which a dashed line is drawn
  * @property {(Vector | null)[][]} plates each point on the four image plates
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
  * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity
  */
+import {outlined} from "./outside.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
+const SLOW_MS = 150, MEASURED = 4; // a frame that is too slow, and how many of the first are measured
 const SHADOW_PX = 1600, FLOATS_PER_CORNER = 13;
 const ATTRIBUTES = ["place", "normal", "one", "other", "corner", "tint"];
 const ROLES = ["learner", "demonstrator", "recovered", "residual", "paper", "secondary", "chosen"];
@@ -104,11 +106,12 @@ function normalsOf(places, faces) {
  * @param {HTMLElement} labelsIn over the canvas
  * @param {Common} common
  * @param {ArrayBuffer} meshes
+ * @param {(() => void) | null} slow is called once if the first frames take too long
  * @returns {ReturnType<typeof spaceOn> | null} null without WebGL 2
  */
-export function openSpace(canvas, labelsIn, common, meshes) {
+export function openSpace(canvas, labelsIn, common, meshes, slow) {
   const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
-  return gl && spaceOn(gl, canvas, labelsIn, common, meshes);
+  return gl && spaceOn(gl, canvas, labelsIn, common, meshes, slow);
 }
 
 /**
@@ -117,8 +120,9 @@ export function openSpace(canvas, labelsIn, common, meshes) {
  * @param {HTMLElement} labelsIn
  * @param {Common} common
  * @param {ArrayBuffer} meshes
+ * @param {(() => void) | null} slow
  */
-function spaceOn(gl, canvas, labelsIn, common, meshes) {
+function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   /** @param {string} vs @param {string} fs */
   const program = (vs, fs) => {
     const made = gl.createProgram();
@@ -197,6 +201,9 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   const sun = unit([-2, -3, 5]), sunRight = unit(cross([0, 0, 1], sun)), sunUp = cross(sun, sunRight);
 
+  const outline = labelsIn.appendChild(document.createElementNS("http://www.w3.org/2000/svg", "svg"));
+  outline.setAttribute("class", "vi outline");
+
   // What stands still
   /**
    * @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[],
@@ -207,7 +214,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   const setStage = stage => {
     if (set) {
       [...set.solids.map(({shape: what}) => what), ...set.plates, set.ground].forEach(what => what.free());
-      labelsIn.replaceChildren();
+      labelsIn.replaceChildren(outline);
     }
     const {landmarks} = stage;
     /** @type {Vector} */
@@ -219,6 +226,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     const labels = stage.labels.map(({text, role, at}) => {
       const label = labelsIn.appendChild(document.createElement("span"));
       label.textContent = text;
+      label.classList.toggle("eye", VIEWS.includes(text));
       label.style.color = `var(--${role === "demonstrator" ? "demonstrator-edge" : role})`;
       return {label, at, view: VIEWS.indexOf(text), place: -1};
     });
@@ -250,10 +258,16 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   };
 
   // The camera: azimuth and elevation about a target
-  const {fov, margin} = common.view;
+  const {fov, margin} = common.view, fitting = document.getElementById("fit");
   let {azimuth, elevation} = common.view, distance = 1, untouched = true;
   /** @type {Vector} */
   let target = [0, 0, 0];
+  /** Draw again; a view that somebody has turned can be fitted. @param {boolean} by */
+  const touched = by => {
+    untouched = !by;
+    if (fitting) fitting.hidden = !by;
+    later();
+  };
   /** @returns {[Vector, Vector, Vector]} right, up, back */
   const axes = () => {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
@@ -277,8 +291,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     const depth = eye - place.reduce((total, p) => total + p[2], 0) / place.length;
     distance = depth;
     target = sum(sum(sum([0, 0, 0], right, at[0]), up, at[1]), back, eye - depth);
-    untouched = true;
-    later();
+    touched(false);
   };
   const seenBy = () => {
     const [right, up, back] = axes();
@@ -339,6 +352,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   };
   const paint = () => {
     waits = false;
+    const began = performance.now();
     if (!shown || !set || gl.isContextLost()) return;
     resize();
     const {points, plates, recovered} = shown, {size} = set, seen = seenBy();
@@ -390,16 +404,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     for (const [a, b, role, width, alpha] of shown.lines ?? []) addLine(a, b, colours[role], width, alpha);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    if (shown.ghost) { // its depth first, so that one layer of it is seen and not all
-      gl.useProgram(solid.made);
-      for (const visible of [false, true]) {
-        gl.colorMask(visible, visible, visible, visible);
-        gl.depthFunc(visible ? gl.LEQUAL : gl.LESS);
-        for (const {link, shape: what} of links) draw(solid, what, columns(shown.ghost[link]), colours.secondary, .3);
-      }
-      gl.depthFunc(gl.LESS);
-      gl.useProgram(flat.made);
-    }
     gl.depthMask(false);
     set.plates.forEach(what => draw(flat, what, UNMOVED, colours.plate, .55));
     gl.useProgram(line.made);
@@ -412,6 +416,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     gl.depthMask(true);
     gl.bindVertexArray(null);
 
+    outline.innerHTML = shown.goal ? outlined(shown.goal.map(corners => corners.map(p => project(p, seen).slice(0, 2))), "goal-deep") : "";
     const frusta = set.stage.frusta.map(({edges}) => edges.map(ends => ends.map(p => project(p, seen))));
     for (const one of set.labels) {
       const {label, at, view} = one, w = project(at, seen)[2];
@@ -419,6 +424,19 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
       label.hidden = w <= 0;
       label.style.transform = `translate(${x}px,${y}px) translate(-50%,-50%)`;
     }
+    if (slow && took.length < MEASURED) measure(performance.now() - began);
+  };
+  /** @type {number[]} ms of the first frames */
+  const took = [];
+  /** Wait until a frame is drawn; the first also takes the time to make the programs ready. @param {number} asked ms */
+  const measure = asked => {
+    const began = performance.now();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    took.push(asked + performance.now() - began);
+    if (took.length > 1 && Math.min(...took) > SLOW_MS) {
+      took.length = MEASURED;
+      slow?.();
+    } else later();
   };
   const later = () => {
     if (waits) return;
@@ -432,19 +450,16 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   const turn = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     azimuth -= .008 * dx;
     elevation = Math.min(1.5, Math.max(-.15, elevation + .008 * dy));
-    untouched = false;
-    later();
+    touched(true);
   };
   const shift = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     const [right, up] = axes(), px = 2 * distance * Math.tan(fov / 2) / canvas.clientHeight;
     target = sum(sum(target, right, -dx * px), up, dy * px);
-    untouched = false;
-    later();
+    touched(true);
   };
   const zoom = (/** @type {number} */ by) => {
     distance = Math.min(30 * set.size, Math.max(.2 * set.size, distance * by));
-    untouched = false;
-    later();
+    touched(true);
   };
   const spread = () => {
     const [a, b] = [...hands.values()];
@@ -485,7 +500,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   new ResizeObserver(later).observe(canvas);
   recolour();
   resize();
-  return {setStage, fit, recolour, turn, zoom, project, show: (/** @type {Shown} */ what) => { shown = what; later(); }};
+  return {setStage, fit, recolour, turn, zoom, project, show: (/** @type {Shown | null} */ what) => { shown = what; later(); }};
 }
 
 /**

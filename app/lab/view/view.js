@@ -4,12 +4,12 @@
  */
 import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
-import {Images} from "./images.js";
+import {Images, outermost} from "./images.js";
 import {EnergyMap} from "./map.js";
 import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
-import {fixed, say} from "./svg.js";
+import {drawingUnit, fixed, say} from "./svg.js";
 
 /**
  * @typedef {import("./space.js").Vector} Vector
@@ -23,6 +23,7 @@ import {fixed, say} from "./svg.js";
  *   rays: whether each point is joined with its images in 3-D
  */
 
+const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
 /** @type {Record<"points" | "chosen", [number, number]>} px and opacity of lines in 3-D */
 const LINES = {points: [1.6, .8], chosen: [2.6, .9]};
@@ -37,9 +38,16 @@ export class View {
     this.images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, hulls);
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
-    this.space = opened(robot, meshes);
-    /** In place of the 3-D view, where there is no WebGL. */
-    this.still = this.space ? null : new Outside($("still"), hulls);
+    this.hulls = outermost(hulls);
+    this.space = opened(robot, meshes, () => this.flatten(true, changed));
+    /** In place of the 3-D view, where WebGL is missing or slow. */
+    this.still = new Outside($("still"), hulls);
+    this.isFlat = false;
+    this.flatten(!this.space);
+    $("in-3d").addEventListener("click", () => {
+      try { localStorage.setItem(IN_3D, "1"); } catch { /* then the next visit asks again */ }
+      this.flatten(false, changed);
+    });
     this.azimuth = robot.view.azimuth;
     this.elevation = robot.view.elevation;
     this.isSpaceDue = false;
@@ -55,6 +63,21 @@ export class View {
       const element = /** @type {Element} */ (document.querySelector(selector)), root = document.documentElement;
       new ResizeObserver(() => root.style.setProperty(name, `${element.clientHeight}px`)).observe(element);
     }
+  }
+
+  /** Draw the scene without depth, or in 3-D. @param {boolean} on @param {() => void} [changed] */
+  flatten(on, changed) {
+    this.isFlat = on;
+    document.body.classList.toggle("flat", on);
+    $("still").hidden = !on;
+    $("slow").hidden = !on || !this.space;
+    if (on) this.space?.show(null);
+    changed?.();
+  }
+
+  /** Where a point of the world is drawn in the scene, px. @param {ArrayLike<number>} point */
+  place(point) {
+    return this.isFlat || !this.space ? this.still.place(point).map(v => v * drawingUnit()) : this.space.project(point).slice(0, 2);
   }
 
   /** Another scene, or the same again. @param {Scene} scene */
@@ -91,7 +114,8 @@ export class View {
   drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
     const {space, scene} = this;
     if (!scene) return;
-    if (!space) return this.#drawStill(world, theta, thetaDemo, goal);
+    const around = goal ? this.#around(world.arms.learner.linkFrames(thetaDemo)) : null;
+    if (this.isFlat || !space) return this.#drawStill(world, theta, thetaDemo, around);
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
     const points = {
       demonstrator: triples(demonstrator.points(thetaDemo, world.body)),
@@ -111,12 +135,17 @@ export class View {
     this.#later(() => space.show({
       points, plates, rays, recovered: found,
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
-      ghost: goal ? learner.linkFrames(thetaDemo) : null,
+      goal: around,
       lines: N ? [
         ...chosenPoints, ...lines.length ? rayOf(scene, points.demonstrator[chosen]) : [],
         ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
       ] : [],
     }));
+  }
+
+  /** The corners of an arm's links in the world. @param {ArrayLike<number>[]} frames */
+  #around(frames) {
+    return this.hulls.map(({link, vertices}) => vertices.map(v => transform(frames[link], v)));
   }
 
   /** Draw in 3-D, which may be slow, once the pictures and E are on the screen. @param {() => void} show */
@@ -130,31 +159,32 @@ export class View {
     });
   }
 
-  /** @param {World} world @param {number[]} theta @param {number[]} thetaDemo @param {boolean} goal */
+  /** @param {World} world @param {number[]} theta @param {number[]} thetaDemo @param {Vector[][] | null} goal */
   #drawStill({arms, scene: {cameras}}, theta, thetaDemo, goal) {
     const {still} = this, frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
-    if (!still) return;
     still.measure();
     const landmarks = this.scene?.stage.landmarks ?? [];
     still.aim(this.azimuth, this.elevation, [...landmarks, ...cameras.map(({centre}) => centre)]);
-    const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     still.draw({
-      bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
+      bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}], goal,
       eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [],
-      labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, `vi-b vi-${role}`]),
+      labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, text.length > 1 ? `vi-b vi-${role}` : "vi-name"]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");
   }
 }
 
-/** The 3-D view, or null with a word on it. @param {import("./space.js").Common} robot @param {ArrayBuffer} meshes */
-function opened(robot, meshes) {
-  let space = null;
-  try { space = openSpace($("space"), $("labels"), robot, meshes); } catch (error) { console.warn(error); }
-  if (!space) {
-    document.body.classList.add("flat");
-    $("still").hidden = false;
-  }
-  return space;
+/**
+ * The 3-D view, null without WebGL.
+ *
+ * @param {import("./space.js").Common} robot
+ * @param {ArrayBuffer} meshes
+ * @param {() => void} slow when its first frames have taken too long, unless a visitor wants it all the same
+ */
+function opened(robot, meshes, slow) {
+  let isWanted = false;
+  try { isWanted = Boolean(localStorage.getItem(IN_3D)); } catch { /* a page that may not store */ }
+  try { return openSpace($("space"), $("labels"), robot, meshes, isWanted ? null : slow); } catch (error) { console.warn(error); }
+  return null;
 }
 
 /** How far the chosen point's arrows reach. @param {Shown} shown */
@@ -205,15 +235,6 @@ function plated(scene, {into, a, b, c}) {
   const [from, to] = inside.map(([x, y]) => backProject(camera, x, y, PLATE_M * scene.stage.size));
   return [strip(from, to, "chosen", LINES.chosen)];
 }
-
-/**
- * Where a link, or a place on it, is drawn in 3-D: px.
- *
- * @param {NonNullable<View["space"]>} space
- * @param {ArrayLike<number>} frame
- * @param {number[]} at
- */
-export const projected = (space, frame, at) => space.project(transform(frame, at)).slice(0, 2);
 
 /** @param {ArrayLike<number>} p @returns {Vector} */
 const vector = p => [p[0], p[1], p[2]];

@@ -148,6 +148,7 @@ def opened(browser, tmp_path):
         path = tmp_path / "run.html"
         assert replay.save(path) == path.stat().st_size
         page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light", **options)
+        page.add_init_script("try { localStorage['viewimit-in-3d'] = 1 } catch {}")
         pages.append(page)
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
@@ -253,8 +254,8 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     moment = session.history[2]
     np.testing.assert_allclose(page.evaluate(state), [moment.theta, moment.theta_demo], atol=2e-6)
     assert "after motion 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
-    assert "rectified images" in page.locator("#says").inner_text()  # the lab has none
-    page.locator("#step").click()
+    assert "rectified pictures" in page.locator("#says").inner_text()  # the lab has none
+    page.keyboard.press("ArrowRight")
     wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)
     wait_until(lambda: page.evaluate("location.hash").endswith("steps=1"))
     address = page.evaluate("location.hash")

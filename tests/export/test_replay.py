@@ -215,6 +215,7 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(session, replay, 
         assert page.evaluate("replay.chosen") == digit
     page.keyboard.press("n")
     assert page.evaluate("replay.chosen") == 5
+    page.wait_for_timeout(300)  # until the pictures stand
     page.mouse.click(*place_of(page, "R", 8))
     wait_until(lambda: "point 8" in page.locator("#residual").inner_text())
     page.keyboard.press("ArrowRight")  # it stays chosen

@@ -39,12 +39,7 @@ class AccessControl:
     of the lab, itself "", lessons by name.
     """
 
-    def __init__(
-        self,
-        limits: Limits,
-        origins: Iterable[str],
-        lab: Callable[[str], str | None] = lambda lesson: None,
-    ):
+    def __init__(self, limits: Limits, origins: Iterable[str], lab: Callable[[str], str | None] = lambda lesson: None):
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._server: ViserServer | None = None

@@ -6,14 +6,7 @@ from page_fakes import Hands, QuietExperiments, call, link, quiet_model
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.model.choices import (
-    AS_STARTED,
-    OF_ARMS,
-    OF_IMAGES,
-    PRESETS,
-    joint_choices,
-    presets_from,
-)
+from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
 from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 

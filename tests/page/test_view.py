@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
-from viewimit.simulation.scene_geometry import (
-    BELOW,
-    FOV,
-    default_view,
-    fit_view,
-)
+from viewimit.simulation.scene_geometry import BELOW, FOV, default_view, fit_view
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 

@@ -35,7 +35,6 @@ from browsing import (
     row,
     set_number,
     status,
-    switch,
     wait,
     wait_for_count,
     wait_for_progress,
@@ -177,12 +176,7 @@ class TestWithTheMouse:
         choose(page, "Preset", "The paper's experiment")
         wait_for_status(page, "Ready")
 
-    def test_the_scene_is_dark_if_asked_and_points_are_placed_on_its_arms(self, page):
-        fold(page, "Display")
-        switch(page, "Dark")
-        page.wait_for_selector(":root[data-mantine-color-scheme=dark]")
-        switch(page, "Dark")
-        fold(page, "Display")
+    def test_points_are_placed_proposed_and_taken_back(self, page):
         fold(page, "Points")
         click(page, "Edit points")
         wait_for_status(page, r"Editing points · 10 points; noise of 1 px: θ₂ [\d.]+°")

@@ -15,10 +15,9 @@ from ..commands import COMMANDS
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.choices import WINDOW, Message
 from ..model.keeping import Keeper
-from ..model.page_model import PageModel
+from ..model.page_model import PageModel, Redraw
 from ..model.player import BUDGET
 from ..model.queue import CommandQueue, JobResult, Queued
-from ..model.redraw import Redraw
 from ..model.services import Services
 from ..panels import PANELS
 from ..panels.actions import Actions

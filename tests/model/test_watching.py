@@ -102,22 +102,6 @@ def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
     assert [moment.probe for moment in model.session.history[1:3]] == [True, True]
 
 
-@pytest.mark.parametrize(
-    "name, value", [("reset", None), ("preset", "The paper's experiment"), ("preset", "Eyes turned inwards")]
-)
-def test_a_reset_and_presets_of_the_same_body_keep_it(visit, name, value):
-    model, visitor = visit
-    visitor.act("rehearse")
-    play(model, DEFAULT_POSTURES)
-    body = model.session.snapshot.calibration
-    visitor.act("reset") if name == "reset" else visitor.set(name, value)
-    assert model.session.snapshot.calibration is body and model.session.cursor == 0
-    visitor.set("preset", "Beyond the paper")
-    visitor.act("play")
-    play(model)
-    assert model.session.snapshot.calibration_holds and model.session.cursor <= 6
-
-
 @pytest.mark.parametrize("name, value", [("preset", "KUKA iiwa"), ("points", "16 points"), ("joints", "all seven")])
 def test_another_body_knows_nothing_and_undo_brings_back_who_did(visit, name, value):
     model, visitor = visit
@@ -172,21 +156,3 @@ def test_the_button_is_what_can_be_done_now():
     page.click(FORGET)
     page.tick(1.0)
     assert button.label == WATCH and button.disabled
-
-
-def test_in_a_duel_both_watch_themselves_and_know_the_same(visit):
-    model, visitor = visit
-    visitor.set("opponent's transfer", "Linear combination")
-    visitor.set("opponent's servo", "Trust region on images")
-    visitor.act("duel")
-    visitor.act("rehearse")
-    play(model, DEFAULT_POSTURES)
-    both = model.session, model.duel.opponent
-    assert_same(*(session.snapshot.calibration for session in both))
-    play(model)
-    for session in both:
-        assert session.snapshot.calibration_holds and session.snapshot.status.is_at_rest
-    visitor.act("reset")
-    assert all(len(session.snapshot.calibration) == DEFAULT_POSTURES and session.cursor == 0 for session in both)
-    visitor.act("rehearse")
-    assert all(session.snapshot.calibration is None for session in both)

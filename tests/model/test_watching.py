@@ -6,7 +6,7 @@ import pytest
 from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.model.displayed import rehearsal_of
+from viewimit.app.model.editing import rehearsal_of
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
 from viewimit.loop.session import Session

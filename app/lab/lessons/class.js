@@ -305,8 +305,8 @@ class Classroom {
   showResults(results) {
     const {now} = results ?? {}, {stage} = this.lesson, kind = stage()?.step.ask.kind;
     const marks = kind === "pose" ? now?.values.map(([u, v]) => [u * DEGREE, v * DEGREE]) : now?.values;
-    const isOneRound = !results?.before && !results?.first; // several rounds stand beside each other in the dock
-    this.lesson.showOthers(!now ? null : kind === "choice" ? isOneRound ? {counts: now.counts} : null
+    const inCard = this.isNarrow.matches && !results?.before && !results?.first; // else the bars stand in the dock
+    this.lesson.showOthers(!now ? null : kind === "choice" ? inCard ? {counts: now.counts} : null
       : kind === "place" || kind === "pose" ? {marks} : null);
   }
 

@@ -66,6 +66,8 @@ class Tab:
 
 def logged_in(browser, server, **how):
     tab = Tab(browser, server, **{"viewport": LECTURER, **how})
+    if how.get("step") == "home":
+        tab.sees("You are in the class.")
     tab.page.click(".class-chip")
     tab.page.focus(".class-login input")
     tab.page.keyboard.type(CODE)  # no key of the page acts meanwhile

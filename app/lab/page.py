@@ -1,6 +1,8 @@
 """The one file of the lab: scenes, presets, meshes, styles and modules, as a page that asks nobody for anything."""
 
+from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import urlencode
 
@@ -13,6 +15,7 @@ from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
+from viewimit.drawing.export.ways import SERVED
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene, load_scene
@@ -25,7 +28,7 @@ TITLE = "viewimit lab: one robot copies another from pictures"
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
-def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
+def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return the lab as one HTML page.
 
     Parameters
@@ -34,6 +37,8 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         The scene of the lab, the shipped one by default. Presets of other scenes are then left out.
     name
         As settings name that scene.
+    ways
+        Addresses of other pages, by their verbs: of `ways.site_ways`, or those of a server.
 
     Raises
     ------
@@ -53,7 +58,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    return lab_html(TITLE, data, shapes.packed)
+    return lab_html(TITLE, data, shapes.packed, ways=ways)
 
 
 def _offered(scene: Scene | None) -> list[Preset]:
@@ -115,11 +120,11 @@ def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, di
 def served_page(name: str, robot: str | None) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
     if (name, robot) == (SHIPPED, None):
-        return lab_page()
+        return lab_page(ways=SERVED)
     try:
-        return lab_page(load_scene(name, robot), name)
+        return lab_page(load_scene(name, robot), name, SERVED)
     except ValueError:
-        return lab_page()
+        return lab_page(ways=SERVED)
 
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.

@@ -24,6 +24,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="a page of lessons instead: a name (ray, tour, limits, jacobian, motion, sign) or the path of a "
         ".toml file; more than once for more",
     )
+    parser.add_argument(
+        "--site", metavar="ADDRESS", help="of a site that viewimit site has written: the page leads to its other pages"
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")
 
 
@@ -40,6 +43,12 @@ def run(args: argparse.Namespace) -> int:
     return DONE
 
 
+def _ways(args: argparse.Namespace) -> dict[str, str]:
+    from ..drawing.export.ways import site_ways
+
+    return {} if args.site is None else site_ways(args.site.removesuffix("/") + "/")
+
+
 def _lessons(args: argparse.Namespace) -> str:
     from ..app.lab.lessons.page import lesson_page
     from ..app.lab.lessons.source import find
@@ -47,7 +56,7 @@ def _lessons(args: argparse.Namespace) -> str:
     if args.scene is not None or args.robot is not None:
         raise BadInput("--lesson: a lesson says itself which scene and robot it shows; leave --scene and --robot out")
     with naming("--lesson"):
-        return lesson_page(dict(map(find, args.lesson)))
+        return lesson_page(dict(map(find, args.lesson)), ways=_ways(args))
 
 
 def _lab(args: argparse.Namespace) -> str:
@@ -57,4 +66,4 @@ def _lab(args: argparse.Namespace) -> str:
     with naming(choose_bodies(args)):
         own = args.scene is not None or args.robot is not None
         scene = load_scene(args.scene or SHIPPED, args.robot) if own else None
-        return lab_page(scene, args.scene or SHIPPED)
+        return lab_page(scene, args.scene or SHIPPED, _ways(args))

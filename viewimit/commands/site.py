@@ -39,8 +39,11 @@ def write_pages(folder: Path) -> None:
     from ..app.lab.lessons.page import lesson_page
     from ..app.lab.lessons.source import shipped
     from ..app.lab.page import lab_page
+    from ..drawing.export.ways import site_ways
 
     (folder / LESSONS).mkdir(parents=True, exist_ok=True)
     (folder / UNTOUCHED).touch()
-    for path, page in (("index.html", lab_page()), (f"{LESSONS}/index.html", lesson_page(shipped()))):
+    lessons = lesson_page(shipped(), ways=site_ways("../"))
+    pages = {"index.html": lab_page(ways=site_ways("")), f"{LESSONS}/index.html": lessons}
+    for path, page in pages.items():
         (folder / path).write_bytes(page.encode())

@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from string import Template
+from types import MappingProxyType
 from typing import Any
 
 from viewimit import __version__
 from viewimit.drawing.export.engine_scene import describe_hulls, engine_scene
 from viewimit.drawing.export.replay import bundle, packed, styles, with_policy
+from viewimit.drawing.export.ways import SERVED, verbs
 from viewimit.drawing.glossary import glossary
 from viewimit.simulation.scene import load_scene
 
@@ -38,6 +40,7 @@ def lesson_page(
     policy: str = "",
     others: Mapping[str, Lesson] | None = None,
     lab: tuple[str, str | None] = (SHIPPED, None),
+    ways: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Return lessons as one HTML page.
 
@@ -68,6 +71,7 @@ def lesson_page(
         version=html.escape(__version__),
         title=html.escape(title),
         about=html.escape(first.about),
+        ways=verbs("learn", ways),
         policy=html.escape(policy, quote=False),
         styles="\n".join((styles(*STYLE_FILES), more_styles)),
         data=packed(data.encode()),
@@ -166,7 +170,7 @@ class LabPages:
             return self._pages[name]
 
     def _write(self, name: str) -> str:
-        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab)
+        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=SERVED)
 
 
 @cache

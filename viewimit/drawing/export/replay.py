@@ -19,7 +19,6 @@ from typing import Any
 
 import msgspec
 
-from ... import __version__
 from ...assets import ROOT
 from ...loop.session import Session
 from ...loop.snapshot import Snapshot
@@ -31,6 +30,7 @@ from .engine_scene import can_compute, describe_hulls, describe_world
 from .panels import largest_residual
 from .recording import describe_method, kept_motions, record
 from .space import Shapes, describe_robot, describe_stage
+from .ways import credits, verbs
 
 SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
@@ -210,6 +210,7 @@ def lab_html(
     meshes: bytes,
     more_styles: str = "",
     parts: Mapping[str, str] = MappingProxyType({}),
+    ways: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Write the lab's page as one file.
 
@@ -225,11 +226,14 @@ def lab_html(
         CSS besides the lab's own.
     parts
         HTML of a replay, by the places of lab.html that are empty in the lab.
+    ways
+        Addresses of other pages, by the verbs of `VERBS`.
     """
     page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
         dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
-        version=escape(__version__),
+        ways=verbs("play", ways),
+        credits=credits(ways),
         styles="\n".join((styles("view/lab.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),

@@ -7,9 +7,7 @@ from dataclasses import replace
 from drawn import view_name
 from quiet_client import quiet_client
 from viewimit.app.commands import COMMANDS
-from viewimit.app.jobs.camera_images import CameraLost, CameraProcess
-from viewimit.app.jobs.experiments import ExperimentWorker
-from viewimit.app.jobs.threads import LandscapeWorker
+from viewimit.app.jobs.camera_images import CameraLost
 from viewimit.app.model.choices import AMOUNTS
 from viewimit.app.model.page_model import PageModel
 from viewimit.app.model.queue import CommandQueue
@@ -123,9 +121,8 @@ class QuietExperiments:
 
 def quiet_model(settings, experiments=None, send=lambda *file: None, landscapes=None, basins=None):
     """A page's model whose workers make nothing unless they are given, and the queue that they would hand it to."""
-    workers = landscapes or QuietLandscapes(), experiments or QuietExperiments()
-    others = {} if basins is None else {"basins": basins}
-    services = Services(*workers, CameraProcess(), lambda robot, arm: None, **others)
+    workers = {"landscapes": landscapes or QuietLandscapes(), "experiments": experiments or QuietExperiments()}
+    services = Services(lambda robot, arm: None, **workers, **({} if basins is None else {"basins": basins}))
     queue = CommandQueue(COMMANDS)
     return PageModel(1, settings, services, queue, send), queue
 
@@ -162,8 +159,7 @@ class Visit:
 
     def __init__(self, camera, settings=None):
         self.now = 100.0
-        workers, clock = (LandscapeWorker(), ExperimentWorker(), camera), lambda: self.now
-        services = Services(*workers, lambda robot, arm: None, clock=clock)
+        services = Services(lambda robot, arm: None, camera, clock=lambda: self.now)
         self.page = Page(quiet_client(id(self)), services, settings or Settings())
         self.session, self.player, self.duel = (
             getattr(self.page.model, name) for name in ("session", "player", "duel")

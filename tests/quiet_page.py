@@ -8,9 +8,6 @@ import drawn
 import msgspec
 from protocol import Tab
 from quiet_client import QuietClient, QuietHandle
-from viewimit.app.jobs.camera_images import CameraProcess
-from viewimit.app.jobs.experiments import ExperimentWorker
-from viewimit.app.jobs.threads import LandscapeWorker
 from viewimit.app.model.services import Services
 from viewimit.app.page.page import Page
 from viewimit.app.panels.actions import KEPT_LABEL
@@ -87,10 +84,9 @@ class QuietPage:
     ):
         self.client, self.now, self.acted, self._tab = QuietClient(id(self)), 100.0, 0, Tab()
         self.client.gui = self.gui = gui or Gui()
-        workers = landscapes or LandscapeWorker(), experiments or ExperimentWorker(), CameraProcess()
-        clock = lambda: self.now
-        how = {"clock": clock, **({"scripts": scripts} if scripts else {})}
-        services = Services(*workers, lambda robot, arm: None, **how)
+        given = {"landscapes": landscapes, "experiments": experiments, "scripts": scripts}
+        others = {name: service for name, service in given.items() if service is not None}
+        services = Services(lambda robot, arm: None, clock=lambda: self.now, **others)
         info = ClientInfo(public_url=shared)
         self.page = Page(self.client, services, settings or Settings.paper(), info)
 

@@ -10,6 +10,7 @@ from ..lab.page import lab_page
 from .server import Page
 
 ENTRY = "lessons/class.js"
+STYLES = "class.css", "../challenge/challenge.css"
 
 
 def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
@@ -45,4 +46,4 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
 
 
 def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
-    return lesson_page(lessons, ENTRY, HERE.joinpath("class.css").read_text("utf-8"))
+    return lesson_page(lessons, ENTRY, "\n".join((HERE / name).read_text("utf-8") for name in STYLES))

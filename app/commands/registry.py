@@ -17,22 +17,10 @@ PARSERS: dict[type, Callable[[Any], Any]] = {int: whole, float: number, bool: sw
 Function = TypeVar("Function", bound=Callable[..., None])
 
 
-def command(
-    name: str,
-    *,
-    latest: bool = False,
-    moves: bool = False,
-    order_independent: bool = False,
-    cancels: bool = False,
-    link: bool = False,
-    camera: Callable[..., bool] | None = None,
-) -> Callable[[Function], Function]:
-    """Register a function as the command of this name. The options are those of `Command`.
+def command(name: str, **options: Any) -> Callable[[Function], Function]:
+    """Register a function as the command of this name. options: the last ones of `Command`, by name.
 
-    Raises
-    ------
-    ValueError
-        For a name that is taken, and for a parameter whose annotation says no parser.
+    Raises ValueError for a name that is taken, and for a parameter whose annotation says no parser.
     """
 
     def register(function: Function) -> Function:
@@ -41,18 +29,8 @@ def command(
         hints = get_type_hints(function, include_extras=True)
         parameters = list(inspect.signature(function).parameters.values())[1:]  # without the model
         given = [one.name for one in parameters if one.kind is not one.KEYWORD_ONLY]
-        COMMANDS[name] = Command(
-            name=name,
-            function=function,
-            parsers=tuple(_parser(name, parameter, hints.get(parameter)) for parameter in given),
-            takes_now=len(given) < len(parameters),
-            latest=latest,
-            moves=moves,
-            order_independent=order_independent,
-            cancels=cancels,
-            link=link,
-            camera=camera,
-        )
+        parsers = tuple(_parser(name, parameter, hints.get(parameter)) for parameter in given)
+        COMMANDS[name] = Command(name, function, parsers, takes_now=len(given) < len(parameters), **options)
         return function
 
     return register

@@ -1,6 +1,5 @@
 """Commands to the session: play, step, undo, pose the demonstrator, begin with a preset, follow a link."""
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -162,21 +161,10 @@ def show_word(model: PageModel, key: Word) -> None:
     lesson = "{symbol}, {name}: where it is bad." if entry.bad else "{symbol}, {name}."
     lesson = escape(lesson.format(symbol=entry.symbol, name=entry.name))
     title = f"Show me: {entry.symbol}"
-    model.glossary_demo.show(key, Preset(title, entry.show, speed, lesson), model.view)
+    model.undoable.begin_preset(Preset(title, entry.show, speed, lesson))
     model.show(help=False)
     if entry.plays:
         play(model)
-
-
-def _restore_needs_camera(model: PageModel) -> bool:
-    before = model.glossary_demo.before
-    return before is not None and before.entry.sensor == "rendered" != model.session.settings.sensor
-
-
-@command("restore", moves=True, link=True, camera=_restore_needs_camera)
-def restore(model: PageModel) -> None:
-    """Restore the page before an entry of the glossary was shown."""
-    model.view = model.glossary_demo.give_back(model.view)
 
 
 # Commands that make a page what a link holds, or what its own tab has kept.
@@ -191,10 +179,7 @@ class Arrived(Queued):
     played: Played
     moves = True
     cancels = True
-
-    @property
-    def coalesce_key(self) -> Hashable:
-        return Arrived
+    coalesce_key = "arrived"
 
     def needs_camera(self, model: Any) -> bool:
         return self.played.page.uses_pictures

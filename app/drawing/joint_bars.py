@@ -27,14 +27,8 @@ def draw_learner(
 ) -> str:
     """Draw a bar per joint with the learner's angle, the demonstrator's mark and the gap.
 
-    Parameters
-    ----------
-    scene
-        Gives the joints and their limits.
-    theta, theta_demo
-        Postures of both arms, (m,) rad; the learner does not know theta_demo.
-    assessment
-        What the learner knows of its joints: an unobservable one has a hatched band.
+    theta, theta_demo: postures of both arms, (m,) rad; the learner does not know theta_demo; assessment: what the
+    learner knows of its joints: an unobservable one has a hatched band.
     """
     rows, columns = [], len(theta) >= MIN_IN_COLUMNS
     band = np.zeros(len(theta))
@@ -71,16 +65,8 @@ def draw_body_points(
 ) -> str:
     """Draw what the body points tell, while they are edited: their number, flatness, and a bar per joint.
 
-    Parameters
-    ----------
-    joints
-        Numbers of the moving joints, from 1.
-    information
-        What the present points tell.
-    proposal
-        The best further point, if it is known.
-    searching
-        Whether it is being computed.
+    joints: numbers of the moving ones, from 1; information: what the present points tell; proposal: the best further
+    point, if it is known; searching: whether it is being computed.
     """
     lines = [f"<b>{_count(information)}</b>{_flatness(information)}"]
     spread = information.std_per_px

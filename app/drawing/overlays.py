@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viewimit.drawing import svg
-from viewimit.drawing.curves import MAX_VERTICES, arrange_plots, axis_end, plot_box
+from viewimit.drawing.curves import arrange_plots, plot_box
 from viewimit.drawing.glossary import ask, cards, describe_entry, glossary
 from viewimit.drawing.images.panel import HEADINGS
 from viewimit.drawing.images.planes import SIZES, Window, Windows, image_points, placed
 from viewimit.drawing.landscape import HINT, HINT_PLACE
-from viewimit.drawing.plots import Axes
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.views import FourViews
 from viewimit.loop.snapshot import Snapshot
@@ -23,18 +22,8 @@ from viewimit.simulation.scene import Scene
 def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
     """Build one link.
 
-    Parameters
-    ----------
-    what
-        The action, as control/value.
-    name
-        What a screen reader says.
-    inside
-        HTML or SVG of the link.
-    stop
-        Whether the Tab key stops there.
-    pressed
-        Whether the choice is made, for a toggle; None for other links.
+    what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
+    the Tab key stops there; pressed: whether the choice is made, for a toggle.
     """
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
     if pressed is not None:
@@ -57,7 +46,6 @@ MIN_HIT = 1.5  # px, radius of the link of a crowded point
 FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
 PROPOSED = 4.5  # px, radius
 NUMBER_DROP = 4  # px from a point's centre down to the foot of its number
-CELL_DEG, STOP_DEG = 5.0, 45.0  # postures per cell of the landscape, and per stop of the Tab key
 AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 
@@ -175,42 +163,33 @@ def _to_itself(count: int) -> NDArray[np.float64]:
     return np.diag(np.full(count, np.inf))
 
 
-# Links on the landscape: a cell for each posture, which is exact at every size; a place in a picture needs a script
+# Fields, in which a click stands for the values at its place: the page's script works them out. Keys have sliders.
 
 
-def posture_links(scene: Scene) -> str:
-    """Build links over a landscape, a cell per posture; "" without two moving joints."""
+def field(control: str, box: tuple[float, float, float, float], *values: float) -> str:
+    """Build a field. box: left, top, width and height, px; values: at its left and right, and at its bottom and top."""
+    left, top, width, height = box
+    place = f'x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}"'
+    return f'<rect class="vi-field" {place} data-field="{control}" data-values="{",".join(f"{v:g}" for v in values)}"/>'
+
+
+def posture_field(scene: Scene) -> str:
+    """Build the field over a landscape; "" without two moving joints."""
     plane = PosturePlane(scene)
     if not plane.has_plane:
         return ""
-    (ups, rows), (acrosses, columns) = (_cells(low, high) for low, high in scene.range_deg)
-    x = plane.place(np.stack([np.full_like(columns, scene.range_deg[0][0]), columns], -1))[:, 0]
-    y = plane.place(np.stack([rows, np.full_like(rows, scene.range_deg[1][0])], -1))[:, 1]
-    stops: list[str] = []
-    others: list[str] = []
-    for i, up in enumerate(ups):
-        for k, across in enumerate(acrosses):
-            cell = f'<path d="M{x[k]:.1f} {y[i]:.1f}H{x[k + 1]:.1f}V{y[i + 1]:.1f}H{x[k]:.1f}z"/>'
-            stop = up % STOP_DEG == 0 and across % STOP_DEG == 0
-            one = link(f"posture/{up:g},{across:g}", describe_posture(scene, (up, across)), cell, stop)
-            (stops if stop else others).append(one)
-    group = f'<g role="group" aria-label="Poses for the learner">{"".join(others + stops)}</g>'
     left, top, *__ = plane.box
     hint = svg.text(left + HINT_PLACE[0], top + HINT_PLACE[1], HINT, "vi-2nd vi-halo vi-hint")
-    return plane.wrap(hint + group, "vi-over vi-links vi-cells")
+    up, across = scene.range_deg
+    return plane.wrap(hint + field("posture", plane.box, *across, *up), "vi-over vi-links")
 
 
-def describe_posture(scene: Scene, angles_deg: tuple[float, ...]) -> str:
-    """Write a posture in words."""
-    return ", ".join(
-        f"{svg.joint_symbol(joint)} {svg.number(angle, 0)}°" for joint, angle in zip(scene.moving_joints, angles_deg)
-    )
-
-
-def _cells(low: float, high: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the multiples of CELL_DEG in a range, (k,), and the borders of their cells, (k + 1,), degrees."""
-    middles = CELL_DEG * np.arange(np.ceil(low / CELL_DEG), np.floor(high / CELL_DEG) + 1)
-    return middles, np.array([low, *(middles[1:] - CELL_DEG / 2), high])
+def motion_field(end: int, width: int = 424) -> str:
+    """Build a field over each plot of the curves. end: of their axis, motions."""
+    left, top, right, bottom = plot_box(width)
+    shown = field("moment", (left, top, right - left, bottom - top), 0, end)
+    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
+    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + shown, shown)}</div>'
 
 
 def draw_see_through(scene: Scene, moment: Snapshot) -> str:
@@ -235,42 +214,6 @@ def describe_see_through(scene: Scene, moment: Snapshot) -> str:
     return text.format(pose=posture, E=svg.short(moment.E))
 
 
-# Links on the curves: a cell around each motion
-
-
-def motion_links(last: int, width: int = 424) -> str:
-    """Build links over both plots: a cell around each motion that the axis has room for; Tab stops at numbered ones.
-
-    The HTML stays the same until the axis changes, so that a click is not lost when the arm moves. last: motion.
-    """
-    left, top, right, bottom = box = plot_box(width)
-    end, every = axis_end(last), _motions_per_link(last)
-    axes, motions = Axes(box, (0.0, float(end)), (0.0, 1.0)), np.arange(0, end + 1, every)
-    edges = axes.x_px(np.append(motions - every / 2, motions[-1] + every / 2))
-    edges[0], edges[-1] = left - 4, right + 4
-    cells = "".join(
-        link(
-            f"moment/{motion}",
-            f"Look at step {motion}",
-            f'<path d="M{edges[k]:.1f} {top}H{edges[k + 1]:.1f}V{bottom}H{edges[k]:.1f}z"/>',
-            stop=motion % (end // 4) == 0,
-        )
-        for k, motion in enumerate(motions.tolist())
-    )
-    group = f'<g class="vi-motions">{cells}</g>'
-    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
-    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + group, group)}</div>'
-
-
-def hide_later_motions(last: int) -> str:
-    """Build a style that hides the links to motions after the last."""
-    return f"<style>.vi-motions a:nth-child(n+{last // _motions_per_link(last) + 2}){{display:none}}</style>"
-
-
-def _motions_per_link(last: int) -> int:
-    return -(-axis_end(last) // MAX_VERTICES)
-
-
 # The glossary on the page: every "?", the cards with links to examples, and the numbers' values on their scales.
 
 
@@ -287,9 +230,7 @@ def beside(key: str) -> str:
 
 def linked_cards() -> str:
     """Build all cards with links to their examples."""
-    back = link("restore/0", "Back to what was here before", "Back to before")
-    restore = f'<span class="vi-show vi-give-back">{back}</span>'  # hidden until the example is shown
-    return cards(lambda key: _show(key) + restore)
+    return cards(_show)
 
 
 def listed() -> str:
@@ -299,12 +240,12 @@ def listed() -> str:
     )
 
 
-def current_values(values: Mapping[str, float], shown: str | None = None) -> str:
+def current_values(values: Mapping[str, float]) -> str:
     """Build a style that marks the present values on the cards' scales, so that open cards stay as they are.
 
-    values: by key; NaN is left out. shown: the entry whose card offers to restore the session before its example.
+    values: by key; NaN is left out.
     """
-    rules = [] if shown is None else [f"#vi-word-{shown} .vi-give-back{{display:block}}"]
+    rules = []
     for key, value in values.items():
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):

@@ -5,13 +5,12 @@ It begins with the first of them, answers them in turn, and ends when none has l
 
 import contextlib
 import itertools
-import multiprocessing
 import threading
-import time
 from collections import OrderedDict
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from typing import Any, Protocol
+from multiprocessing.process import BaseProcess
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,52 +20,31 @@ from viewimit.simulation.eyes import SimulatedEyes, open_eyes, require_eyes
 from viewimit.simulation.robot import load_markers
 from viewimit.simulation.scene import Scene
 from viewimit.simulation.world import World
-from viewimit.wording import plural
 
 from . import camera_child
+from .experiments import begin, end
 
-MOST_SESSIONS = 8  # that share the twenty motions a second of one process
 UNUSED_S = 10.0  # after which it ends; to begin takes 2 s
 ANSWERS_WITHIN_S = 30.0  # else it hangs
-IDLE_S = 60.0  # without a look, after which a place may go to who asks for one
 
 
 class CameraLost(Exception):
-    """The process has ended, and with it the eyes that it had; or an idle place went to another session."""
-
-
-class Cameras(Protocol):
-    """What pages look with; as `CameraProcess`."""
-
-    def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]: ...
-
-    def ask(self, key: int, what: str, *arguments) -> tuple: ...
-
-    def close(self, key: int) -> None: ...
+    """The process has ended, and with it the eyes that it had."""
 
 
 class CameraProcess:
     """open → a key for `ask`; close; stop. For any thread; `ask` and `open` block until they are answered.
 
-    When all places are taken, who asks gets the one that has been idle longest, if it was so for a while.
-
-    most: sessions; unused_s: without any, after which the process ends; work: what runs in it; clock: s.
+    unused_s: without any session, after which the process ends; work: what runs in it.
     """
 
-    def __init__(
-        self,
-        most: int = MOST_SESSIONS,
-        unused_s: float = UNUSED_S,
-        work: Callable[[Connection], None] = camera_child.work,
-        clock: Callable[[], float] = time.monotonic,
-    ):
-        self._most, self._unused_s, self._work, self._clock = most, unused_s, work, clock
+    def __init__(self, unused_s: float = UNUSED_S, work: Callable[[Connection], None] = camera_child.work):
+        self._unused_s, self._work = unused_s, work
         self._turn = threading.RLock()  # held until an answer is there
         self._sending = threading.Lock()
-        self._used: dict[int, float] = {}  # s, when each key last looked
-        self._given_away: set[int] = set()  # keys whose sessions do not know it yet
+        self._used: set[int] = set()
         self._next_key = itertools.count()
-        self._process: multiprocessing.process.BaseProcess | None = None
+        self._process: BaseProcess | None = None
         self._connection: Any = None  # a Connection; on Windows a PipeConnection
         self._stopped = False
 
@@ -76,20 +54,15 @@ class CameraProcess:
         return process is not None and process.is_alive()
 
     def open(self, scene: Scene, key: int | None = None) -> tuple[int, float]:
-        """Eyes for a scene, instead of those that a key has → key, noise_px.
-
-        Raises ValueError if there is no place, CameraLost.
-        """
+        """Eyes for a scene, instead of those that a key has → key, noise_px. Raises CameraLost."""
         with self._turn:
             new = key is None or key not in self._used
             if key is None or new:
-                if len(self._used) >= self._most:
-                    given = self._idle_place()
-                    self.close(given)
-                    self._given_away.add(given)
                 key = next(self._next_key)
-                self._start_if_ended()
-                self._used[key] = self._clock()
+                if not self.running and not self._stopped:
+                    self._end()
+                    self._process, self._connection = begin(self._work, "viewimit-camera")
+                self._used.add(key)
             try:
                 return key, self.ask(key, "open", scene)[0]
             except BaseException:
@@ -97,31 +70,14 @@ class CameraProcess:
                     self.close(key)
                 raise
 
-    def _idle_place(self) -> int:
-        """Return the place that was not used for longest. Raises ValueError if none was idle for a while."""
-        key = min(self._used, key=self._used.__getitem__)
-        if self._clock() - self._used[key] <= IDLE_S:
-            n = len(self._used)
-            refusal = plural(
-                "camera images are in use by {n} other: try again later",
-                "camera images are in use by {n} others: try again later",
-                n,
-            )
-            raise ValueError(refusal.format(n=n))
-        return key
-
     def ask(self, key: int, what: str, *arguments) -> tuple:
         """What the eyes of this key answer, and the pictures that they took for it, as JPEG.
 
         Raises ValueError, RuntimeError as they do, CameraLost.
         """
         with self._turn:
-            if key in self._given_away:
-                self._given_away.discard(key)
-                raise CameraLost("another session has the place for camera images now")
             if key not in self._used or self._stopped:
                 raise CameraLost("the process of the camera images has ended")
-            self._used[key] = self._clock()
             try:
                 connection = self._send(key, what, *arguments)
                 if not connection.poll(ANSWERS_WITHIN_S):
@@ -138,9 +94,9 @@ class CameraProcess:
 
     def close(self, key: int) -> None:
         """Give up what the key has; returns at once."""
-        self._given_away.discard(key)
-        if self._used.pop(key, None) is None:
+        if key not in self._used:
             return
+        self._used.discard(key)
         with contextlib.suppress(OSError):  # it has ended meanwhile
             self._send(key, "close")
         if not self._used:
@@ -157,16 +113,6 @@ class CameraProcess:
         with self._turn:
             self._end()
 
-    def _start_if_ended(self) -> None:
-        if self.running or self._stopped:
-            return
-        self._end()
-        context = multiprocessing.get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        with theirs:  # the child's end; while it is open here, its loss would go unnoticed
-            self._process = context.Process(target=self._work, args=(theirs,), name="viewimit-camera", daemon=True)
-            self._process.start()
-
     def _send(self, *message) -> Any:
         """→ where the answer comes from"""
         with self._sending:
@@ -181,16 +127,13 @@ class CameraProcess:
                 self._end()
 
     def _end(self) -> None:
-        """It has nothing to put in order."""
         self._used.clear()
         with self._sending:
             if self._connection is not None:
                 self._connection.close()
                 self._connection = None
         if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._process.close()
+            end(self._process)
             self._process = None
 
 
@@ -245,12 +188,12 @@ class RemoteEyes:
 class SessionEyes:
     """Opens the eyes of one session, one after the other; close() when the session is gone."""
 
-    def __init__(self, process: Cameras):
+    def __init__(self, process: CameraProcess):
         self._process = process
         self._key: int | None = None
 
     def __call__(self, sensor: str, scene: Scene, points: int) -> SimulatedEyes:
-        """As `open_eyes`. Raises ValueError as `require_eyes` and `Cameras.open`, and for images of more than
+        """As `open_eyes`. Raises ValueError as `require_eyes` and `CameraProcess.open`, and for images of more than
         MOST_PX; CameraLost."""
         if sensor == "projected":
             eyes = open_eyes(sensor, scene, points)

@@ -5,7 +5,15 @@ from functools import partial
 
 import msgspec
 
-from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, landscape_key, make_landscape
+from viewimit.analysis.minima import study_transfer
+from viewimit.analysis.observability import joint_uncertainty
+from viewimit.drawing.export.panels import (
+    COARSE_DEG,
+    MadeLandscape,
+    compute_landscape,
+    landscape_key,
+    make_landscape,
+)
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.estimation.transfers import TRANSFERS
@@ -16,11 +24,10 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.world import World
 
 from ..drawing import duel as drawing
-from ..drawing.landscapes import draw_together, waiting
+from ..drawing.landscapes import draw_compared, draw_costs, draw_together, waiting
 from ..jobs.experiments import ExperimentWorker, Request, Run
-from ..jobs.threads import ComparedTransfer, Ground, LandscapeWorker, make_compared, make_ground
 from .motions import Motions
-from .queue import CommandQueue, JobResult
+from .queue import Beside, CommandQueue, JobResult
 
 
 class OwnLandscape:
@@ -29,8 +36,8 @@ class OwnLandscape:
     made: None before the first moment is known.
     """
 
-    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._on_result = page_id, worker, queue.result_callback("landscape", self.take)
+    def __init__(self, beside: Beside):
+        self._beside = beside
         self._asked: tuple | None = None
         self._seen: tuple | None = None  # what the key of the last moment was made of
         self._begun: Snapshot | None = None  # the first moment in the world
@@ -40,7 +47,8 @@ class OwnLandscape:
     def ask(self, world: World, present: Snapshot) -> None:
         """If it would differ. In a new world an empty one stands for it meanwhile."""
         if self.made is None or self.made.world is not world:
-            self.begin(world, present)
+            self._begun = present
+            self.made = _without_landscape(world, present)
         seen = world, present.settings, present.rectification is not None, present.correspondences
         if seen == self._seen:  # the very same settings mostly, which are soon compared
             return
@@ -48,32 +56,29 @@ class OwnLandscape:
         asked = world, *landscape_key(present)
         if asked != self._asked:
             self._asked, self._about = asked, present
-            self._worker.ask(self._page_id, partial(make_landscape, world, present, COARSE_DEG), self._on_result)
-
-    def begin(self, world: World, present: Snapshot) -> None:
-        """With an empty one."""
-        self._begun = present
-        self.made = MadeLandscape(world, LandscapePicture(None, world.scene, present), None)
+            self._beside.ask("landscape", partial(make_landscape, world, present, COARSE_DEG), self.take)
 
     def take(self, made: MadeLandscape | Exception) -> None:
         """Unless the scene has changed meanwhile."""
         if self.made is None or self._begun is None:
             return
         if isinstance(made, Exception):
-            world = self.made.world
-            why = with_minus(f"no landscape: {made}")[:60]
-            made = MadeLandscape(world, LandscapePicture(None, world.scene, self._begun, why), None)
+            made = _without_landscape(self.made.world, self._begun, with_minus(f"no landscape: {made}")[:60])
         if made.world is self.made.world:
             self.made = made
             if made.to_refine is not None and made.to_refine is self._about:
-                self._worker.ask(self._page_id, partial(make_landscape, made.world, made.to_refine), self._on_result)
+                self._beside.ask("landscape", partial(make_landscape, made.world, made.to_refine), self.take)
+
+
+def _without_landscape(world: World, present: Snapshot, why: str = "computing …") -> MadeLandscape:
+    return MadeLandscape(world, LandscapePicture(None, world.scene, present, why), None)
 
 
 class DuelLandscapes:
     """Of both learners. html: what lies under their paths."""
 
-    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._on_result = page_id, worker, queue.result_callback("duel", self.take)
+    def __init__(self, beside: Beside):
+        self._beside = beside
         self._asked: tuple | None = None
         self._world: World | None = None  # of the duel that goes on
         self.html = drawing.draw_empty()
@@ -90,13 +95,20 @@ class DuelLandscapes:
         asked = world, *map(landscape_key, both)
         if asked != self._asked:
             self._asked = asked
-            self._worker.ask(self._page_id, partial(make_ground, world, both), self._on_result, kind="duel")
+            self._beside.ask("duel", lambda: (world, _draw_ground(world, both)), self.take)
 
-    def take(self, made: Ground | Exception) -> None:
+    def take(self, made: tuple[World, str] | Exception) -> None:
         if isinstance(made, Exception):
             raise ValueError(f"no landscapes for the duel: {made}")
-        if made.world is self._world:
-            self.html = made.html
+        if made[0] is self._world:
+            self.html = made[1]
+
+
+def _draw_ground(world: World, both: tuple[Snapshot, Snapshot]) -> str:
+    found = [made for made in (compute_landscape(world, snapshot) for snapshot in both) if made is not None]
+    if len(found) < len(both):
+        return drawing.draw_empty_ground()
+    return drawing.draw_ground(world.scene, found, both[0].theta_demo)
 
 
 class Basins:
@@ -165,10 +177,10 @@ class Comparison:
     on: whether they are to be shown; html: all of them; None while the one that is used is shown.
     """
 
-    def __init__(self, page_id: int, worker: LandscapeWorker, queue: CommandQueue):
-        self._page_id, self._worker, self._queue = page_id, worker, queue
-        self._asked: tuple | None = None  # None while nothing is shown
-        self._compared: dict[str, ComparedTransfer] = {}
+    def __init__(self, beside: Beside):
+        self._beside = beside
+        self._asked: tuple | None = None  # a world and what E depends on; None while nothing is shown
+        self._compared: dict[str, tuple[tuple, str]] = {}  # by transfer: what was asked for, and its drawing
         self._fresh: set[str] = set()  # what has come since the last drawing
         self.on = False
         self.html: str | None = None
@@ -190,27 +202,31 @@ class Comparison:
             self.html = waiting("computing …")
         self._asked = asked
         for transfer in TRANSFERS:
-            make = partial(make_compared, asked, world, snapshot, transfer)
-            done = self._queue.result_callback(("compared", transfer), partial(self.take, transfer))
-            self._worker.ask(self._page_id, make, done, kind=f"compared: {transfer}")
+            make = partial(_draw_compared, asked, world, snapshot, transfer)
+            self._beside.ask(f"compared: {transfer}", make, partial(self.take, transfer))
 
-    def take(self, transfer: str, made: ComparedTransfer | Exception) -> None:
+    def take(self, transfer: str, made: tuple[tuple, str] | Exception) -> None:
+        """Draw all once they are as asked for; or all are newer than those shown, while the demonstrator moves on."""
         if isinstance(made, Exception):
             raise ValueError(f"nothing to compare for the {transfer} transfer: {made}")
-        if self._asked is None or made.asked[0] is not self._asked[0]:  # closed, or of another scene
+        if self._asked is None or made[0][0] is not self._asked[0]:  # closed, or of another scene
             return
         self._compared[transfer] = made
         self._fresh.add(transfer)
-        self._draw_if_complete()
-
-    def _draw_if_complete(self) -> None:
-        """Once all are as asked for; or all are newer than those shown, while the demonstrator goes on moving."""
-        if len(self._compared) < len(TRANSFERS):
-            return
-        as_asked = all(one.asked == self._asked for one in self._compared.values())
-        if as_asked or len(self._fresh) == len(TRANSFERS):
+        as_asked = all(asked == self._asked for asked, _ in self._compared.values())
+        if len(self._compared) == len(TRANSFERS) and (as_asked or len(self._fresh) == len(TRANSFERS)):
             self._fresh.clear()
-            self.html = draw_together([self._compared[transfer].html for transfer in TRANSFERS])
+            self.html = draw_together([self._compared[transfer][1] for transfer in TRANSFERS])
+
+
+def _draw_compared(asked: tuple, world: World, snapshot: Snapshot, transfer: str) -> tuple[tuple, str]:
+    joints, theta_demo = world.scene.moving_joints, snapshot.theta_demo
+    if len(joints) == 2:
+        return asked, draw_compared(world.scene, study_transfer(world, snapshot, transfer), theta_demo)
+    views = snapshot.views
+    fit = partial(snapshot.fit, by=transfer)
+    spread = joint_uncertainty(world, fit, views.demo, views.visible[:, :2], theta_demo)
+    return asked, draw_costs(joints, transfer, spread)
 
 
 # What a page asks of its experiments, and what it knows of them.

@@ -14,6 +14,7 @@ from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
+from viewimit.drawing.svg import count_motions
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
@@ -21,7 +22,7 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
-from viewimit.wording import either, plural, sentences
+from viewimit.wording import either
 
 from ..jobs.camera_images import RemoteEyes
 from .choices import View
@@ -97,12 +98,7 @@ class SeeThrough:
 
 # A motion that was imitated in an experiment, seen in the scene and in the images: nothing of the session moves.
 
-WORLD = {  # settings in which it is to be seen as it was
-    "scene": "scene",
-    "robot": "robot",
-    "joints": "joints",
-    "points": "points",
-}
+WORLD = "scene", "robot", "joints", "points"  # settings in which it is to be seen as it was
 
 
 class Imitated:
@@ -127,7 +123,7 @@ class Imitated:
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:
             refusal = "{name} was made with other {settings}: run it again, or go back"
-            raise ValueError(refusal.format(name=imitation.name, settings=", ".join(map(WORLD.__getitem__, differs))))
+            raise ValueError(refusal.format(name=imitation.name, settings=", ".join(differs)))
         self._shown, self._from, self._began, self._seen = imitation, self._session.snapshot, now, None
 
     def stop(self) -> None:
@@ -200,22 +196,11 @@ class BuildingUp:
 class Displayed:
     """The display at one time. Drawings read it and change nothing; what they have in common is computed once.
 
-    Attributes
-    ----------
-    present
-        The session's snapshot.
-    image_snapshot, scene_snapshot
-        What the four images show, and what all else does.
-    pictures
-        JPEGs by view, of those that were taken.
-    interpolated_theta
-        (m,) rad, where the arm is shown while it moves; None where it rests.
-    preview
-        What would be seen at another posture, which then is displayed too.
-    playback
-        A sentence on an imitation that is displayed instead of the session.
-    stage
-        Up to which the chosen point's construction is shown; None for all of it.
+    present: the session's snapshot; image_snapshot, scene_snapshot: what the four images show, and what all else does;
+    pictures: JPEGs by view, of those that were taken; interpolated_theta: (m,) rad, where the arm is shown while it
+    moves, None where it rests; preview: what would be seen at another posture, which then is displayed too; playback: a
+    sentence on an imitation that is displayed instead of the session; stage: up to which the chosen point's
+    construction is shown, None for all of it.
     """
 
     session: Session
@@ -275,14 +260,8 @@ class Displayed:
     def draw_images(self, stage: int | None = None, standing: Bodies | None = None, print_size: bool = False) -> str:
         """Draw the four images, as HTML.
 
-        Parameters
-        ----------
-        stage
-            Up to which the construction of the chosen point is shown.
-        standing
-            The arms where they are, while a preview is displayed.
-        print_size
-            As in `viewimit.drawing.images.panel.draw_images`.
+        stage: up to which the chosen point's construction is shown; standing: the arms where they are, while a preview
+        is displayed; print_size: as in `viewimit.drawing.images.panel.draw_images`.
         """
         view, now, session = self.view, self.image_snapshot, self.session
         construction: Construction | None = None
@@ -391,36 +370,19 @@ class Rehearsal:
     def words(self) -> str:
         """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
-            text = "Watches itself: {n} of {all} postures."
-            return text.format(n=self.seen, all=self.seen + self.to_go)
-        able = SERVOS[self.servo].predicts
+            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
+        able, one = SERVOS[self.servo].predicts, self.seen == 1
         if not self.held:
             return "" if able else f"Only for {_able()}."
+        remembers = f"Remembers {self.seen} posture{'' if one else 's'}"
         if not able:
-            text = plural(
-                "Remembers {n} posture; only for {servos}.", "Remembers {n} postures; only for {servos}.", self.seen
-            )
-            return text.format(n=self.seen, servos=_able())
+            return f"{remembers}; only for {_able()}."
         if self.holds is False:
-            text = plural(
-                "Remembers {n} posture, which does not hold here: it probes.",
-                "Remembers {n} postures, which do not hold here: it probes.",
-                self.seen,
-            )
-            return text.format(n=self.seen)
+            return f"{remembers}, which {'does' if one else 'do'} not hold here: it probes."
         if self.holds is None:
-            text = plural(
-                "Remembers {n} posture; Play imitates with it.",
-                "Remembers {n} postures; Play imitates with them.",
-                self.seen,
-            )
-            return text.format(n=self.seen)
-        held = plural("Remembers {n} posture, which holds.", "Remembers {n} postures, which hold.", self.seen)
-        if self.rests:
-            text = plural("Imitated in {n} step.", "Imitated in {n} steps.", self.motions)
-        else:
-            text = plural("Imitates: {n} step.", "Imitates: {n} steps.", self.motions)
-        return sentences(held.format(n=self.seen), text.format(n=self.motions))
+            return f"{remembers}; Play imitates with {'it' if one else 'them'}."
+        imitates = f"{'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
+        return f"{remembers}, which {'holds' if one else 'hold'}. {imitates}"
 
 
 def rehearsal_of(session: Session) -> Rehearsal:

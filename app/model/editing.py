@@ -15,8 +15,8 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
 
-from ..jobs.camera_images import Cameras, SessionEyes
-from .choices import CLIENT_REPORTED, Preset, Presets, View
+from ..jobs.camera_images import CameraProcess, SessionEyes
+from .choices import Preset, Presets
 from .displayed import require_use
 from .player import DENSE, Duel, Player
 
@@ -28,7 +28,7 @@ class UndoableSession:
 
     settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
 
-    def __init__(self, settings: Settings, camera: Cameras, in_new_world: Callable[[], None]):
+    def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
         self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
         self._in_new_world = in_new_world
         self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)
@@ -116,16 +116,12 @@ class UndoableSession:
 
     def bring_back(self, entry: UndoEntry) -> None:
         """Restore the newest undo entry and remove it. Raises ValueError, and changes nothing, if that fails."""
-        self.resume(entry)
-        self.past.pop()
-
-    def resume(self, entry: UndoEntry) -> None:
-        """Restore an entry, on the undo stack or not."""
         world = self.session.world
         for session, run in zip(self.player.sessions, entry.runs):
             session.resume(*run)
         self.presets.chosen, self.player.speed = entry.preset, entry.speed
         self.player.settle()
+        self.past.pop()
         if self.session.world is not world:
             self._in_new_world()
 
@@ -187,29 +183,14 @@ class UndoStack:
     def pop(self) -> None:
         self._entries.pop()
 
-    @property
-    def everything(self) -> tuple[UndoEntry, ...]:
-        return tuple(self._entries)
-
-    def replace(self, everything: tuple[UndoEntry, ...]) -> None:
-        """Set all entries, of which the newest are kept."""
-        self._entries = list(everything[-MAX_ENTRIES:])
-
-    @property
-    def present(self) -> UndoEntry:
-        """The present state."""
-        return self._entry(tuple(map(_run, self._player.sessions)), self._player.cursor)
-
-    def push_before(self, entry: UndoEntry) -> None:
-        """Push a state that came before the present history, unless both are equal."""
-        session = self._player.sessions[0]
-        if entry.runs[0][0] != tuple(session.history) or entry.runs[0][1] != session.cursor:
-            self._entries = [*self._entries[1 - MAX_ENTRIES :], replace(entry, at=self._player.cursor)]
+    def clear(self) -> None:
+        """Forget all former states."""
+        self._entries = []
 
     def push_branch(self) -> None:
         """Push the present state if a next motion would replace later ones."""
         if any(session.cursor < len(session.history) - 1 for session in self._player.sessions):
-            self._keep(self.present)
+            self._keep(self._entry(tuple(map(_run, self._player.sessions)), self._player.cursor))
 
     @contextmanager
     def recording_undo(self, whole: bool = False) -> Iterator[None]:
@@ -239,61 +220,3 @@ class UndoStack:
 
 def _run(session: Session) -> Run:
     return tuple(session.history), session.cursor, session.log.copy()
-
-
-# Demonstrations of glossary entries. The former page is restored afterwards, with any later change undone.
-
-
-@dataclass(frozen=True, eq=False)
-class BeforeDemo:
-    """The page before the demonstration of a glossary entry."""
-
-    key: str  # of the entry
-    preset: Preset  # that demonstrates it
-    entry: UndoEntry  # the page's sessions
-    past: tuple[UndoEntry, ...]
-    view: View
-    playing: bool
-
-
-class GlossaryDemo:
-    """Demonstrates glossary entries in one page's session."""
-
-    def __init__(self, undoable: UndoableSession):
-        self._undoable = undoable
-        self._before: BeforeDemo | None = None
-
-    @property
-    def before(self) -> BeforeDemo | None:
-        """The page before the demonstration; None without one."""
-        before = self._before
-        return before if before is not None and self._undoable.presets.chosen is before.preset else None
-
-    @property
-    def key(self) -> str | None:
-        """The key of the demonstrated entry; None without one."""
-        return None if self.before is None else self.before.key
-
-    def show(self, key: str, preset: Preset, view: View) -> None:
-        """Begin the preset that demonstrates an entry. The page before the first demonstration is remembered."""
-        past, playing = self._undoable.past, self._undoable.player.playing
-        before = self.before or BeforeDemo(key, preset, past.present, past.everything, view, playing)
-        self._undoable.begin_preset(preset)
-        self._before = replace(before, key=key, preset=preset)
-
-    def give_back(self, view: View) -> View:
-        """Restore the page before the demonstration, and return its view in the present window.
-
-        Raises ValueError, and changes nothing, without a demonstration or if the number of learners has changed.
-        """
-        before, player = self.before, self._undoable.player
-        if before is None:
-            raise ValueError("nothing is shown in place of what was here")
-        if len(before.entry.runs) != len(player.runners):
-            raise ValueError("a duel has begun or ended since: end or begin it again first")
-        player.pause()
-        self._undoable.resume(before.entry)
-        self._undoable.past.replace(before.past)
-        if before.playing:
-            player.play()
-        return replace(before.view, help=False, **{name: getattr(view, name) for name in CLIENT_REPORTED})

@@ -1,7 +1,9 @@
 """A link, or what a tab has kept: its scripts are played beside the page, which then becomes what they lead to."""
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 from viewimit.loop.session import Session
 
@@ -10,6 +12,9 @@ from .link import Linked
 from .player import DENSE
 from .queue import CommandQueue, Queued
 from .services import Services
+
+TURN_S = 0.02  # of one page's scripts, before those of the next have their turn
+MAX_S = 30.0  # that scripts may take
 
 
 @dataclass(eq=False)
@@ -24,6 +29,7 @@ class Played:
     eyes: SessionEyes
     sessions: list[Session] = field(default_factory=list)
     error: Exception | None = None
+    spent_s: float = 0.0
 
     def passes(self) -> Iterator[None]:
         """Play it, and yield after each pass of the loop."""
@@ -33,19 +39,22 @@ class Played:
             session.scrub(min(self.page.at, len(session.history) - 1))
             self.sessions.append(session)
 
+    def turn(self, passes: Iterator[None]) -> bool:
+        """Play on for a turn, and rest as long, which leaves the pages time. Return whether it is whole."""
+        clock = time.monotonic if self.page.uses_pictures else time.thread_time
+        began, computed = clock(), time.thread_time()
+        while clock() - began < TURN_S:
+            if next(passes, passes) is passes:
+                return True
+            if self.spent_s + clock() - began > MAX_S:
+                raise ValueError(f"it takes more than {MAX_S:g} s to compute")
+        self.spent_s += clock() - began
+        time.sleep(time.thread_time() - computed)
+        return False
+
 
 class Following:
-    """The saved page that a page becomes, if any.
-
-    Parameters
-    ----------
-    page_id
-        By which the scripts' players know the page.
-    services
-        With the players of all pages' scripts, and the camera images.
-    queue
-        Of the page, into which the played sessions come.
-    """
+    """The saved page that a page becomes, if any."""
 
     def __init__(self, page_id: int, services: Services, queue: CommandQueue):
         self._page_id, self._services, self._queue = page_id, services, queue
@@ -58,29 +67,27 @@ class Following:
         self.let_go()
         played = self._played = Played(page, is_own, SessionEyes(self._services.camera))
         self.goes_on, self.restores = True, is_own
+        worker = self._services.picture_scripts if page.uses_pictures else self._services.scripts
+        turn = partial(played.turn, played.passes())
 
-        def done(error: Exception | None) -> None:
-            played.error = error
+        def go_on(whole: bool | Exception) -> None:
+            if played is not self._played:  # it was cancelled
+                return
+            if whole is False:
+                return worker.ask(self._page_id, turn, go_on)
+            played.error = whole if isinstance(whole, Exception) else None
             self._queue.put(arrival(played))
 
-        scripts = self._services.picture_scripts if page.uses_pictures else self._services.scripts
-        scripts.play(self._page_id, played.passes(), done)
+        go_on(False)
 
     def let_go(self) -> bool:
         """Follow it no more. Return whether there was one."""
         played, self._played = self._played, None
         self.goes_on = self.restores = False
-        self._services.scripts.cancel(self._page_id)
-        self._services.picture_scripts.cancel(self._page_id)
         if played is not None:
             played.eyes.close()
         return played is not None
 
     def finish(self, played: Played) -> bool:
         """Return whether this page is the one to be played: else it was cancelled just when it was complete."""
-        if played is not self._played:
-            return False
-        self._played = None
-        self.goes_on = self.restores = False
-        played.eyes.close()
-        return True
+        return played is self._played and self.let_go()

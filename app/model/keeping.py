@@ -18,7 +18,7 @@ from .choices import SWITCHES, Preset, View, presets_from, switched
 from .following import Played
 from .link import VERSUS, described, nearest, usual
 from .page_model import PageModel
-from .services import Redraw
+from .redraw import Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take
@@ -127,7 +127,7 @@ def become(model: PageModel, played: Played, now: float) -> None:
         first = played.sessions[0]
         model.session.resume(tuple(first.history), first.cursor, first.log)
     if played.is_own:
-        model.past.replace(())
+        model.past.clear()
     begun = page.script.settings
     offered = presets_from(model.begun).values()
     same = [preset for preset in (page.preset, *offered) if usual(preset) == begun]
@@ -163,12 +163,7 @@ class Kept(msgspec.Struct):
 class Keeper:
     """Sends a page's tab the query that it stores, after the tab has handed back the one that it had.
 
-    Parameters
-    ----------
-    model
-        Of the page.
-    send
-        Sends `Kept` as JSON.
+    send: takes `Kept` as JSON.
     """
 
     def __init__(self, model: PageModel, send: Callable[[str], None]):

@@ -18,11 +18,11 @@ from viewimit.loop.snapshot import Snapshot
 from .choices import Freedom, Message, Preset, View
 from .computed import Basins, Comparison, DuelLandscapes, Experiments, OwnLandscape
 from .displayed import Display, Displayed
-from .editing import GlossaryDemo, UndoableSession
+from .editing import UndoableSession
 from .following import Following
 from .motions import Motions
 from .points import PointEditing
-from .queue import CommandQueue, DemonstratorJobResult, JobResult
+from .queue import Beside, CommandQueue
 from .services import Services
 
 
@@ -50,25 +50,19 @@ class PageModel:
         queue: CommandQueue,
         send: Callable[[str, bytes], None],
     ):
-        self.begun, self.send, self._queue = settings, send, queue
+        self.begun, self.send = settings, send
         self.undoable = UndoableSession(settings, services.camera, self._show_new_world)
         self.session, self.player, self.duel = self.undoable.session, self.undoable.player, self.undoable.duel
         self.presets, self.past = self.undoable.presets, self.undoable.past
-        self.glossary_demo = GlossaryDemo(self.undoable)
         self.following = Following(page_id, services, queue)
         self.view, self.freedom = View(chosen=largest_residual(self.session.snapshot)), Freedom()
         self.display = Display(self.session, self.player)
-        beside = services.landscapes
-        run_in_background = partial(_run_in_background, partial(beside.ask, page_id), queue)
-        make_motion = partial(run_in_background, "motion", DemonstratorJobResult)
-        self.motions = Motions(self.session, self.undoable.pose, make_motion, send)
-        make_point = partial(run_in_background, "point", JobResult)
-        self.points = PointEditing(self.session, self.undoable.set_body_points, make_point, send)
+        beside, self._files = Beside(page_id, services.landscapes, queue), Beside(page_id, services.files, queue)
+        self.motions = Motions(self.session, self.undoable.pose, partial(beside.ask, "motion", moves=True), send)
+        self.points = PointEditing(self.session, self.undoable.set_body_points, partial(beside.ask, "point"), send)
         self.experiments = Experiments(services.experiments, page_id, self.session, self.motions, queue, send)
-        self._send_made = partial(services.files.ask, page_id)
-        self.landscape = OwnLandscape(page_id, beside, queue)
-        self.duel_landscapes = DuelLandscapes(page_id, beside, queue)
-        self.comparison = Comparison(page_id, beside, queue)
+        self.landscape, self.duel_landscapes = OwnLandscape(beside), DuelLandscapes(beside)
+        self.comparison = Comparison(beside)
         self.basins = Basins(page_id, services.basins, queue)
         self.tour_offered = True
         self.eye: Callable[[], Viewpoint | None] = lambda: None
@@ -138,7 +132,7 @@ class PageModel:
 
     def send_made(self, kind: str, make: Callable[[], Saved]) -> None:
         """Send the visitor a file that is made in the background; of each kind only the newest request."""
-        self._send_made(make, self._queue.result_callback(("saved", kind), self._send_saved), kind=kind)
+        self._files.ask(f"saved {kind}", make, self._send_saved)
 
     def _send_saved(self, made: Saved | Exception) -> None:
         if isinstance(made, Exception):
@@ -155,15 +149,3 @@ class PageModel:
             self.view = replace(self.view, chosen=min(self.view.chosen, len(self.session.world.body) - 1))
         self.display.reset()
         self.generation += 1
-
-
-def _run_in_background(
-    ask: Callable[..., None],
-    queue: CommandQueue,
-    kind: str,
-    arrival: type[JobResult],
-    make: Callable[[], Any],
-    take: Callable[[Any], None],
-) -> None:
-    """take(made) follows in the page's own time; of a kind the newest is enough. ask: a worker, for this page."""
-    ask(make, queue.result_callback(kind, take, arrival), kind)

@@ -27,12 +27,12 @@ from viewimit.drawing.export.figures import (
 from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.export.replay import replay
 from viewimit.drawing.images.rectified import draw_rectified
+from viewimit.drawing.svg import count_motions
 from viewimit.drawing.theme import DRAWING_CSS
 from viewimit.experiments import EXPERIMENTS
-from viewimit.wording import plural
 
 from ..drawing.duel import draw_errors_alone, draw_race
-from ..jobs.png_child import render
+from ..jobs.child import render
 from .page_model import PageModel, Saved
 
 FORMATS = ("SVG", "PNG")
@@ -100,18 +100,11 @@ def _saved(name: str, form: str, draw: Callable[[], Figure], citation: Citation)
 
 def _images(model: PageModel) -> Picture:
     moment = model.displayed.image_snapshot
+    after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
-        bodies = model.displayed.arms_in_images[0]
-        title = plural(
-            "The images as seen and as rectified, after {n} step",
-            "The images as seen and as rectified, after {n} steps",
-            moment.motion,
-        )
-        return Picture.of(stack([draw_rectified(moment, bodies, True)], title.format(n=moment.motion)))
-    title = plural(
-        "The learner’s four images after {n} step", "The learner’s four images after {n} steps", moment.motion
-    )
-    return Picture.of(four_images(model.displayed.draw_images(print_size=True), title.format(n=moment.motion)))
+        drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
+        return Picture.of(stack([drawn], f"The images as seen and as rectified, {after}"))
+    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four images {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
@@ -120,50 +113,33 @@ def _landscape(model: PageModel) -> Picture:
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
-    path = picture.draw_path(session.history, session.cursor)
-    title = plural(
-        "E over the postures of the learner, and its path over {n} step",
-        "E over the postures of the learner, and its path over {n} steps",
-        session.cursor,
-    )
+    path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
     if len(session.scene.moving_joints) != 2:
-        title = plural(
-            "Joint error per pixel of noise, over {n} step",
-            "Joint error per pixel of noise, over {n} steps",
-            session.cursor,
-        )
-    return Picture.of(overlay([picture.html, path], title.format(n=session.cursor)))
+        return Picture.of(overlay([picture.html, path], f"Joint error per pixel of noise, {over}"))
+    return Picture.of(overlay([picture.html, path], f"E over the postures of the learner, and its path {over}"))
 
 
 def _curves(model: PageModel) -> Picture:
     session, made = model.session, model.landscape.made
-    E_true = None if made is None else made.E_true
-    joints = session.scene.moving_joints
+    E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
     drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-    title = plural(
-        "Conflict E and joint angles over {n} step", "Conflict E and joint angles over {n} steps", session.cursor
-    )
-    return Picture.of(stack([drawn], title.format(n=session.cursor)))
+    return Picture.of(stack([drawn], f"Conflict E and joint angles over {count_motions(session.cursor)}"))
 
 
 def _equations(model: PageModel) -> Picture:
     require_typesetter()
-    text, motion = equations_of(model.snapshot, model.view.chosen), model.snapshot.motion
-    title = plural(
-        "The equations with their numbers after {n} step", "The equations with their numbers after {n} steps", motion
-    )
-    return Picture(partial(typeset_equations, text, title.format(n=motion)))
+    text = equations_of(model.snapshot, model.view.chosen)
+    title = f"The equations with their numbers after {count_motions(model.snapshot.motion)}"
+    return Picture(partial(typeset_equations, text, title))
 
 
 def _duel(model: PageModel) -> Picture:
     duel, opponent, scene = model.duel, model.duel.opponent, model.session.scene
     if opponent is None:
         raise ValueError("there is no duel: begin one in its tab")
-    standings = duel.standings
-    cited = cite_both(model.session, opponent)
+    cited, standings = cite_both(model.session, opponent), duel.standings
     race = draw_race(scene, (model.session, opponent), standings)
-    title = plural("A duel after {n} step: {methods}", "A duel after {n} steps: {methods}", model.snapshot.motion)
-    title = title.format(n=model.snapshot.motion, methods=cited.title)
+    title = f"A duel after {count_motions(model.snapshot.motion)}: {cited.title}"
     figure = overlay([model.duel_landscapes.html, race], title)
     if len(scene.moving_joints) == 2:
         figure = append_below(figure, draw_errors_alone(standings))
@@ -188,12 +164,4 @@ FIGURES: Mapping[str, Callable[[PageModel], Picture]] = {
     "Duel": _duel,
     "Experiments": _experiment,
 }
-PICTURES = {  # titles, by what a view has chosen
-    "Images": "Images",
-    "Landscape": "Landscape",
-    "Curves": "Curves",
-    "Equations": "Equations",
-    "Duel": "Duel",
-    "Experiments": "Experiments",
-    SPACE: "3-D view",
-}
+PICTURES = {name: name for name in (*FIGURES, SPACE)}  # titles, by what a view has chosen

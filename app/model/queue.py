@@ -2,39 +2,28 @@
 
 import math
 import threading
-import time
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ..jobs.threads import Worker
+
 PENDING_LIMIT = 200  # actions that wait, per page
-MIN_REPEAT_INTERVAL = 0.05  # s on average between two equal actions; a held key repeats itself that fast
-JITTER_ALLOWANCE = 0.2  # s by which a network may delay one, so that several come at once
 RunInBackground = Callable[[Callable[[], Any], Callable[[Any], None]], None]  # (make, take): take(make()), later
 
 
 class Queued:
     """An entry of a page's queue: a user action, none of which is lost.
 
-    Attributes
-    ----------
-    moves
-        It moves, poses or observes, which takes long with camera images.
-    order_independent
-        It may be applied before or after any other entry, so that it need not wait.
-    cancels
-        It ends the computation that others wait for.
-    coalesce_key
-        Of entries with the same key the newest is enough. None: each counts.
+    moves: it moves, poses or observes, which takes long with camera images; order_independent: it may be applied before
+    or after any other entry, so that it need not wait; cancels: it ends the computation that others wait for;
+    coalesce_key: of entries with the same key the newest is enough, None: each counts.
     """
 
     moves: bool = False
     order_independent: bool = False
     cancels: bool = False
-
-    @property
-    def coalesce_key(self) -> Hashable | None:
-        return None
+    coalesce_key: Hashable | None = None
 
     def needs_camera(self, model: Any) -> bool:
         """Return whether it asks for camera images."""
@@ -47,25 +36,12 @@ class Queued:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """A command of the page, as `commands.registry.command` declares it.
+    """A command of the page, as `commands.registry.command` declares it; panels, keys and links call it by its name.
 
-    Attributes
-    ----------
-    name
-        By which panels, keys and links call it.
-    function
-        Called with the model and the parsed arguments; also with `now`, s, if `takes_now`.
-    parsers
-        By parameter: the argument that a browser's value stands for. Each raises ValueError for a value that stands
-        for none.
-    latest
-        Calls that differ in their last argument alone are values of one control, of which the newest is enough.
-    moves, order_independent, cancels
-        As of `Queued`.
-    link
-        Links of the drawings and the page's script may call it.
-    camera
-        Called as `function`: whether it will ask for camera images.
+    parsers: by parameter, what a browser's value stands for; each raises ValueError if it stands for none; takes_now:
+    it is given the time, s, too; latest: calls that differ in their last argument alone are values of one control, of
+    which the newest is enough; moves, order_independent, cancels: as of `Queued`; link: links of the drawings and the
+    page's script may call it; camera: called as `function`, whether it will ask for camera images.
     """
 
     name: str
@@ -84,29 +60,14 @@ class Command:
         return Call(self, tuple(parse(value) for parse, value in zip(self.parsers, values, strict=True)), sender)
 
 
-@dataclass(frozen=True)
 class Call(Queued):
     """A command with its arguments. sender: the control that it came from."""
 
-    command: Command
-    arguments: tuple[Any, ...] = ()
-    sender: Hashable = field(default=None, compare=False)
-
-    @property
-    def moves(self) -> bool:  # type: ignore[override]
-        return self.command.moves
-
-    @property
-    def order_independent(self) -> bool:  # type: ignore[override]
-        return self.command.order_independent
-
-    @property
-    def cancels(self) -> bool:  # type: ignore[override]
-        return self.command.cancels
-
-    @property
-    def coalesce_key(self) -> Hashable | None:
-        return (self.command.name, *self.arguments[:-1]) if self.command.latest else None
+    def __init__(self, command: Command, arguments: tuple[Any, ...], sender: Hashable = None):
+        self.command, self.arguments, self.sender = command, arguments, sender
+        self.moves, self.cancels = command.moves, command.cancels
+        self.order_independent = command.order_independent
+        self.coalesce_key = (command.name, *arguments[:-1]) if command.latest else None
 
     def needs_camera(self, model: Any) -> bool:
         return self.command.camera is not None and self.command.camera(model, *self.arguments)
@@ -116,71 +77,44 @@ class Call(Queued):
         self.command.function(model, *self.arguments, **times)
 
 
-@dataclass(frozen=True)
 class Rejected(Queued):
     """An input that cannot be. sender: the control that it came from, of which the newest is enough."""
 
-    why: str
-    sender: Hashable = None
-
-    @property
-    def coalesce_key(self) -> Hashable | None:
-        return None if self.sender is None else (Rejected, self.sender)
+    def __init__(self, why: str, sender: Hashable = None):
+        self.why, self.coalesce_key = why, None if sender is None else (Rejected, sender)
 
     def apply(self, model: Any, now: float) -> None:
         raise ValueError(self.why)
 
 
-@dataclass(frozen=True, eq=False)
 class JobResult(Queued):
     """What a worker has made, handed to the code that asked for it: take(made). Of one kind the newest is enough."""
 
-    kind: Hashable
-    take: Callable[[Any], None]
-    made: Any
-
-    @property
-    def coalesce_key(self) -> Hashable:
-        return JobResult, self.kind
+    def __init__(self, kind: Hashable, take: Callable[[Any], None], made: Any, moves: bool = False):
+        self.take, self.made, self.moves, self.coalesce_key = take, made, moves, (JobResult, kind)
 
     def apply(self, model: Any, now: float) -> None:
         self.take(self.made)
 
 
-@dataclass(frozen=True, eq=False)
-class DemonstratorJobResult(JobResult):
-    """A result that moves the demonstrator, or the whole session."""
-
-    moves = True
-
-
 class CommandQueue:
-    """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between; an
-    action that comes again and again is one, where no person is that fast.
+    """Any thread puts, the scheduler takes. Of one control the newest value wins, unless an action lies between:
+    "slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
 
-    "Slider, then reset" and "reset, then slider" are two things; a hundred values of one dragged slider are one.
-
-    Parameters
-    ----------
-    commands
-        By name, those that may be called.
-    clock
-        s, monotonic.
+    commands: by name, those that may be called.
     """
 
-    def __init__(self, commands: Mapping[str, Command], clock: Callable[[], float] = time.monotonic):
+    def __init__(self, commands: Mapping[str, Command]):
         self.commands = commands
-        self._lock, self._clock = threading.Lock(), clock
+        self._lock = threading.Lock()
         self._waiting: list[Queued] = []
-        self._last: Queued | None = None  # action that was put
-        self._due = 0.0  # s, when the next one that equals it is
 
     def put(self, entry: Queued) -> None:
         with self._lock:
             full = len(self._waiting) >= PENDING_LIMIT
             if entry.coalesce_key is not None:
                 self._drop_older(entry, beyond_actions=full)
-            elif full or self._repeats(entry):
+            elif full:
                 return
             self._waiting.append(entry)
 
@@ -197,12 +131,6 @@ class CommandQueue:
         """Put back entries that were taken and not applied, before newer ones."""
         with self._lock:
             self._waiting = entries + self._waiting
-
-    def result_callback(
-        self, kind: Hashable, take: Callable[[Any], None], result: type[JobResult] = JobResult
-    ) -> Callable[[Any], None]:
-        """Return what a worker calls from its own thread: take(made) follows in the page's time."""
-        return lambda made: self.put(result(kind, take, made))
 
     def on_value(self, widget: Any, name: str, *first: Any) -> None:
         """Call a command with `first` and the value of a widget, whenever a person changes that."""
@@ -248,16 +176,6 @@ class CommandQueue:
         with self._lock:
             return {entry.sender for entry in self._waiting if isinstance(entry, Call)}
 
-    def _repeats(self, action: Queued) -> bool:
-        """Whether it is the action before it once more, and too soon."""
-        now = self._clock()
-        if action != self._last:
-            self._last, self._due = action, now
-        elif now < self._due - JITTER_ALLOWANCE:
-            return True
-        self._due = max(self._due, now) + MIN_REPEAT_INTERVAL
-        return False
-
     def _drop_older(self, entry: Queued, beyond_actions: bool) -> None:
         for k in reversed(range(len(self._waiting))):
             other = self._waiting[k]
@@ -266,6 +184,17 @@ class CommandQueue:
                 return
             if other.coalesce_key is None and not beyond_actions:
                 return
+
+
+class Beside:
+    """Makes for a page what takes long, in a worker's thread."""
+
+    def __init__(self, page_id: int, worker: Worker, queue: CommandQueue):
+        self._page_id, self._worker, self._queue = page_id, worker, queue
+
+    def ask(self, kind: str, make: Callable[[], Any], take: Callable[[Any], None], moves: bool = False) -> None:
+        """take(made, or why not) follows in the page's own time; of a kind the newest request is enough."""
+        self._worker.ask(self._page_id, make, lambda made: self._queue.put(JobResult(kind, take, made, moves)), kind)
 
 
 # What a browser sent for a parameter: anything may come

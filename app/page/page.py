@@ -1,6 +1,8 @@
 """One page: a model, its widgets and scene, and the loop that applies the visitor's commands."""
 
 import threading
+import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 
 import numpy as np
@@ -10,39 +12,26 @@ from viewimit.loop.settings import Settings
 from viewimit.simulation.world import World
 
 from ..commands import COMMANDS
+from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.choices import WINDOW, Message
 from ..model.keeping import Keeper
 from ..model.page_model import PageModel
 from ..model.player import BUDGET
-from ..model.queue import CommandQueue
-from ..model.services import Redraw, Services
+from ..model.queue import CommandQueue, JobResult, Queued
+from ..model.redraw import Redraw
+from ..model.services import Services
 from ..panels import PANELS
 from ..panels.actions import Actions
 from ..panels.panel import ClientInfo, Layout
 from ..panels.status import STARTS_PICTURES, show_fault
-from ..scene.scene3d import Scene3D, aspect_of, same_shape
-from .loop import CommandLoop
+from ..scene.scene3d import Scene3D
 
 PANELS_EVERY = 0.1  # s
 LEAVES_WITHIN = 3.0  # s that a turn may take to its end when its page is gone
-DOCKED_WITHIN = 3.0  # s
 SEND_EVERY = 1.0  # s at least until a file is sent again: a second click does not send it twice
-
-
-class Docking:
-    """Panels come to stand beside a canvas that fills the window at first. A scene that is drawn before is drawn twice,
-    and fitted to the wrong shape. waits: whether there are panels to wait for."""
-
-    def __init__(self, client: ClientHandle, waits: bool):
-        self._client, self._waits, self._until = client, waits, np.inf
-        self._aspect = aspect_of(client)
-
-    def over(self, now: float) -> bool:
-        """Whether they do, or seem never to; s of any clock."""
-        if self._waits:
-            self._until = min(self._until, now + DOCKED_WITHIN)
-            self._waits = now < self._until and same_shape(aspect_of(self._client), self._aspect)
-        return not self._waits
+BESIDE = 0.2  # s a turn beside the scheduler for motions as fast as it computes
+MESSAGE_STAYS = 6.0  # s
+MOST_A_PASS = 0.01  # s of a tick of 50 ms in which one more command of a page begins: the other pages wait meanwhile
 
 
 class Page:
@@ -57,10 +46,9 @@ class Page:
         info: ClientInfo | None = None,
     ):
         self._client = client
-        self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS, services.clock), Redraw()
+        self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS), Redraw()
         self._now, self._is_new = -np.inf, True  # s, of the last tick; whether nothing of the world is drawn yet
         self._world: World | None = None  # that is drawn
-        self._docked = False  # whether it is drawn at all
         self._posed: tuple[bytes, ...] | None = None  # the poses that are drawn
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
@@ -71,7 +59,6 @@ class Page:
             self.close(0.0)  # what it has taken of the camera images
             raise
         self.model.eye = self._scene.eye
-        self._docking = Docking(client, waits=self.layout.info.origin is not None)
 
     @property
     def busy(self) -> bool:
@@ -139,17 +126,15 @@ class Page:
     def _pose(self) -> None:
         if not self._shown:
             return
-        world, docked = self.model.session.world, self._docking.over(self._now)
-        if world is not self._world or docked != self._docked:
-            self._world, self._docked, self._posed, self._is_new = world, docked, None, True
-            if docked:  # widgets of the former world are removed at once: messages to them would be lost
-                self._scene.build(world)
-        if docked and self._scene.arms is not None:
-            poses = self.model.poses(self._now)
-            posed = tuple(pose.tobytes() for pose in poses)
-            if posed != self._posed:
-                self._posed = posed
-                self._scene.arms.draw(*poses)
+        world = self.model.session.world
+        if world is not self._world:
+            self._world, self._posed, self._is_new = world, None, True
+            self._scene.build(world)
+        poses = self.model.poses(self._now)
+        posed = tuple(pose.tobytes() for pose in poses)
+        if posed != self._posed and self._scene.arms is not None:
+            self._posed = posed
+            self._scene.arms.draw(*poses)
 
     def _draw_changed(self) -> None:
         model = self.model
@@ -178,3 +163,172 @@ class Page:
         if now - self._sent_at.get(name, -SEND_EVERY) >= SEND_EVERY:
             self._sent_at[name] = now
             self._client.send_file_download(name, data, save_immediately=True)
+
+
+# Commands and motions that are due, run turn by turn: at once, or in a thread beside the scheduler. What looks with
+# camera images takes long, and would hold up everybody's pages.
+
+
+class CommandLoop:
+    """tick(now, budget) ends a turn, begins the next, or does meanwhile what need not wait.
+
+    announce_pictures(): the first camera images are about to be waited for; clock: s, by which commands are timed.
+    """
+
+    def __init__(
+        self,
+        model: PageModel,
+        queue: CommandQueue,
+        announce_pictures: Callable[[], None],
+        clock: Callable[[], float] = time.monotonic,
+    ):
+        self._model, self._queue, self._clock = model, queue, clock
+        self._announce_pictures, self._background = announce_pictures, Background()
+        self._asked_at = 0.0
+
+    @property
+    def busy(self) -> bool:
+        """Whether a turn goes on beside the scheduler."""
+        return self._background.busy
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the session may be read: no turn changes it."""
+        return not self._background.alone
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
+        return self._background.wait(seconds)
+
+    def tick(self, now: float, budget: float) -> None:
+        self._end_turn(now)
+        if self._background.busy:
+            self._apply_meanwhile(now)
+        else:
+            self._take_turn(now, budget)
+
+    def _take_turn(self, now: float, budget: float) -> None:
+        """Carry out what the visitor did and make the motions that are due: beside the scheduler if that takes camera
+        images or long, at once if not."""
+        model, restores = self._model, self._model.following.restores
+        commands = self._queue.take_order_independent(cancelling=True) if restores else self._queue.take()
+        opens = any(entry.needs_camera(model) for entry in commands)
+        if not opens and model.session.settings.sensor == "projected":
+            self._apply_in_time(commands, now)
+            self._move_on(now, budget)
+            return
+        first = next((k for k, entry in enumerate(commands) if entry.moves), len(commands))
+        if not self._apply_in_time(commands[:first], now, commands[first:]):
+            return
+        rest = commands[first:]  # in their order: what comes after a motion may depend on it
+        if model.following.restores and not restores:  # which has just begun
+            self._queue.put_back(rest)
+            return
+        self._asked_at = now
+        if opens:
+            self._announce_pictures()
+        if rest or model.motions.replaying:
+            self._background.begin(lambda: self._carry_out(rest, now), alone=True)
+            return
+        self._tick_motions()
+        if model.player.due(now):
+            self._background.begin(lambda: model.player.advance(now, BESIDE), alone=False)
+
+    def _carry_out(self, commands: list[Queued], now: float) -> None:
+        for entry in commands:
+            self._apply(entry, now)
+        self._move_on(now, 0.0)
+
+    def _move_on(self, now: float, budget: float) -> None:
+        self._tick_motions()
+        self._model.player.advance(now, budget)
+        session = self._model.session
+        if isinstance(session.eyes, RemoteEyes):
+            session.eyes.retake(session.snapshot)
+
+    def _tick_motions(self) -> None:
+        motions = self._model.motions
+        if motions.recorder is not None or motions.shown is not None:
+            motions.tick()
+
+    def _apply_meanwhile(self, now: float) -> None:
+        """What need not wait for the turn that goes on."""
+        if not self._background.alone:
+            self._apply_in_time(self._queue.take_order_independent(), now)
+
+    def _apply_in_time(self, commands: list[Queued], now: float, rest: list[Queued] | None = None) -> bool:
+        """Apply commands in their order. Return whether all were; else the others wait for the next tick."""
+        until = self._clock() + MOST_A_PASS
+        for k, entry in enumerate(commands):
+            waits = self._model.following.restores and entry.moves and not (entry.order_independent or entry.cancels)
+            if waits or (k and self._clock() > until):
+                self._queue.put_back(commands[k:] + (rest or []))
+                return False
+            self._apply(entry, now)
+        return True
+
+    def _end_turn(self, now: float) -> None:
+        try:
+            if self._background.end():
+                self._model.player.seen_from(now, self._asked_at)
+        except CameraLost as lost:
+            self._model.undoable.leave_pictures()
+            self._model.refuse(f"{lost}: back to projected points.", now + MESSAGE_STAYS)
+
+    def _apply(self, entry: Queued, now: float) -> None:
+        """Carry out one command; one that cannot be is said, and the others go on."""
+        try:
+            entry.apply(self._model, now)
+        except ValueError as refusal:
+            self._model.refuse(str(refusal), now + MESSAGE_STAYS)
+            return
+        if not isinstance(entry, JobResult):
+            self._model.inputs += 1
+            if not entry.order_independent:
+                self._model.accept()
+
+
+# What takes long for one page goes on in a thread of its own while the page is ticked, one turn after the other.
+
+
+class Background:
+    """Runs one turn at a time in a thread.
+
+    busy: a turn runs, or `end` has not reported its end; alone: the turn changes the session, so do not read it.
+    """
+
+    def __init__(self):
+        self._thread: threading.Thread | None = None
+        self._fault: BaseException | None = None
+        self.alone = False
+
+    @property
+    def busy(self) -> bool:
+        return self._thread is not None
+
+    def begin(self, turn: Callable[[], None], alone: bool) -> None:
+        self.alone = alone
+        self._thread = threading.Thread(target=self._carry_out, args=(turn,), name="viewimit-turn", daemon=True)
+        self._thread.start()
+
+    def end(self) -> bool:
+        """Whether a turn has ended since it was asked last. Raises what the turn raised."""
+        if self._thread is None or self._thread.is_alive():
+            return False
+        self._thread, self.alone = None, False
+        fault, self._fault = self._fault, None
+        if fault is not None:
+            raise fault
+        return True
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Whether no turn goes on any more, after that time at most."""
+        if self._thread is not None:
+            self._thread.join(seconds)
+        return self._thread is None or not self._thread.is_alive()
+
+    def _carry_out(self, turn: Callable[[], None]) -> None:
+        try:
+            turn()
+        except BaseException as fault:  # raised where the turn ends, in the thread that draws the page
+            self._fault = fault

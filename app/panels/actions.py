@@ -42,13 +42,7 @@ def read_message(text: str) -> Message:
 
 
 class Actions:
-    """Put each new action into a page's queue.
-
-    Parameters
-    ----------
-    queue
-        The page's.
-    """
+    """Put each new action into a page's queue."""
 
     def __init__(self, queue: CommandQueue):
         self._queue = queue

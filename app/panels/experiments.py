@@ -101,7 +101,7 @@ def draw_progress(run: Run | None, chosen: str) -> str:
 
 def _words(run: Run) -> str:
     if run.state == "waiting":
-        return f"waiting, {run.before} before you" if run.before else "starting …"
+        return "waiting for its turn"
     if run.state == "running":
         return f"{round(100 * run.share)} %"
     if run.state == "writing":

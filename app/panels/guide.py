@@ -18,6 +18,7 @@ from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
 from ..model.keeping import share_link
 from ..model.page_model import PageModel
+from ..static import STATIC
 from .panel import SLOWEST, Layout, put_html
 
 
@@ -88,54 +89,12 @@ def key_caps(keys: Iterable[Key]) -> str:
     return "".join(f"<span><kbd>{key.cap}</kbd> {key.word}</span> " for key in keys)
 
 
-PARAGRAPHS = (
-    ("<b>Two robots, one pair of eyes.</b> The stereo head is the learner's. It looks at the demonstrator (l, r), then"
-      " at its own arm (L, R). It knows nothing but points in these four images: no model of an arm, no calibration."),
-    ("<b>Two views give a line.</b> Click a point, or press N: where it lies in l puts it on a line in L; r gives a"
-      " second line. The lines are computed as if both arms were in the same pose. A hollow diamond is where the lines"
-      " put the point. While the poses differ, the lines are wrong, and so are the diamonds."),
-    ("<b>A wrong pose makes a conflict.</b> Where the poses differ, no lines can fit all points. The misfit that"
-      " remains, the arrows e from diamonds to dots, is the conflict; E is their mean square. An arrow is a"
-      " contradiction, not a signpost. The grey ghost in L and R is the goal, which the learner does not know:"
-      " only there do dots and diamonds meet. With the paper's lines they miss each other even there by a pixel or two,"
-      " as these neglect that near things look larger. G hides it."),
-    ("<b>The conflict drives the arm.</b> Press Play. The learner moves, learns what that changes in its images, and"
-      " goes where E is smaller. The landscape shows E for all postures; the learner knows only its own path. Watch"
-      " yourself first: it goes through 12 postures with nobody to imitate, and needs no test steps then."),
-    ("<b>Touch it.</b> Click the landscape: the learner starts there. With Preview the posture, a ghost arm goes there"
-      " instead, and nothing moves. Try 20 starts sends twenty learners. Click a curve: back to that moment. Undo takes"
-      " back resets and presets, too."),
-    ("<b>Disturb it.</b> Move the demonstrator at any time by its sliders or its hand, add noise, lose points, or take"
-      " a preset that breaks the method. The strip under the scene says what the learner itself knows, and beneath it"
-      " what is true. A ? says what a number means."),
-    ("<b>Race two methods.</b> The tab Duel sends a second learner, a ghost arm, from your learner's start, with"
-      " another transfer and servo. Compare all transfers under the landscape; free all seven joints under Method."),
-    ("<b>Mark the arms yourself.</b> Edit points, or E: where you click an arm, both get one more point. The strip"
-      " says how far a pixel of noise then turns each joint. Best next shows the place that would help most, hollow"
-      " until you take it. Save scene keeps the points in a file for <code>viewimit imitate --scene</code>."),
-    ("<b>Look with cameras.</b> Camera images, under Display, shows both arms with coloured balls in rendered"
-      " pictures. A dot or filled diamond is a ball that was detected; faint ones are missing in another image, and no"
-      " picture is taken on the way. Landscapes and experiments remain those of projected points."),
-    ("<b>Show it to a class.</b> Press P, or add <code>?present</code> to the address: larger letters, no controls, a"
-      " ring about the pointer. What is true is hidden until you press T. For lessons with a class, start"
-      " <code>viewimit class</code>."),
-    ("<b>Repeat the paper.</b> The tab Experiments runs Figs. 7, 9 and 10 with what you have set here, compares them"
-      " with the paper and hands you figure and data. Fig. 10 also follows a motion that you record or load in the tab"
-      " Follow; See it shows both arms as it was imitated."),
-)  # fmt: skip
-NOTE = (
-    "Arms, rays, residuals in 3-D, the demonstrator's marks and the landscape are the simulation's truth, for the"
-    " viewer only. No transfer or servo is given any of it."
-)
-
-
+HELP_HTML = STATIC.joinpath("help.html").read_text("utf-8")
 METHODS = (("Transfers", TRANSFERS), ("Servos", SERVOS))
 
 
 def help_html(keys: str) -> str:
     """For a modal. keys: what they are, as html."""
-    texts = "".join(f"<p>{text}</p>" for text in PARAGRAPHS)
-    note = f'<p class="vi-help-note">{NOTE}</p>'
     methods = "".join(
         f"<p><b>{title}</b></p><dl>"
         + "".join(f"<dt>{m.title}</dt><dd>{_method(m.assumes, m.limitations)}</dd>" for m in methods.values())
@@ -143,7 +102,7 @@ def help_html(keys: str) -> str:
         for title, methods in METHODS
     )
     words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
-    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{texts}{methods}{words}{note}</div>'
+    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}</div>'
 
 
 def _method(assumes: str, limitations: str) -> str:
@@ -192,8 +151,8 @@ def glossary(layout: Layout, model: PageModel) -> None:
     layout.gui.add_html(f'<div class="vi-words">{linked_cards()}</div>')
     values = layout.gui.add_html("")
     layout.drawing(
-        lambda model: (model.snapshot, model.glossary_demo.key),
-        lambda model: put_html(values, current_values(numbers_now(model), model.glossary_demo.key)),
+        lambda model: (model.snapshot,),
+        lambda model: put_html(values, current_values(numbers_now(model))),
         period=SLOWEST,
     )
 

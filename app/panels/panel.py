@@ -39,28 +39,13 @@ class ClientInfo(NamedTuple):
     lessons: Mapping[str, Lesson] = {}
 
 
-def never(model: PageModel) -> bool:
-    return False
-
-
 @dataclass(eq=False)
 class Drawing:
     """A part of a page that is drawn whenever one of the values it depends on has changed.
 
-    Attributes
-    ----------
-    kind
-        Panel and number: the same on all pages.
-    tab
-        In which it stands; "" for none. It is not drawn while its tab is not open.
-    key
-        The values that it depends on. Of snapshots their identity counts.
-    draw
-        Writes what differs.
-    period
-        s at least between two drawings, longer under load; 0: as often as the page looks for changes at all.
-    seen
-        Whether anybody may see it, though its tab is not open.
+    kind: panel and number, the same on all pages; tab: in which it stands, "" for none; it is not drawn while that is
+    not open; key: the values that it depends on, of snapshots their identity; draw: writes what differs; period: s at
+    least between two drawings, 0: as often as the page looks for changes at all.
     """
 
     kind: Hashable
@@ -68,10 +53,9 @@ class Drawing:
     key: Callable[[PageModel], tuple]
     draw: Callable[[PageModel], None]
     period: Period = 0.0
-    seen: Callable[[PageModel], bool] = never
 
     def is_seen(self, model: PageModel) -> bool:
-        return self.tab not in model.view.unseen or self.seen(model)
+        return self.tab not in model.view.unseen
 
     def period_of(self, model: PageModel) -> float:
         return self.period(model) if callable(self.period) else self.period
@@ -102,12 +86,7 @@ class Controls:
 class Layout:
     """The widgets and drawings of one page: the left panel, which is `gui` itself, and the right ones with their tabs.
 
-    Attributes
-    ----------
-    drawings
-        The drawings that the panels have declared, in their order.
-    named
-        Widgets that the page must find again, by their names.
+    drawings: those that the panels have declared, in their order; named: widgets that the page must find again.
     """
 
     def __init__(self, client: ClientHandle, queue: CommandQueue, info: ClientInfo | None = None):
@@ -172,14 +151,10 @@ class Layout:
     # Drawings
 
     def drawing(
-        self,
-        key: Callable[[PageModel], tuple],
-        draw: Callable[[PageModel], None],
-        period: Period = 0.0,
-        seen: Callable[[PageModel], bool] = never,
+        self, key: Callable[[PageModel], tuple], draw: Callable[[PageModel], None], period: Period = 0.0
     ) -> None:
         """Declare a drawing, beside the values that it depends on. The parameters are those of `Drawing`."""
-        self.drawings.append(Drawing((self._panel, len(self.drawings)), self._tab, key, draw, period, seen))
+        self.drawings.append(Drawing((self._panel, len(self.drawings)), self._tab, key, draw, period))
 
     def bind(self, read: Read, write: Callable[[Any], None], widget: Any = None, period: float = 0.0) -> None:
         """Call `write` with a value that is cheap to read, whenever it has changed. widget: that sends it, too."""
@@ -264,14 +239,8 @@ class Layout:
 class JointSliders:
     """One slider for each joint that moves, made again for each world.
 
-    Parameters
-    ----------
-    inside
-        Where they stand.
-    name
-        Of each; {joint} stands for its joint.
-    command
-        Called with the number of the joint, counted among those that move, and its angle in degrees.
+    name: of each, {joint} stands for its joint; command: called with the number of the joint, counted among those that
+    move, and its angle in degrees.
     """
 
     def __init__(

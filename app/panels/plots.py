@@ -14,7 +14,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
 from ..drawing import duel as drawing
-from ..drawing.overlays import asks, draw_see_through, hide_later_motions, motion_links, posture_links
+from ..drawing.overlays import asks, draw_see_through, motion_field, posture_field
 from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
@@ -49,7 +49,9 @@ def landscape(layout: Layout, model: PageModel) -> None:
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
         layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
-        layout.drawing(lambda model: (model.generation,), partial(_draw_links, links))
+        layout.drawing(
+            lambda model: (model.generation,), lambda model: put_html(links, posture_field(model.session.scene))
+        )
 
 
 class OwnPath:
@@ -88,10 +90,6 @@ def _draw_preview(preview: Any, model: PageModel) -> None:
     put_html(preview, "" if moment is None else draw_see_through(model.session.scene, moment))
 
 
-def _draw_links(links: Any, model: PageModel) -> None:
-    put_html(links, posture_links(model.session.scene))
-
-
 def _draw_basin(model: PageModel) -> str:
     run = model.basins.run
     return "" if run is None else run.figure or WAITING
@@ -111,17 +109,14 @@ def curves(layout: Layout, model: PageModel) -> None:
             session, made = model.session, model.landscape.made
             E_true, joints = None if made is None else made.E_true, session.scene.moving_joints
             drawn = draw_curves(session.history, session.cursor, E_true, joints, errors_deg=model.displayed.errors_deg)
-            put_html(shown, drawn + hide_later_motions(len(session.history) - 1))
-
-        def links_key(model: PageModel) -> tuple:
-            return (axis_end(len(model.session.history) - 1),)
-
-        def draw_links(model: PageModel) -> None:
-            """Made again only when they change."""
-            put_html(over, f'<div class="vi-over">{motion_links(*links_key(model))}</div>')
+            put_html(shown, drawn)
 
         layout.drawing(lambda model: (model.snapshot, len(model.session.history), model.landscape.made), draw, SLOW)
-        layout.drawing(links_key, draw_links, SLOW)
+        layout.bind(lambda model: axis_end(len(model.session.history) - 1), partial(_draw_field, over))
+
+
+def _draw_field(over: Any, end: int) -> None:
+    put_html(over, f'<div class="vi-over">{motion_field(end)}</div>')
 
 
 def equations(layout: Layout, model: PageModel) -> None:

@@ -30,12 +30,8 @@ log = logging.getLogger(__name__)
 of_websockets = logging.getLogger("viewimit.websockets")
 of_websockets.addFilter(lambda record: record.getMessage() != OF_CLIENTS)
 
-MAKE_ROOM = "This page tries again every few seconds; close a tab elsewhere to make room."
-NO_SEAT = f"""<!doctype html><html><meta charset="utf-8"><meta http-equiv="refresh" content="5">
-<link rel="icon" href="data:,"><title>{"viewimit: all seats are taken"}</title>
-<body style="font:18px system-ui,sans-serif;margin:15vh auto;max-width:32em">
-<h1>{"All seats are taken"}</h1><p>{{why}} {MAKE_ROOM}</p>
-</body></html>"""
+NO_SEAT = "All seats are taken. {why} This page tries again every few seconds; close a tab elsewhere to make room.\n"
+AGAIN = {"Refresh": "5"}  # s, as browsers take it
 
 
 class AccessControl:
@@ -150,12 +146,12 @@ class AccessControl:
         is_page = answer.headers.get("Content-Type", "").startswith("text/html")
         if is_page and self.full:
             why = f"{len(self.seats)} tabs are open here, which is as many as there is room for."
-            answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), "text/html")
+            answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), **AGAIN)
         elif is_page and self.full_for(connection.network):
             why = (
                 f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have."
             )
-            answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), "text/html")
+            answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), **AGAIN)
         elif is_page:
             with_own_head(answer)
         _describe(answer.headers, host)

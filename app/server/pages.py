@@ -16,9 +16,6 @@ from websockets.frames import CloseCode
 from viewimit.simulation.scene import load_scene
 
 from .. import viser_private
-from ..jobs.camera_images import CameraProcess
-from ..jobs.experiments import ExperimentWorker
-from ..jobs.threads import LandscapeWorker
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import LabPages
 from ..model.services import Services
@@ -82,8 +79,7 @@ class App:
         self._building = asyncio.Semaphore(BUILT_AT_ONCE)
         self._collecting: asyncio.TimerHandle | None = None
         share = cache(partial(share_meshes, server))  # what no page has shown yet waits
-        self._camera = CameraProcess()
-        self.services = Services(LandscapeWorker(), ExperimentWorker(), self._camera, share)
+        self.services = Services(share)
         server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.gui.add_html(f"<style>{stylesheet()}</style>")
         share_light(server)
@@ -96,12 +92,9 @@ class App:
     def stop(self) -> None:
         """Stop all pages and jobs. Not from the event loop."""
         self._scheduler.stop()
-        self._camera.stop()
+        self.services.camera.stop()
         asyncio.run_coroutine_threadsafe(self._retire_all(), self._server.get_event_loop()).result()
-        self.services.experiments.stop()
-        self.services.basins.stop()
-        self.services.scripts.stop()
-        self.services.picture_scripts.stop()
+        self.services.stop()
 
     async def _retire_all(self) -> None:
         leaving = [asyncio.ensure_future(self._retire(client_id)) for client_id in list(self._pages)]
@@ -168,10 +161,7 @@ class App:
         if page is None:
             return
         self._scheduler.remove(page)
-        self.services.landscapes.forget(client_id)
-        self.services.files.forget(client_id)
-        self.services.experiments.forget(client_id)
-        self.services.basins.forget(client_id)
+        self.services.forget(client_id)
         page.model.following.let_go()
         await asyncio.to_thread(page.close)
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from viewimit.drawing.theme import DRAWING_CSS, WORDS_CSS, font_faces, variables
 
+STATIC = Path(__file__).parent
 PAGE_CSS, CONTROLS_CSS, LAYOUT_CSS = (
-    Path(__file__).with_name(f"{name}.css").read_text("utf-8") for name in ("page", "controls", "layout")
+    STATIC.joinpath(f"{name}.css").read_text("utf-8") for name in ("page", "controls", "layout")
 )
-
 SCRIPTS = ("limits.js", "session.js", "page.js")
-PAGE_JS = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in SCRIPTS)
+PAGE_JS = "".join(STATIC.joinpath(name).read_text("utf-8") for name in SCRIPTS)
 
 
 def stylesheet() -> str:

@@ -97,6 +97,15 @@ document.addEventListener("click", event => {
   const [control, ...value] = link.dataset.do.split("/");
   act(control, value.join("/"));
 });
+// A click in a field of a drawing stands for the values at its place: across, and up where it has a second range
+document.addEventListener("click", ({target, clientX, clientY}) => {
+  const field = target.closest("[data-field]");
+  if (!field) return;
+  const {left, bottom, width, height} = field.getBoundingClientRect();
+  const [from, to, low, high] = field.dataset.values.split(",").map(Number);
+  const across = from + (to - from) * (clientX - left) / width, up = low + (high - low) * (bottom - clientY) / height;
+  act(field.dataset.field, high === undefined ? Math.round(across) : `${up.toFixed(1)},${across.toFixed(1)}`);
+});
 // What the browser knows, and reports to the page's server: at first, after a restart of the server, and as it changes
 const MEDIA = Object.entries({
   dark: "(prefers-color-scheme:dark)",

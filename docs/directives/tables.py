@@ -5,11 +5,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from viewimit.experiments.bench import compare
-from viewimit.experiments.bench.benchmark import Share
+from viewimit.experiments.bench.engine import Summary, summarise
+from viewimit.experiments.bench.intervals import Share
+from viewimit.experiments.bench.report import read_runs
 
 MEASURED = Path(__file__).parents[1] / "measured"
-COMPARISON = Path(__file__).parents[1] / compare.TABLE
+COMPARISON = Path(__file__).parents[1] / "comparison.csv"
 
 
 class Table:
@@ -35,6 +36,6 @@ def _with_shares(found: dict[str, Any]) -> Any:
     return Share(**found) if found.keys() == Share.__dataclass_fields__.keys() else found
 
 
-def compared() -> dict[tuple[str, str], compare.Compared]:
+def compared() -> dict[tuple[str, str], Summary]:
     """Return the comparison of all servo laws, by case and law."""
-    return {(cell.case, cell.servo): cell for cell in compare.compared(compare.read(COMPARISON))}
+    return {(cell.case, cell.servo): cell for cell in summarise(read_runs(COMPARISON), {})}

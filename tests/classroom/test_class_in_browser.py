@@ -293,6 +293,43 @@ def test_all_are_asked_to_do_the_same_and_their_paths_are_on_one_bowl(browser, s
         student.close()
 
 
+def test_a_class_copies_one_pose_and_the_robot_is_among_the_first(browser, server, lecturer):
+    students = [Tab(browser, server, name=name) for name in ("Ann", "Bo")]
+    lecturer.press("Challenge")
+    for student in students:
+        student.page.wait_for_selector(".class-challenge[open] .task:not(:empty)")
+    assert len({student.page.inner_text(".class-challenge .task") for student in students}) == 1, "the same for all"
+    lecturer.sees("2 play, 0 did not find it.")
+    find = """async by => {
+        const {game, joints} = classroom.challenge.screen, to = game.challenge.demonstrator;
+        for (const miss of [.3, 0].slice(by)) {
+            joints.wanted = [to[0], to[1] + miss * (to[1] > -1.5 ? -1 : 1)];
+            joints.button.click();
+            while (classroom.challenge.screen.isMoving) await new Promise(requestAnimationFrame);
+        }
+    }"""
+    students[0].page.evaluate(find, 1)
+    lecturer.sees("1 play, 0 did not find it.")
+    lecturer.page.click(".class-tabs >> text=Students")
+    lecturer.page.wait_for_selector(".class-tile.answered")
+    assert (
+        "° off" not in lecturer.page.inner_text(".class-tiles")
+        and lecturer.page.locator(".class-tile .goal").count() == 0
+    )
+    lecturer.page.click(".class-tabs >> text=Standings")
+    students[1].page.evaluate(find, 0)
+    lecturer.sees("0 play, 0 did not find it.")
+    rows = [row.split() for row in lecturer.page.locator(".class-standings tr").all_inner_texts()]
+    assert [row[1] for row in rows] == ["Ann", "Bo", "The"] and [row[0] for row in rows] == ["1", "2", "3"]
+    assert [row[-1] for row in rows[:2]] == ["1", "2"] and int(rows[2][-1]) >= 4
+    lecturer.page.keyboard.press("Escape")
+    lecturer.press("Gather here")
+    for student in students:
+        student.page.wait_for_selector(".class-challenge:not([open])", state="attached")
+        assert not student.problems
+        student.close()
+
+
 def test_every_bet_reaches_the_class_and_an_asked_one_is_counted_before_the_reveal(browser):
     with ClassServer("--lesson", "sign") as server:
         student, other = Tab(browser, server), Student(server)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from viewimit.estimation.views import VIEWS
-from viewimit.experiments.bench.misfits import stretched
+from viewimit.experiments.bench.demonstrators import stretched
 from viewimit.simulation.camera import Cameras, StereoHead
 from viewimit.simulation.robot import BodyPoints
 from viewimit.simulation.scene import Eye, load_scene

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from viewimit.app.drawing.landscapes import draw_compared, draw_together
 from viewimit.app.model.computed import Comparison
-from viewimit.app.model.queue import CommandQueue
+from viewimit.app.model.queue import Beside, CommandQueue
 
 from viewimit.analysis.minima import study_transfer
 from viewimit.estimation.transfers import TRANSFERS
@@ -29,7 +29,7 @@ class LaterWorker(dict):
 @pytest.fixture
 def compared():
     session, shown, worker, queue = Session(Settings.paper()), [], LaterWorker(), CommandQueue({})
-    comparison = Comparison(1, worker, queue)
+    comparison = Comparison(Beside(1, worker, queue))
 
     def tick():
         before = comparison.html

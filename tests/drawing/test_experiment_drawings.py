@@ -431,8 +431,7 @@ class TestVerdict:
         "run, said, percent",
         [
             (None, "not run yet", 0),
-            (Run("fig9", "waiting", before=2), "waiting, 2 before you", 0),
-            (Run("fig9", "waiting"), "starting …", 0),
+            (Run("fig9", "waiting"), "waiting for its turn", 0),
             (Run("fig9", "running", share=0.428), "43 %", 43),
             (Run("fig7", "running", share=0.5), "Fig. 7: 50 %", 50),
             (Run("fig9", "writing", share=1.0), "writing the files …", 100),

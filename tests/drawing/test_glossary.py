@@ -7,9 +7,7 @@ import pytest
 from drawn import SCALE_OF_MORE, parsed
 from page_fakes import call
 from quiet_page import QuietPage
-from sameness import assert_same
 from viewimit.app.drawing.overlays import asks, beside, current_values, listed
-from viewimit.app.model.keeping import tab_link
 from viewimit.app.panels.guide import help_html, numbers_now
 
 from viewimit.drawing import glossary
@@ -119,67 +117,3 @@ def test_its_type_has_contrast_in_both_schemes(role, ground):
     for colour, behind in zip(ROLES[role], ROLES[ground]):
         low, high = sorted((luminance(colour), luminance(behind)))
         assert (high + 0.05) / (low + 0.05) >= 4.5
-
-
-def give_back_offered(page):
-    """Of which entries the cards do."""
-    return re.findall(r"#vi-word-(\w+) \.vi-give-back\{display:block\}", page.shown)
-
-
-def test_what_was_there_before_is_given_back_to_the_bit():
-    """Whatever was done meanwhile: another entry, motions, another view. And it goes on as it would have."""
-    page, twin = (QuietPage(Settings()) for _ in range(2))
-    for one in (page, twin):
-        for control, value in (("point", "3"), ("large", "1")):
-            one.act(control, value)
-        for _ in range(4):
-            one.page.queue.call("step")
-            one.tick(1.0)
-        one.act("moment", "2")
-        one.tick(1.0)
-    model = page.page.model
-    before, view, past = tab_link(model), model.view, model.past.everything
-    history = tuple(model.session.history)
-    assert give_back_offered(page) == []
-    for key in ("E", "condition"):
-        page.act("show", key)
-        page.tick(1.0)
-        page.tick(10.0)
-        assert give_back_offered(page) == [key]
-    model.undoable.change(noise_px=1.0)
-    page.act("point", "1")
-    page.act("restore", "0")
-    page.tick(1.0)
-    page.tick(10.0)
-    assert tab_link(model) == before and model.view == view and model.past.everything == past
-    assert_same(tuple(model.session.history), history)
-    assert give_back_offered(page) == []
-    for one in (page, twin):
-        one.page.queue.call("step")
-        one.tick(1.0)
-    assert_same(tuple(model.session.history), tuple(twin.page.model.session.history))
-
-
-def test_who_was_playing_plays_on():
-    page = QuietPage()
-    page.page.queue.call("play")
-    page.tick(1.0)
-    page.act("show", "E")
-    page.tick(0.1)
-    page.act("restore", "0")
-    page.tick(0.1)
-    assert page.page.model.player.playing and page.page.model.player.speed == 2
-
-
-def test_nothing_is_given_back_where_nothing_was_taken():
-    page = QuietPage()
-    page.act("restore", "0")
-    page.tick(1.0)
-    assert "nothing is shown in place of what was here" in page.page.model.message.text
-    page.act("show", "E")
-    page.tick(1.0)
-    page.choose("Preset", "Beyond the paper")
-    settings = page.page.model.session.settings
-    page.act("restore", "0")
-    page.tick(10.0)
-    assert page.page.model.session.settings == settings and give_back_offered(page) == []

@@ -1,32 +1,20 @@
 """What lies over the drawings of the page: links, and where they are."""
 
 import re
-import zlib
 
 import numpy as np
 import pytest
 from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
 from viewimit.app.drawing.landscapes import describe_basin, draw_basin
-from viewimit.app.drawing.overlays import (
-    MIN_HIT,
-    hide_later_motions,
-    motion_links,
-    point_links,
-    point_places,
-    posture_links,
-)
+from viewimit.app.drawing.overlays import MIN_HIT, motion_field, point_links, point_places, posture_field
 
 from viewimit.analysis.convergence import Basin, Ending
-from viewimit.drawing.curves import axis_end, draw_curves
+from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
-
-
-def actions(html: str) -> list[str]:
-    return re.findall(r'data-do="([^"]*)"', html)
 
 
 @pytest.fixture(scope="module")
@@ -71,52 +59,27 @@ class TestPoints:
                 assert (0 <= one).all() and (one <= SIZES[False][view]).all()
 
 
-class TestPostures:
-    @pytest.mark.parametrize("name", ["panda", "iiwa"])
-    def test_cells_tile_the_landscape_and_each_is_around_its_posture(self, name):
-        scene = load_scene(name)
-        plane = PosturePlane(scene)
-        x, y, w, h = plane.box
-        area = 0.0
-        for link in parsed(posture_links(scene)).iter("a"):
-            up, across = map(float, link.get("data-do").rsplit("/", 1)[1].split(","))
-            left, top, right, bottom = map(float, re.findall(r"[\d.]+", link[0].get("d"))[:4])
-            top, bottom = sorted((top, bottom))
-            px = plane.place(np.array([up, across]))
-            assert left - 0.1 <= px[0] <= right + 0.1 and top - 0.1 <= px[1] <= bottom + 0.1
-            area += (right - left) * (bottom - top)
-        assert area == pytest.approx(w * h, rel=0.01)
-
-    def test_tab_stops_at_some_which_have_names_and_the_picture_is_small(self):
-        html = posture_links(load_scene("panda"))
-        stops = [link for link in parsed(html).iter("a") if link.get("tabindex") is None]
-        assert len(stops) == 15 and "θ₂ 45°, θ₄ −90°" in [link.get("aria-label") for link in stops]
-        assert len(zlib.compress(html.encode())) < 12_000
-
-    def test_without_two_joints_there_is_nothing_to_touch(self):
-        assert posture_links(load_scene("panda", joints=(1, 2, 3))) == ""
+def values(rect) -> list[float]:
+    return [float(value) for value in rect.get("data-values").split(",")]
 
 
-def test_curves_lead_to_every_moment_that_they_show_and_have_no_links_of_their_own():
+@pytest.mark.parametrize("name", ["panda", "iiwa"])
+def test_the_field_of_a_landscape_has_its_postures_where_they_are_drawn(name):
+    scene = load_scene(name)
+    (field,) = [one for one in parsed(posture_field(scene)).iter("rect") if one.get("data-field") == "posture"]
+    left, right, bottom, top = values(field)
+    x, y, w, h = (float(field.get(one)) for one in ("x", "y", "width", "height"))
+    corners = PosturePlane(scene).place(np.array([[bottom, left], [top, right]]))
+    np.testing.assert_allclose(corners, [[x, y + h], [x + w, y]], atol=0.1)
+    assert posture_field(load_scene("panda", joints=(1, 2, 3))) == ""
+
+
+def test_both_curves_have_a_field_from_the_first_motion_to_the_end_of_their_axis():
     session = Session(Settings.paper(start_deg=(25, -45)))
     session.run(6)
-    assert actions(draw_curves(session.history, 2, None, (2, 4))) == []
-    for width in (424, 860):
-        html = motion_links(6, width)
-        assert actions(html) == 2 * [f"moment/{k}" for k in range(9)]  # as far as the axis goes
-        assert hide_later_motions(6) == "<style>.vi-motions a:nth-child(n+8){display:none}</style>"
-
-
-@pytest.mark.parametrize("last", [0, 7, 8, 9, 100, 3000])
-def test_links_to_moments_stay_as_long_as_the_axis_and_hide_those_to_come(last):
-    asked = [int(href.rpartition("/")[2]) for href in actions(motion_links(last))]
-    asked = asked[: len(asked) // 2]  # of one plot
-    first_hidden = int(re.search(r"n\+(\d+)", hide_later_motions(last))[1]) - 1
-    assert max(asked[:first_hidden]) <= last and all(motion > last for motion in asked[first_hidden:])
-    assert len(asked) <= 91 and asked[0] == 0
-    ends = 4 * (asked[-1] // 4) if last else 8
-    assert motion_links(max(last, ends - 1)) == motion_links(last)
-    assert motion_links(axis_end(last)) == motion_links(last)
+    assert "data-" not in draw_curves(session.history, 2, None, (2, 4)).split("</svg>")[0]
+    fields = [one for one in parsed(motion_field(8)).iter("rect") if one.get("data-field") == "moment"]
+    assert [values(one) for one in fields] == [[0, 8]] * 2
 
 
 class TestBasin:

@@ -24,7 +24,7 @@ from viewimit.estimation.noise import HomographyResiduals, affine_whitening
 from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.transfers import linear, rank3
 from viewimit.estimation.views import FourViews
-from viewimit.experiments.bench.draws import draw_scene, resize, write_scene
+from viewimit.experiments.bench.draws import draw_scene, resize, scene_text
 from viewimit.geometry.rectification import fit_rectification, rectify_affine
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -127,13 +127,13 @@ def test_a_partially_visible_point_has_half_the_degrees_of_freedom():
 
 
 @pytest.mark.parametrize("any_head", [False, True], ids=["parallel", "any head"])
-def test_predicted_residuals_at_the_true_posture_have_the_variance_of_the_noise(any_head, tmp_path):
+def test_predicted_residuals_at_the_true_posture_have_the_variance_of_the_noise(any_head):
     """Of parallel heads the affine geometry, of four numbers, is fitted to the same noisy matches. Half of them are the
     demonstrator's, so that it takes two of these from E in the mean."""
     offs = []
     for k in range(RIGS):
         views, head, drawn, rng = rig_of(any_head, k)
-        scene = str(write_scene(drawn.scene, tmp_path, "random"))
+        scene = scene_text(drawn.scene)
         now = Session(Settings.best(scene=scene, points=drawn.points)).snapshot
         now = now.with_fields(rectification=head if any_head else None)
         squares = drawn_squares(views, 1.0, partial(asked, now, views.own), rng)

@@ -5,7 +5,6 @@ import pytest
 
 from viewimit.commands.cli import main
 from viewimit.estimation.views import extents
-from viewimit.experiments.bench.benchmark import Context
 from viewimit.experiments.bench.tracks import CASES, HEIGHT, NOISE_PX, WIDTH, Case, draw, run
 from viewimit.geometry.fundamental import fit_fundamental, sampson_distance
 
@@ -29,7 +28,7 @@ def test_points_held_out_are_seen_by_the_same_rig(case):
 
 
 def test_evaluate_leaves_images_so_that_points_held_out_are_predicted_best():
-    rectified, toed = run(10, 2, [Case(40), Case(40, 5.0)], Context.in_processes(1))
+    rectified, toed = run(10, 2, [Case(40), Case(40, 5.0)])
     assert rectified.rectified.count == 0 and toed.rectified.count == 10
     assert rectified.error_px == rectified.raw_px
     assert toed.error_px["projective"] < toed.raw_px["projective"] / 4

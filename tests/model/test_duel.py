@@ -6,7 +6,7 @@ import pytest
 from page_fakes import Hands, quiet_model
 from viewimit.app.model.player import ARRIVED_DEG, Duel, Player
 
-from viewimit.analysis.convergence import RECENT, ErrorTrace, recent_errors_deg
+from viewimit.analysis.convergence import ErrorTrace, recent_errors_deg
 from viewimit.drawing.curves import describe_errors
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -107,17 +107,6 @@ def test_another_method_body_or_layout_begins_the_race_again(race, name, value):
     assert np.array_equal(session.snapshot.theta_demo, duel.opponent.snapshot.theta_demo)
 
 
-@pytest.mark.parametrize("name", ["opponent's transfer", "opponent's servo"])
-@pytest.mark.parametrize("value", [None, "best", "epipolar", ["Broyden on images"], 3], ids=str)
-def test_an_opponent_that_cannot_be_is_refused_and_changes_nothing(race, name, value):
-    session, _, duel, visitor = race
-    visitor.act("step", 0.0)
-    before = duel.opponent.snapshot
-    with pytest.raises(ValueError):
-        visitor.set(name, value)
-    assert duel.opponent.snapshot is before and session.snapshot.motion == 1
-
-
 def test_arrival_is_the_first_motion_within_a_degree_of_where_the_demonstrator_is_now(race):
     session, _, duel, visitor = race
     for _ in range(8):
@@ -149,31 +138,6 @@ def test_errors_are_those_of_the_history_however_that_changes():
         assert describe_errors(recent_errors_deg(session.history, session.cursor)) == describe_errors(last)
     session.reset()
     assert len(trace.of(session.history)) == 1
-
-
-def test_following_is_the_rms_of_the_last_motions():
-    assert describe_errors([5.0]) == "" and describe_errors([9.0, 3.0]) == "3.0° off, rms 3.0° over 1 step"
-    assert describe_errors([99.0] * 30 + [1.0, 2.0] * (RECENT // 2)) == f"2.0° off, rms 1.6° over {RECENT} steps"
-
-
-def test_a_runner_is_seen_on_its_way(race):
-    session, player, duel, visitor = race
-    start = [racer.snapshot.theta for racer in (session, duel.opponent)]
-    visitor.act("step", 10.0)
-    for runner, before in zip(player.runners, start):
-        theta, moving = runner.theta(10.225)
-        assert moving and np.allclose(theta, (before + runner.session.snapshot.theta) / 2)
-
-
-def test_both_hold_still_where_too_few_points_are_seen_and_go_on_once_they_are(race):
-    session, player, duel, visitor = race
-    visitor.set("missing", 100)
-    for tick in range(20):
-        player.advance(float(tick))
-    assert session.snapshot.transfer is duel.opponent.snapshot.transfer is None and player.cursor == 0
-    visitor.set("missing", 0)
-    player.advance(30.0)
-    assert session.snapshot.motion == duel.opponent.snapshot.motion == 1
 
 
 def test_nobody_races_against_the_same_method():

@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 from page_fakes import call, quiet_model
-from quiet_page import QuietPage
-from viewimit.app.drawing.joint_bars import draw_learner
 from viewimit.app.jobs.experiments import Run
 
 from viewimit.analysis.trajectory import Imitation
-from viewimit.drawing.equations import draw_equations
-from viewimit.experiments import EXPERIMENTS
-from viewimit.geometry.affine import VIEW_PAIRS, fit_affine_fundamental
 from viewimit.loop.settings import Settings
 
 FRAMES, STEP_S, BEGUN = 5, 0.5, 100.0
@@ -48,39 +43,12 @@ def test_each_frame_is_seen_in_its_time_and_the_session_stays_as_it_is(model):
     assert np.array_equal(model.poses(over)[0], present.theta)
 
 
-def test_what_stands_beside_the_images_is_of_the_imitation_too(model):
-    page = QuietPage()
-    there = page.page.model
-    there.session.resume(model.session.history, model.session.cursor)
-    there.experiments.chosen = "fig10"
-    there.experiments.take(model.experiments.shown)
-    page.tick(5.0)
-    page.page.queue.call("imitation")
-    page.tick(0.5 * STEP_S)
-    page.tick(2.2 * STEP_S)
-    seen, chosen = there.refresh(page.now).scene_snapshot, there.view.chosen
-    assert seen is not there.session.snapshot
-    assert draw_equations(seen, chosen) in page.shown
-    assert draw_learner(there.session.scene, seen.theta, seen.theta_demo) in page.shown
-    page.page.queue.call("imitation")
-    page.tick(5.0)
-    assert draw_equations(there.session.snapshot, chosen) in page.shown
-
-
 def test_points_are_recovered_by_the_transfer_that_was_frozen(model):
     frozen, seen = model.session.snapshot.transfer, model.refresh(BEGUN + 1.1 * STEP_S).scene_snapshot
     demo, own = seen.views.demo, seen.views.own
     assert np.allclose(seen.recovered, frozen.recover(demo[:, :2], demo[:, 2:]))
     assert seen.E == pytest.approx(((own - seen.recovered) ** 2).sum() / (2 * len(own)))
     assert not np.allclose(seen.recovered, model.session.observe(seen.theta, seen).recovered)
-
-
-def test_epipolar_lines_are_those_of_the_images_that_are_seen(model):
-    """Oracle: Eqs. (1)-(3), pair by pair. The transfer that was frozen has others."""
-    seen = model.refresh(BEGUN + 1.1 * STEP_S).scene_snapshot
-    images = seen.views.demo_left, seen.views.demo_right, seen.views.own_left, seen.views.own_right
-    for (p, q), f in zip(VIEW_PAIRS, seen.fundamental.f):
-        assert abs(f @ fit_affine_fundamental(images[p], images[q])[0]) == pytest.approx(1, abs=1e-9)
 
 
 @pytest.mark.parametrize("ends", ["step", "dismiss", "imitation"])
@@ -97,12 +65,3 @@ def test_it_is_not_seen_in_another_world(model):
     model.experiments.chosen = "fig7"
     with pytest.raises(ValueError, match="no imitation"):
         call("imitation").apply(model, BEGUN)
-
-
-def test_fig_10_hands_out_what_was_imitated_by_the_transfer_of_the_convergence():
-    experiment = EXPERIMENTS["fig10"]
-    found = experiment.run(Settings.paper(start_deg=(25, -45)))
-    imitation, run = experiment.imitation(found), found.runs["converged"]
-    assert imitation.theta is run.theta and imitation.theta_demo is run.theta_demo
-    demo = np.zeros((3, 2))
-    assert np.isfinite(imitation.transfer.recover(demo, demo)).all() and imitation.settings == found.settings

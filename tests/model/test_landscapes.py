@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from viewimit.app.model.computed import OwnLandscape
-from viewimit.app.model.queue import CommandQueue
+from viewimit.app.model.queue import Beside, CommandQueue
 
 from viewimit.drawing.export.panels import COARSE_DEG, FINE_DEG, compute_landscape, make_landscape
 from viewimit.loop.session import Session
@@ -34,7 +34,7 @@ def worker():
 
 @pytest.fixture
 def own(worker):
-    return OwnLandscape(1, worker, CommandQueue({}))
+    return OwnLandscape(Beside(1, worker, CommandQueue({})))
 
 
 def test_it_is_coarse_first_and_as_fine_as_ever_in_the_end(own, worker, session):

@@ -42,13 +42,3 @@ def test_a_lecturers_own_lesson_is_offered_in_place_of_the_tour():
     own = msgspec.structs.replace(shipped()["ray"], title="Mine")
     html = listed(QuietPage(Settings.paper()), {"mine-01234567": own, **shipped()})
     assert re.search(rf'{OFFER}" role="dialog" aria-label="Mine".*href="lab/mine-01234567#page=', html)
-
-
-def test_the_way_back_is_not_written_for_every_motion_but_the_offer_goes_at_once():
-    page = QuietPage(Settings.paper())
-    page.tick()
-    drawing = next(drawing for drawing in page.page.layout.drawings if drawing.kind[0] == "lessons")
-    assert drawing.period_of(page.page.model) > 1
-    page.page.queue.call("dismiss")
-    page.page.tick(page.now + 0.05)
-    assert drawing.period_of(page.page.model) == 0

@@ -1,16 +1,12 @@
 """What a visitor has left behind comes back whole: the reset, the preset, the start and the other branch."""
 
-import numpy as np
 import pytest
-from page_fakes import Camera, Hands, Visit, quiet_model
+from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
-from sameness import assert_same
 from viewimit.app.model.choices import AS_STARTED, PRESETS, modified
 from viewimit.app.model.editing import MAX_ENTRIES
 
-from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.simulated_robot import complete
 
 SETTINGS = Settings.paper(start_deg=(25, -45), noise_px=0.3)
 
@@ -53,18 +49,6 @@ def test_undo_brings_back_what_a_loss_has_taken(visit, loss):
     assert "5 steps" in model.message.text
     visitor.act("undo")
     assert model.session.cursor == 4
-
-
-def test_what_was_brought_back_goes_on_to_the_last_bit(visit):
-    model, visitor = visit
-    visitor.act("reset")
-    visitor.act("undo")
-    alone = Session(SETTINGS)
-    for _ in range(5):
-        alone.step()
-    for session in (model.session, alone):
-        session.step()
-    assert_same(model.session.snapshot, alone.snapshot)
 
 
 @pytest.mark.parametrize("loss", ["step", "play", "joint0", "noise_px"])
@@ -134,19 +118,6 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
     assert model.past.here is None
 
 
-def test_camera_images_that_were_left_come_back_with_new_pictures():
-    visit = Visit(Camera())
-    visit.put("camera", True)
-    visit.arrive()
-    before = visit.session.snapshot.E
-    visit.put("preset", "Five points")
-    visit.arrive()
-    assert visit.photographs == []
-    visit.act("undo")
-    visit.arrive()
-    assert visit.photographs == sorted("lrLR") and visit.session.snapshot.E == before
-
-
 def test_a_changed_preset_says_so_and_choosing_it_again_restores_it():
     page = QuietPage(SETTINGS)
     page.tick(1.0)
@@ -162,15 +133,6 @@ def test_a_changed_preset_says_so_and_choosing_it_again_restores_it():
     page.tick(1.0)
     assert shown() == AS_STARTED and modified(AS_STARTED) not in page.widget("Preset").options
     assert page.page.model.session.settings.transfer == "epipolar"
-
-
-@pytest.mark.parametrize(
-    "preset", [one for one in PRESETS if one.settings.sensor == "projected"], ids=lambda one: one.name
-)
-def test_settings_are_complete_as_a_session_has_them(preset):
-    assert complete(preset.settings) == Session(preset.settings).settings
-    assert complete(complete(preset.settings)) == complete(preset.settings)
-    assert np.isfinite(complete(preset.settings).start_deg).all()
 
 
 def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from page_fakes import Camera, Hands, Visit, call, link, quiet_model
+from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.model.points import MOST_POINTS
 
 from viewimit.analysis.observability import point_information
 from viewimit.loop.session import Session
@@ -100,39 +99,6 @@ def test_nothing_is_edited_unless_editing_is_on(visit):
     assert model.session.snapshot is before and model.points.shown.information is None
 
 
-@pytest.mark.parametrize("point", [call("place_point", 8, (0.0, 0.0, 0.0)), call("place_point", 1, (np.nan, 0.0, 0.0))])
-def test_a_point_that_cannot_be_changes_nothing(visit, point):
-    model, _ = visit
-    before = model.session.snapshot
-    with pytest.raises(ValueError):
-        point.apply(model, 0.0)
-    assert model.session.snapshot is before and model.past.here is None
-
-
-def test_there_is_an_end_to_points(visit):
-    model, _ = visit
-    for _ in range(MOST_POINTS - 10):
-        PLACE.apply(model, 0.0)
-    with pytest.raises(ValueError, match=f"{MOST_POINTS} points already"):
-        PLACE.apply(model, 0.0)
-
-
-def test_undo_takes_back_edit_by_edit_and_then_the_motions_before(visit):
-    model, visitor = visit
-    visitor.act("step")
-    visitor.act("step")
-    seen = [rows(model)]
-    for edit in (lambda: PLACE.apply(model, 0.0), lambda: visitor.act("remove point"), lambda: PLACE.apply(model, 0.0)):
-        edit()
-        seen.append(rows(model))
-    for before in reversed(seen[:-1]):
-        visitor.act("undo")
-        assert rows(model) == before
-    assert model.session.cursor == 2 and model.session.settings.body_points is None
-    visitor.act("undo")
-    assert model.session.cursor == 1
-
-
 def test_what_the_points_tell_is_said_at_once(visit):
     model, visitor = visit
     for edit in (lambda: None, lambda: PLACE.apply(model, 0.0), lambda: visitor.set("joint0", 20.0)):
@@ -184,17 +150,6 @@ def test_a_proposal_for_what_is_no_more_is_dropped(visit, worker, change, late):
     assert model.points.shown.proposal is None
 
 
-def test_escape_lets_go_of_the_proposal_then_of_editing(visit, worker):
-    model, visitor = visit
-    visitor.act("best next")
-    worker.work()
-    visitor.arrive()
-    link("dismiss", "0").apply(model, 0.0)
-    assert model.points.on
-    link("dismiss", "0").apply(model, 0.0)
-    assert not model.points.on
-
-
 def test_the_saved_scene_runs_with_those_very_points(visit, files, tmp_path, ask_json):
     model, visitor = visit
     visitor.set("chosen", "2")
@@ -219,53 +174,6 @@ BEST_FIELDS = {
     "demonstrator_deg": (45, -90),
     "start_deg": (25, -45),
 }
-
-
-def test_a_layout_of_the_scene_takes_the_place_of_points_by_hand(visit):
-    model, visitor = visit
-    PLACE.apply(model, 0.0)
-    visitor.set("points", "11 by hand")
-    assert len(rows(model)) == 11
-    visitor.set("points", "16 points")
-    assert len(rows(model)) == 16 and model.session.settings.body_points is None
-    with pytest.raises(ValueError, match="no layout"):
-        visitor.set("points", "11 by hand")
-
-
-def test_other_joints_keep_the_points(visit):
-    model, visitor = visit
-    PLACE.apply(model, 0.0)
-    placed = rows(model)
-    for joints in ("all seven", "two: θ₂, θ₄"):
-        visitor.set("joints", joints)
-        assert rows(model) == placed
-
-
-def test_a_rehearsal_with_other_points_is_forgotten(visit):
-    model, visitor = visit
-    visitor.set("servo", "Trust region on images")
-    visitor.act("rehearse")
-    model.player.pause()
-    for _ in range(12):
-        visitor.act("step")
-    assert len(model.session.snapshot.calibration) == 12
-    visitor.act("reset")
-    assert model.session.snapshot.calibration is not None
-    visitor.set("chosen", "0")
-    visitor.act("remove point")
-    assert model.session.snapshot.calibration is None
-    PLACE.apply(model, 0.0)
-    other = model.session.embodiment.body(model.session.settings)
-    assert other.points == 10 and other != model.session.embodiment.body(Settings.paper())
-
-
-def test_where_pictures_show_markers_no_point_is_edited():
-    visit = Visit(Camera(), settings=Settings())
-    visit.put("camera", True)
-    visit.rest()
-    visit.act("edit points")
-    visit.arrive()
-    assert not visit.page.model.points.on
 
 
 def test_a_kept_session_goes_on_with_its_points():

@@ -75,7 +75,3 @@ def test_the_page_begins_with_the_papers_method_and_offers_the_best_next():
     assert ServerOptions().settings == Settings.paper()
     assert next(iter(presets_from(ServerOptions().settings).values())).name == "The paper's experiment"
     assert [preset.settings for preset in PRESETS[:2]] == [Settings.paper(), Settings.best()]
-
-
-def test_every_lesson_fits_into_two_lines():
-    assert all(0 < len(preset.says) <= 90 for preset in PRESETS)

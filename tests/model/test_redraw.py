@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.model.services import EARLY, Redraw
+from viewimit.app.model.redraw import EARLY, Redraw
 
 from viewimit.loop.settings import Settings
 
@@ -16,12 +16,6 @@ def test_what_is_asked_late_keeps_its_pace(jitter):
     ticks = [0.05 * k + jitter * rng.random() for k in range(2000)]  # each so many s late
     done = sum(redraw.due("panels", now, PERIOD) for now in ticks)
     assert 100.0 / PERIOD - 1 <= done <= 100.0 / (EARLY * PERIOD)
-
-
-def test_after_a_while_nothing_is_made_up_for():
-    redraw = Redraw()
-    assert redraw.due("panels", 10.0, PERIOD) and redraw.due("panels", 20.0, PERIOD)
-    assert not redraw.due("panels", 20.05, PERIOD) and redraw.due("panels", 20.1, PERIOD)
 
 
 def test_motions_at_the_pace_of_drawings_are_nearly_all_drawn_though_ticks_jitter():

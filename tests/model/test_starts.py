@@ -4,9 +4,7 @@ import pytest
 from drawn import START
 from page_fakes import Hands, QuietExperiments, call, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.jobs import basin_child
-from viewimit.app.jobs.experiments import ExperimentWorker, Request, Run
-from waiting import wait_until
+from viewimit.app.jobs.experiments import Run
 
 from viewimit.loop.settings import Settings
 
@@ -34,16 +32,6 @@ def test_it_is_asked_for_with_the_settings_but_the_start_and_by_points(visit):
     assert model.basins.run.figure == "<p>some</p>"
 
 
-def test_it_ends_the_comparison_that_would_hide_it(visit):
-    model, _, worker = visit
-    call("compare").apply(model, 0.0)
-    toggle(model)
-    assert not model.comparison.on and model.basins.going_on
-    call("compare").apply(model, 0.0)
-    toggle(model)
-    assert not model.comparison.on and model.basins.going_on and len(worker.asked) == 1
-
-
 CHANGES = {
     "demonstrator": lambda visitor: visitor.set("joint0", 60),
     "transfer": lambda visitor: visitor.set("transfer", "Projective combination"),
@@ -68,15 +56,6 @@ def test_it_is_cancelled_when_what_it_depends_on_changes_and_what_comes_late_is_
     worker.tell(late)
     visitor.arrive()
     assert model.basins.run.figure == ""
-
-
-def test_motions_and_starts_change_nothing_of_it(visit):
-    model, visitor, worker = visit
-    toggle(model)
-    visitor.act("step")
-    model.undoable.start_at((60, -60))
-    model.ask_for_landscapes()
-    assert worker.cancelled == 0 and model.basins.going_on
 
 
 def test_the_button_cancels_and_then_hides_it(visit):
@@ -112,22 +91,3 @@ def test_the_page_shows_where_they_end():
     page.click("Hide the starts")
     page.tick(1.0)
     assert START not in page.shown
-
-
-def test_a_process_that_is_cancelled_tells_no_more():
-    worker, told = ExperimentWorker(basin_child.work), []
-    worker.ask(1, Request("basin 1", Settings()), told.append)
-    wait_until(lambda: any(run.figure for run in told), 60)
-    worker.cancel(1)
-    last = len(told)
-    assert told[-1].state == "cancelled"
-    worker.stop()
-    assert len(told) == last
-
-
-def test_what_fails_in_the_process_is_told():
-    worker, told = ExperimentWorker(basin_child.work), []
-    worker.ask(1, Request("basin 1", Settings.paper(scene="none such")), told.append)
-    wait_until(lambda: told[-1].state == "failed", 60)
-    assert "none such" in told[-1].problem
-    worker.stop()

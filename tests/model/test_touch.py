@@ -6,7 +6,7 @@ from drawn import SEE_THROUGH
 from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.model.choices import LARGE, NO_POINT
+from viewimit.app.model.choices import NO_POINT
 from viewimit.app.model.displayed import STAYS, STEP
 
 from viewimit.loop.session import Session
@@ -36,12 +36,6 @@ def test_a_point_is_chosen_and_chosen_again_is_none(visit):
         touch(model, "point", "10")
 
 
-def test_a_page_begins_with_the_point_that_is_farthest_off():
-    model, _ = quiet_model(Settings.paper())
-    squares = (model.session.snapshot.e**2).sum(1)
-    assert squares[model.view.chosen] == squares.max()
-
-
 def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
     model, visitor = visit
     visitor.set("transfer", "Epipolar (paper)")
@@ -56,33 +50,12 @@ def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
     assert model.refresh(50.2).stage is None
 
 
-@pytest.mark.parametrize("value, large", [(str(k), what) for k, what in enumerate(LARGE)])
-def test_a_panel_or_an_image_is_large_until_it_is_touched_again_or_let_go(visit, value, large):
-    model, _ = visit
-    for after in (large, None, large):
-        touch(model, "large", value)
-        assert model.view.large == after
-    touch(model, "dismiss", "0")
-    assert model.view.large is None
-    with pytest.raises(ValueError, match="no panel or image"):
-        touch(model, "large", "6")
-
-
 def test_the_learner_starts_where_the_landscape_is_touched(visit):
     model, visitor = visit
     visitor.act("step")
     touch(model, "posture", "70,-140")
     assert np.allclose(np.degrees(model.session.snapshot.theta), [70, -140]) and model.session.snapshot.motion == 0
     assert model.session.settings.start_deg == (70, -140) and model.generation == 0  # the same world
-
-
-def test_a_slider_of_the_start_moves_one_joint_of_it(visit):
-    model, _ = visit
-    call("start_joint", 1, -100.5).apply(model, 0.0)
-    assert model.session.settings.start_deg == (25, -100.5)
-    before = model.session.snapshot
-    call("start_joint", 6, 10).apply(model, 0.0)  # of a scene with seven
-    assert model.session.snapshot is before
 
 
 @pytest.mark.parametrize("value", ["", "1", "1,2,3", "91,-90", "45,1e9", "45,--", "1,,2"])
@@ -139,14 +112,6 @@ def test_the_learner_starts_where_the_see_through_arm_is(visit):
     touch(model, "posture", "20,-60")
     touch(model, "start", "0")
     assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.display.preview.moment is None
-
-
-def test_a_moment_of_the_curves_is_gone_to(visit):
-    model, visitor = visit
-    for _ in range(3):
-        visitor.act("step")
-    touch(model, "moment", "1")
-    assert model.session.cursor == 1 and len(model.session.history) == 4
 
 
 def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():

@@ -2,13 +2,10 @@
 
 import itertools
 
-import numpy as np
 import pytest
-from page_fakes import Camera, Hands, Visit, quiet_model
+from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
 from sameness import assert_same
-from viewimit.app.jobs import camera_images as session_eyes
-from viewimit.app.model.choices import PRESETS
 from viewimit.app.model.displayed import rehearsal_of
 
 from viewimit.loop.self_calibration import DEFAULT_POSTURES
@@ -51,33 +48,6 @@ def test_it_goes_through_the_postures_that_the_library_does_and_on_to_imitate(vi
     assert_same(model.session.snapshot, alone.snapshot)
     assert model.session.snapshot.status == "converged" and model.session.history.imitation_motions <= 6
     assert model.session.cursor == DEFAULT_POSTURES + model.session.history.imitation_motions
-
-
-def test_what_plays_goes_on_and_what_rests_is_woken(visit):
-    model, visitor = visit
-    visitor.act("play")
-    play(model)
-    assert model.session.snapshot.status == "converged"
-    before = model.session.cursor
-    visitor.act("rehearse")
-    assert model.player.playing
-    play(model, DEFAULT_POSTURES)
-    assert (
-        model.session.cursor == before + DEFAULT_POSTURES
-        and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
-    )
-
-
-def test_every_posture_is_seen_on_its_way_at_the_speed_of_the_page(visit):
-    model, visitor = visit
-    model.player.speed = 2.0
-    visitor.act("rehearse")
-    model.player.advance(10.0)
-    assert model.session.cursor == 1 and model.player.theta(10.2)[1]
-    model.player.advance(10.2)
-    assert model.session.cursor == 1
-    model.player.advance(10.5)
-    assert model.session.cursor == 2
 
 
 @pytest.mark.parametrize("servo", ["gradient", "gradient-retuned", "broyden"])
@@ -160,33 +130,6 @@ def test_another_body_knows_nothing_and_undo_brings_back_who_did(visit, name, va
     assert list(model.session.history) == before and len(model.session.snapshot.calibration) == DEFAULT_POSTURES
 
 
-def test_undo_goes_back_posture_by_posture_and_brings_back_motions_that_it_took_the_place_of(visit):
-    model, visitor = visit
-    for _ in range(3):
-        visitor.act("step")
-    other = list(model.session.history)
-    visitor.set("history", 1)
-    visitor.act("rehearse")
-    play(model, 2)
-    assert said(model) == f"Watches itself: 2 of {DEFAULT_POSTURES} postures."
-    visitor.act("undo")
-    assert said(model) == f"Watches itself: 1 of {DEFAULT_POSTURES} postures."
-    visitor.act("undo")
-    visitor.act("undo")
-    assert list(model.session.history) == other and model.session.cursor == 1
-
-
-def test_a_rehearsal_that_a_reset_cuts_short_can_begin_again(visit):
-    model, visitor = visit
-    visitor.act("rehearse")
-    play(model, 2)
-    visitor.act("reset")
-    assert said(model) == "" and not model.session.snapshot.is_rehearsing
-    visitor.act("rehearse")
-    play(model)
-    assert len(model.session.snapshot.calibration) == DEFAULT_POSTURES and model.session.snapshot.status == "converged"
-
-
 def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit():
     page, back = QuietPage(SETTINGS), QuietPage(SETTINGS)
     page.restore()
@@ -247,44 +190,3 @@ def test_in_a_duel_both_watch_themselves_and_know_the_same(visit):
     assert all(len(session.snapshot.calibration) == DEFAULT_POSTURES and session.cursor == 0 for session in both)
     visitor.act("rehearse")
     assert all(session.snapshot.calibration is None for session in both)
-
-
-def test_an_opponent_that_comes_later_knows_the_same_and_one_that_makes_no_use_of_it_races_on(visit):
-    model, visitor = visit
-    visitor.act("rehearse")
-    play(model, DEFAULT_POSTURES)
-    visitor.act("duel")
-    assert model.duel.opponent.snapshot.calibration is model.session.snapshot.calibration
-    visitor.set("opponent's servo", "Broyden on images")
-    alone = Session(model.duel.opponent.settings)
-    visitor.act("rehearse")  # forgets
-    visitor.act("rehearse")
-    play(model, 4)
-    for _ in range(4):
-        alone.step()
-    assert len(model.session.snapshot.pending_postures) == DEFAULT_POSTURES - 4
-    np.testing.assert_array_equal(model.duel.opponent.snapshot.theta, alone.snapshot.theta)
-
-
-def test_it_watches_itself_with_cameras_too(monkeypatch):
-    monkeypatch.setattr(session_eyes, "require_eyes", lambda camera, scene: None)
-    visit = Visit(Camera())
-    visit.put("camera", True)
-    visit.arrive()
-    visit.put("speed", "all it can")
-    visit.act("rehearse")
-    visit.arrive()
-    for _ in range(200):
-        if visit.session.snapshot.status == "converged":
-            break
-        visit.rest()
-    assert len(visit.session.snapshot.calibration) == DEFAULT_POSTURES and visit.session.snapshot.calibration_holds
-    assert visit.page.close()
-
-
-def test_every_preset_either_offers_it_or_says_why_not():
-    for preset in PRESETS:
-        if preset.settings.sensor == "projected":
-            model, _ = quiet_model(preset.settings)
-            rehearsal = rehearsal_of(model.session)
-            assert rehearsal.offered != rehearsal.words.startswith("Only for")

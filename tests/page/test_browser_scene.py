@@ -16,15 +16,6 @@ CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimati
   done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
 COLOURS = """name => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(part => {
   if (part.material?.color) found.push('#' + part.material.color.getHexString()) }); return found }"""
-PLACE = """name => {
-  const {camera, canvas, nodeRefFromName} = window.__viserMutable, box = canvas.getBoundingClientRect()
-  const place = nodeRefFromName[name].getWorldPosition(camera.position.clone()).project(camera)
-  return [box.left + box.width * (1 + place.x) / 2, box.top + box.height * (1 - place.y) / 2] }"""
-LIT = """name => { const {canvas, nodeRefFromName} = window.__viserMutable, lights = []
-  let top = nodeRefFromName[name]
-  while (top.parent) top = top.parent
-  top.traverse(part => { if (part.isDirectionalLight) lights.push([part.intensity, part.castShadow]) })
-  return lights }"""
 HAND = "/panda/learner/j1/j2/j3/j4/j5/j6/j7"
 
 
@@ -60,13 +51,6 @@ def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
     wait(page, lambda: same(page.evaluate(POSES), before), 20)
 
 
-def test_a_click_beside_a_point_chooses_it(page):
-    press(page, "n")
-    x, y = page.evaluate(PLACE, a_point(page))
-    page.mouse.click(x + 6, y - 6)
-    wait(page, lambda: chosen_point(page) == a_point(page).rpartition("p")[2])
-
-
 def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     name = a_point(page)
     fold(page, "Display")
@@ -90,19 +74,6 @@ def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
     becomes(True)
     switch(page, "Dark")
     becomes(False)
-    fold(page, "Display")
-
-
-def test_shadows_are_cast_when_they_are_asked_for_and_add_no_light(page):
-    fold(page, "Display")
-    lit = lambda: page.evaluate(LIT, "/floor")
-    ((sun, casts),) = lit()
-    assert not casts and "/floor/shadows" not in page.evaluate(POSES)
-    switch(page, "Shadows")
-    wait(page, lambda: lit() and all(casts for _, casts in lit()) and "/floor/shadows" in page.evaluate(POSES))
-    assert sum(intensity for intensity, _ in lit()) == pytest.approx(sun)
-    switch(page, "Shadows")
-    wait(page, lambda: lit() == [[sun, False]] and "/floor/shadows" not in page.evaluate(POSES))
     fold(page, "Display")
 
 
@@ -140,12 +111,3 @@ def test_the_view_is_fitted_to_another_canvas_unless_the_visitor_has_turned_it(p
     press(page, "n")
     wait(page, lambda: chosen_point(page) != before)
     assert np.allclose(page.evaluate(CAMERA), turned, atol=0.05)
-
-
-def test_nothing_of_visers_covers_the_scene_or_competes_with_the_page(page):
-    assert page.locator(".mantine-Notification-root:visible").count() == 0
-    settings = page.locator(".tabler-icon-adjustments")
-    for width, height in ((1280, 720), (1024, 640), (900, 600), (390, 844)):
-        page.set_viewport_size({"width": width, "height": height})
-        assert settings.is_hidden()  # viser's own, with a dark mode that would know nothing of the page's
-        assert page.get_by_text("Dev Settings").is_hidden() and page.get_by_text("Dark Mode").is_hidden()

@@ -96,12 +96,6 @@ def test_an_address_that_a_person_wrote_opens_its_state_and_does_not_come_back_a
         wait(page, lambda: posture(page) == stands(session))
 
 
-def test_an_address_with_a_field_that_nobody_knows_says_so(browser, server):
-    with opened(browser, f"{server}/?preset=paper&demonstrator=50,-80") as page:
-        wait(page, lambda: "the link has a field that is not known, 'demonstrator'" in page.text_content("body"))
-        assert posture(page) == stepped(0)
-
-
 def test_a_session_goes_on_after_its_server_was_killed_and_at_another_one(browser):
     first = Server()
     relay = Relay(first.url)
@@ -123,20 +117,6 @@ def test_a_session_goes_on_after_its_server_was_killed_and_at_another_one(browse
         wait(page, lambda: posture(page) == stepped(4))
     relay.close()
     assert second.stop() == 0
-
-
-def test_a_connection_that_is_lost_while_a_laptop_sleeps_is_made_again_with_its_session(browser):
-    server = Server()
-    relay = Relay(server.url)
-    with opened(browser, relay.url) as page:
-        step(page, 2)
-        wait(page, lambda: "steps=2" in page.url)
-        box = page.evaluate("box")
-        relay.cut()
-        wait(page, lambda: page.evaluate("box") not in ("", box) and posture(page) == stepped(2))
-        step(page, 1, before=2)
-    relay.close()
-    assert server.stop() == 0
 
 
 @pytest.mark.parametrize("script", [FORBIDDEN, FULL], ids=["forbidden", "full"])

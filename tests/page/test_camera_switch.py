@@ -4,7 +4,6 @@ import html
 import multiprocessing
 import re
 
-import numpy as np
 import pytest
 from browsing import (
     DETECTED,
@@ -19,10 +18,10 @@ from browsing import (
     wait_for_count,
     wait_for_status,
 )
-from drawn import learners_bars
 from protocol import Client
 from serving import Here
 from viewimit.app.jobs.camera_images import CameraProcess
+from viewimit.app.model.services import Services
 from viewimit.app.server import pages
 from waiting import wait_until
 
@@ -33,11 +32,10 @@ BEGINS_WITHIN_S = 60  # a process of the camera images, on a busy machine
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """A server in this process; `camera` is its process of the camera images, which ends soon when nobody needs it."""
-    made = []
-    begun = lambda *options: made.append(CameraProcess(*options, unused_s=UNUSED_S)) or made[-1]
-    monkeypatch.setattr(pages, "CameraProcess", begun)
+    camera = CameraProcess(UNUSED_S)
+    monkeypatch.setattr(pages, "Services", lambda share: Services(share, camera))
     server = Here()
-    (server.camera,) = made
+    server.camera = camera
     yield server
     server.stop()
     assert not server.camera.running
@@ -52,27 +50,6 @@ def photographs(client: Client) -> set[str]:
 def switch_on(client: Client) -> None:
     client.put("Camera images", True)
     wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
-
-
-def test_pictures_come_with_the_switch_change_with_motions_and_go_with_it(here):
-    with Client(here.url).ready() as client:
-        assert not photographs(client) and not here.camera.running
-        switch_on(client)
-        assert client.value("Layout") == "36 markers" and "Ready" in client.status
-        before = photographs(client)
-        client.press("Make one step")
-        wait_until(lambda: len(photographs(client) - before) == 2)  # those of the arm that moved
-        client.put("Camera images", False)
-        wait_until(lambda: not photographs(client))
-        assert client.value("Layout") == "10 points"
-        wait_until(lambda: not here.camera.running)
-
-
-def test_who_leaves_gives_the_process_up(here):
-    with Client(here.url).ready() as client:
-        switch_on(client)
-        client.press("Play or pause")
-    wait_until(lambda: not here.camera.running)
 
 
 def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
@@ -107,21 +84,6 @@ def test_that_a_robot_wears_no_markers_is_said_beside_the_switch_and_by_the_pres
         client.put("Preset", "Camera images")
         wait_until(lambda: why in html.unescape(client.status))
         assert client.value("Camera images") is False and not here.camera.running and not photographs(client)
-
-
-def test_its_preset_converges_near_the_demonstrator_and_says_so(here):
-    with Client(here.url).ready() as client:
-        client.put("Preset", "Camera images")
-        wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
-        client.press("Play or pause")
-        wait_until(lambda: "Arrived" in client.status, 60)
-
-        def off() -> float:  # the bars are drawn in their own time
-            bars = learners_bars(client.html.values())
-            shown = [float(angle.replace("−", "-")) for angle in re.findall(r"<b>([^<]*)°</b>", bars)]
-            return np.abs(np.array(shown) - [45, -90]).max()
-
-        wait_until(lambda: off() < 2)
 
 
 LOADED = """async where => {

@@ -8,7 +8,6 @@ import pytest
 from page_fakes import Camera, Visit, call
 from viewimit.app.jobs import camera_images as session_eyes
 from viewimit.app.model.keeping import tab_link
-from viewimit.app.page.loop import Background
 from viewimit.app.panels import PANELS
 from waiting import wait_until
 
@@ -62,26 +61,6 @@ def test_a_page_that_waits_for_its_pictures_holds_no_other_up(camera, visit):
     assert visit.session.snapshot.motion == 1
 
 
-def test_pause_and_speed_do_not_wait_and_the_newest_value_of_a_slider_wins(camera, visit):
-    visit.act("play")
-    visit.rest()
-    camera.gate.clear()
-    visit.tick(20)  # until the next motion is due
-    assert visit.page.busy
-    before = len(camera.asked)
-    visit.act("play")
-    visit.put("speed", "4 a second")
-    for angle in (50.0, 60.0, 70.0):
-        visit.put("joint0", angle)
-        visit.tick()
-    assert not visit.player.playing and visit.player.speed == 4
-    assert visit.session.settings.demonstrator_deg[0] == 45
-    camera.gate.set()
-    visit.rest()
-    assert visit.session.settings.demonstrator_deg[0] == 70
-    assert [what for what, _ in camera.asked[before:]].count("demo_images") == 1  # 50° and 60° were never stood at
-
-
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
     before = visit.images
     visit.act("step")
@@ -94,16 +73,6 @@ def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
     visit.tick(20)
     assert visit.images != before and visit.photographs == VIEWS
     assert len(camera.asked) == looks
-
-
-def test_a_motion_is_seen_from_when_it_is_known(camera, visit):
-    start = visit.session.snapshot.theta
-    camera.gate.clear()
-    visit.act("step")
-    visit.tick(30)  # longer than the motion is seen
-    camera.gate.set()
-    visit.rest()
-    np.testing.assert_array_equal(visit.player.theta(visit.now)[0], start)
 
 
 def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
@@ -142,34 +111,6 @@ def test_any_other_fault_reaches_the_scheduler(camera, visit, monkeypatch):
     assert visit.photographs == VIEWS
 
 
-def test_switching_off_ends_pictures_and_gives_the_eyes_back(camera, visit):
-    visit.put("camera", False)
-    visit.arrive()
-    assert visit.photographs == [] and camera.closed == [0]
-    before = len(camera.asked)
-    visit.act("step")
-    visit.tick()
-    assert visit.session.snapshot.motion == 1 and len(camera.asked) == before
-
-
-def test_an_opponent_looks_too_and_gives_its_eyes_back(camera, visit):
-    visit.act("duel")
-    visit.arrive()
-    assert visit.duel.opponent.settings.sensor == "rendered" and camera.closed == []
-    visit.act("duel")
-    visit.arrive()
-    assert camera.closed == [0]
-
-
-def test_older_moments_have_their_pictures(camera, visit):
-    for _ in range(3):
-        visit.act("step")
-        visit.arrive()
-    visit.put("history", 1)
-    visit.arrive()
-    assert visit.photographs == VIEWS
-
-
 def kept(visit):
     """What its tab hands back."""
     return call("session", tab_link(visit.page.model)[0])
@@ -194,20 +135,6 @@ def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, vis
     np.testing.assert_array_equal(back.session.snapshot.views.own, visit.session.snapshot.views.own)
 
 
-def test_a_kept_session_that_gets_no_pictures_comes_back_on_points(visit):
-    visit.put("joint0", 60.0)
-    visit.arrive()
-    full = Camera()
-    full.refusal = "camera images are in use by 8 others"
-    back = Visit(full)
-    back.page.queue.put(kept(visit))
-    back.tick()
-    wait_until(lambda: not back.page.model.following.goes_on, 30, lambda pause: (time.sleep(pause), back.tick()))
-    back.arrive()
-    assert full.refusal in back.said and "Only the settings" in back.said
-    assert back.session.settings.sensor == "projected" and back.session.settings.demonstrator_deg[0] == 60
-
-
 def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit):
     camera.gate.clear()
     visit.act("step")
@@ -215,26 +142,6 @@ def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera,
     assert not visit.page.close(0.05) and camera.closed == []
     camera.gate.set()
     wait_until(lambda: camera.closed == [0])
-
-
-def test_a_page_on_points_takes_its_turns_at_once():
-    visit = Visit(Camera(), settings=Settings.paper())
-    visit.act("step")
-    visit.tick()
-    assert visit.session.snapshot.motion == 1 and not visit.page.busy
-
-
-def test_turns_end_once_and_raise_what_was_raised():
-    turns, gate = Background(), threading.Event()
-    turns.begin(gate.wait, alone=True)
-    assert turns.busy and turns.alone and not turns.end() and not turns.wait(0.01)
-    gate.set()
-    assert turns.wait(5) and turns.end() and not turns.end() and not turns.busy and not turns.alone
-    turns.begin(lambda: 1 / 0, alone=False)
-    turns.wait(5)
-    with pytest.raises(ZeroDivisionError):
-        turns.end()
-    assert not turns.end()
 
 
 def test_a_panel_is_one_function_and_is_drawn_only_when_what_it_depends_on_changes(monkeypatch):

@@ -124,18 +124,6 @@ def test_an_opponent_is_seen_in_a_duel_alone_and_where_it_stands(server, models)
         assert_same(seen, arm(fresh))
 
 
-def test_no_robot_is_sent_before_a_page_shows_it():
-    panda, iiwa = (quiet_model(Settings.paper(scene=scene))[0] for scene in ("panda", "iiwa"))
-    with serving() as server:
-        stage = Stage(server)
-        sent = lambda: {tuple(name.split("/")[1:3]) for name in stage.viewer.nodes if name.endswith("/mesh")}
-        assert sent() == set()
-        stage.show(panda)
-        assert sent() == {("panda", "learner"), ("panda", "demonstrator")}
-        assert {"/iiwa/learner/j1/mesh", "/iiwa/demonstrator/j1/mesh"} <= stage.show(iiwa).keys()
-        assert not any(name.startswith("/panda") and name.endswith("/mesh") for name in stage.show(iiwa))
-
-
 def test_points_on_the_plates_follow_a_demonstrator_that_moves():
     session = Session(Settings.paper(servo="gradient-retuned"))
     moment = Moment(quiet_client(1), SimpleNamespace(keep=lambda handle: handle), session.world, dark=False)

@@ -6,11 +6,10 @@ import re
 import statistics
 
 import pytest
-from browsing import CURVES, PATIENCE_MS, open_page, posture, press, wait, wait_for_status, wait_for_text
+from browsing import PATIENCE_MS, open_page, press, wait, wait_for_status, wait_for_text
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 
-HIDDEN = "Object.defineProperty(document, 'hidden', {value: %s, configurable: true})"
 # In how many frames something on the page was another than before
 COUNT_DRAWINGS = """() => {
   let due = false;
@@ -20,7 +19,6 @@ COUNT_DRAWINGS = """() => {
     due = true;
   }).observe(document.body, {subtree: true, childList: true, characterData: true, attributes: true});
 }"""
-TELL = "document.dispatchEvent(new Event('visibilitychange'))"
 
 
 @pytest.fixture
@@ -124,30 +122,6 @@ def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_s
     styled = [event["args"]["elementCount"] for event in trace if "elementCount" in event.get("args", {})]
     elements = page.evaluate("document.querySelectorAll('*').length")
     assert len(styled) > 5 and statistics.median(styled) < elements / 4
-
-
-@pytest.mark.browser
-def test_in_a_browser_a_tab_that_is_opened_and_a_window_that_is_seen_again_show_what_is(at_the_start):
-    page = at_the_start
-    told = lambda: page.evaluate("sentUnseen")
-    cursor = lambda: page.locator(CURVES).first.evaluate("e => e.closest('svg').parentElement.innerHTML")
-    page.get_by_role("tab", name="Curves").click()
-    wait(page, lambda: "Landscape" in told() and "Curves" not in told())
-    first = cursor()
-    page.get_by_role("tab", name="Landscape").click()
-    wait(page, lambda: "Curves" in told())
-    before = posture(page)
-    press(page, "ArrowRight")
-    wait(page, lambda: posture(page) != before)
-    page.get_by_role("tab", name="Curves").click()
-    wait(page, lambda: cursor() != first)
-
-    page.evaluate(f"{HIDDEN % 'true'}; {TELL}")
-    wait(page, lambda: told() == "window")
-    shown = posture(page), cursor()
-    press(page, "ArrowRight")
-    page.evaluate(f"{HIDDEN % 'false'}; {TELL}")
-    wait(page, lambda: posture(page) != shown[0] and cursor() != shown[1])
 
 
 @pytest.mark.browser

@@ -4,23 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import trimesh
-from viewimit.app.page.page import DOCKED_WITHIN, Docking
 from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
-from viewimit.simulation.scene import load_scene
 from viewimit.simulation.scene_geometry import (
     BELOW,
-    CELL,
     FOV,
-    HALF_NAME,
-    LINE,
     default_view,
     fit_view,
-    floor_lines,
-    unhidden,
 )
-from viewimit.simulation.world import World
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 
@@ -90,30 +81,6 @@ def test_a_canvas_without_a_size_is_waited_for(camera):
     assert camera.position is not found
 
 
-@pytest.fixture
-def window(camera):
-    camera.image_width = 1280
-    return SimpleNamespace(camera=camera)
-
-
-def test_docking_is_over_once_the_canvas_has_another_shape_and_for_good(window, camera):
-    docking = Docking(window, waits=True)
-    camera.image_width, camera.image_height = 960, 540  # the same shape in fewer pixels
-    assert not docking.over(0.0)
-    camera.image_width = 414
-    assert docking.over(0.1)
-    camera.image_width = 960
-    assert docking.over(0.2)
-
-
-def test_panels_that_never_dock_are_not_waited_for_long(window):
-    docking = Docking(window, waits=True)
-    assert not docking.over(5.0)
-    assert not docking.over(5.0 + 0.99 * DOCKED_WITHIN)
-    assert docking.over(5.0 + DOCKED_WITHIN)
-    assert Docking(window, waits=False).over(0.0)
-
-
 @pytest.mark.parametrize("before", BEFORE)
 def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_tells_of_it(camera, before):
     camera.position = np.array([-5.0, 0.0, 0.0])  # three.js's own, as the page was built
@@ -131,17 +98,6 @@ def test_a_camera_that_nobody_has_put_anywhere_is_fitted_whenever_the_browser_te
     assert not view.camera_is_default
     view.follow(lambda: LANDMARKS)
     np.testing.assert_allclose(camera.position, put + 0.1)
-
-
-@pytest.mark.parametrize("box", [(0.2, 0.2, 0.1), (1.0, 0.3, 0.4), (0.6, 2.0, 1.2)])
-def test_no_body_hides_a_name_on_the_floor(box):
-    place, size = np.array([-0.16, -0.31, 0.05]), 0.8
-    body = trimesh.creation.box(box).sample(20_000, seed=0) + [0, 0, box[2] / 2]
-    found = unhidden(place, body, size)
-    right, down, forward = ((body - found) @ default_view()).T
-    over = (np.abs(right) < HALF_NAME * size) & (-LINE * size < down) & (down < 0) & (forward < 0)
-    assert not over.any() and found[2] == place[2]
-    assert (found == place).all() == (box[1] < 1)
 
 
 def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(camera):
@@ -166,17 +122,3 @@ def test_a_place_is_sent_also_where_the_browser_has_just_told_that_very_place(ca
     SimpleNamespace.__setattr__(camera, "position", put)  # told late
     view.follow(lambda: LANDMARKS)
     np.testing.assert_array_equal(sent[-1], put)
-
-
-@pytest.mark.parametrize("cells", [1, 7])
-def test_lines_of_the_floor_end_on_a_circle_and_are_a_cell_apart(cells):
-    world = World(load_scene("panda"))
-    lines = floor_lines(world, cells)
-    assert lines.shape == (2 * (2 * cells - 1), 2 * cells + 1, 3) and not lines[..., 2].any()
-    middle, cell = lines.mean((0, 1)), CELL * world.scene.size
-    np.testing.assert_allclose(np.linalg.norm((lines - middle)[:, [0, -1]], axis=-1), cells * cell)
-    for one_way, along in ((lines[: len(lines) // 2], 0), (lines[len(lines) // 2 :], 1)):
-        across = one_way[..., 1 - along]
-        np.testing.assert_allclose(np.diff(across, axis=0), cell)
-        np.testing.assert_allclose(np.ptp(across, axis=1), 0, atol=1e-12)
-        assert (np.diff(one_way[..., along], axis=1) > 0).all()

@@ -40,16 +40,6 @@ def test_an_array_is_sent_in_the_order_of_its_rows():
     assert np.frombuffer(buffers[0], np.float32).tolist() == [0, 2, 4, 1, 3, 5]
 
 
-def test_types_of_a_kind_of_node_are_looked_up_once():
-    with contextlib.redirect_stdout(io.StringIO()):
-        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    try:
-        one, other = (server.scene.add_icosphere(name, 1.0) for name in ("one", "other"))
-        assert one._prop_hints is other._prop_hints and "radius" in one._prop_hints
-    finally:
-        server.stop()
-
-
 def test_an_event_is_set_in_its_loop_alone_and_not_while_its_buffer_is_held(event_loop):
     async def made():
         return LoopEvent(SimpleNamespace(atomic_counter=0, event_loop=event_loop))

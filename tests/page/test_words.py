@@ -5,7 +5,6 @@ import re
 import pytest
 from quiet_page import QuietPage
 from viewimit.app.model.choices import PRESETS
-from viewimit.app.model.motions import NAMES
 
 from viewimit.estimation.equations import with_minus
 from viewimit.loop.settings import Settings
@@ -45,31 +44,3 @@ def test_messages_have_it_too():
     page.tick(1.0)
     assert "joint 4 at −200° is outside its limits −180° … 0°, see run-5 of 2026-01-02" in page.shown
     assert with_minus("(-1.5, -.5) [-2]") == "(−1.5, −.5) [−2]"
-
-
-def test_history_shows_which_of_how_many():
-    page = QuietPage(Settings())
-    page.tick(1.0)
-    assert "0 of 0" in page.shown
-    page.click("Play")
-    page.tick_until(lambda: page.page.model.session.snapshot.status == "converged")
-    last = page.page.model.session.cursor
-    page.tick(1.0)
-    assert f"{last} of {last}" in page.shown
-    page.choose("History", 2)
-    page.tick(1.0)
-    assert f"2 of {last}" in page.shown
-
-
-def test_a_motions_time_is_in_seconds():
-    page = QuietPage(Settings())
-    slider = page.widget("Time (s)")
-    page.tick(1.0)
-    assert (slider.min, slider.max, slider.step) == (0, 5.95, 0.05)
-    assert page.widget("Chosen motion").options == tuple(NAMES.values())
-    before = page.page.model.session.snapshot.theta_demo
-    page.choose("Time (s)", 1.5)
-    page.tick_until(lambda: (page.page.model.session.snapshot.theta_demo != before).any())
-    assert page.page.model.motions.moment == (1.5, 5.95)
-    page.tick(1.0)
-    assert slider.value == 1.5

@@ -5,7 +5,7 @@ import threading
 import time
 
 import pytest
-from viewimit.app.jobs.threads import LandscapeWorker
+from viewimit.app.jobs.threads import Worker
 from viewimit.app.server import scheduler as scheduler_module
 from viewimit.app.server.scheduler import PATIENCE, TICK, Scheduler
 from waiting import stays, wait_until
@@ -61,7 +61,7 @@ def test_pages_that_fail_at_every_tick_fill_no_log(caplog, event_loop):
 
 
 def test_the_newest_request_for_a_landscape_wins():
-    worker, gate, made = LandscapeWorker(), threading.Event(), []
+    worker, gate, made = Worker(), threading.Event(), []
     worker.ask(0, lambda: gate.wait(5), lambda _: None)
     for k in range(5):
         worker.ask(1, lambda k=k: k, made.append)
@@ -72,7 +72,7 @@ def test_the_newest_request_for_a_landscape_wins():
 
 
 def test_a_failing_landscape_does_not_end_the_worker(capsys):
-    worker, made = LandscapeWorker(), []
+    worker, made = Worker(), []
     worker.ask(0, lambda: 1 / 0, made.append)
     worker.ask(1, lambda: "next", made.append)
     wait_until(lambda: len(made) == 2)

@@ -11,7 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
 from viewimit.estimation.views import permute
-from viewimit.experiments.bench.misfits import OtherDemonstrator, StopsShort, run_once, stretched
+from viewimit.experiments.bench.cases import MISFITS
+from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
+from viewimit.experiments.bench.engine import run_one
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
 from viewimit.servo import Misfit, MisfitKind, Observation, TrustRegion, TrustRegionOptions
 from viewimit.servo.observation import Visit
@@ -305,15 +307,15 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
 @pytest.mark.parametrize("k", [23, 31])
 def test_a_lens_is_named_where_a_rectification_absorbed_most_of_it(k):
     """A rectification has unknowns, too, which count against it."""
-    row = run_once("a lens bends the images", [0, k])
-    assert row.right and row.claimed and row.error_deg < 2 * row.expected_deg
+    run = run_one(MISFITS, "a lens bends the images", k)
+    assert run.kept and run.claimed and run.error_deg < 2 * run.expected_deg
 
 
 @pytest.mark.parametrize("k", [10, 13])
 def test_a_lens_is_not_named_because_its_fit_knows_fewer_points(k):
     """A point near an axis was unknown with a lens, so its images cost nothing there."""
-    row = run_once("one point elsewhere", [11, k])
-    assert row.right and not row.claimed
+    run = run_one(MISFITS, "one point elsewhere", k, 11)
+    assert run.kept and not run.claimed
 
 
 def test_a_clear_misfit_spares_the_search_elsewhere():

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from viewimit.estimation.views import FourViews
+from viewimit.experiments.bench.cases import UNMATCHED
+from viewimit.experiments.bench.demonstrators import OtherPoints
 from viewimit.experiments.bench.draws import draw_marked_arm
-from viewimit.experiments.bench.unmatched import CASES, OtherPoints, judge, run_once
+from viewimit.experiments.bench.engine import run_one
+from viewimit.experiments.bench.measures import judge
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
@@ -71,7 +74,7 @@ def test_before_they_are_named_E_is_unknown_and_no_point_is_usable():
 def test_points_without_a_partner_are_found(missing, extra):
     settings = Settings(points=16, noise_px=0.1, matched=False, **POSTURES)
     session, last = run(settings, missing=missing, extra=extra, seed=(3,))
-    nameable, wrong = judge(session, last)
+    nameable, wrong = judge(session)
     assert (nameable, wrong) == (16 - missing, 0) and last.status.is_claim
     assert (last.naming.names[:16] < 0).sum() == missing and len(last.naming.unnamed) == extra
     assert np.isnan(last.naming.probability[last.naming.names < 0]).all()
@@ -122,9 +125,9 @@ def test_points_in_one_place_have_uncertain_names_of_equal_probability():
 def test_the_mirrored_posture_of_symmetric_markers_is_another_answer(noise_px, k):
     """In these draws its refinement's first round ends at its reach but for rounding; it is not the first that fits; a
     point is not placed; and the images right after the probes do not show it."""
-    case = next(case for case in CASES if case.name == f"symmetric markers, {noise_px} px")
-    row = run_once(case, k, [0, k], 80)
-    assert row.two_answers and not row.status.is_claim and row.known_error_deg < 0.5 < row.error_deg
+    run = run_one(UNMATCHED, f"symmetric markers, {noise_px} px", k)
+    known = run_one(UNMATCHED, f"symmetric markers, {noise_px} px, with names", k)
+    assert run.measures["two_answers"] and not run.claimed and known.error_deg < 0.5 < run.error_deg
 
 
 def test_names_stay_when_the_demonstrator_moves():

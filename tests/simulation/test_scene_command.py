@@ -96,7 +96,7 @@ def test_missing_meshes_are_reported_without_failure(ask, tmp_path):
         ("serve --robot small.sdf", "--robot: small.sdf is SDF"),
         ("bench robots", "the following arguments are required: FOLDER"),
         ("bench robots nowhere", "FOLDER: nowhere: no .urdf file there"),
-        ("bench success nowhere", "viewimit bench success: unrecognized arguments: nowhere"),
+        ("bench success nowhere", "PATH: nowhere: No such file or directory"),
     ],
 )
 def test_bad_input_is_one_line_and_exits_with_2(ask, urdf, words, message):
@@ -109,9 +109,7 @@ def test_bench_robots_reports_on_each_file(ask, ask_json, tmp_path):
     write(tmp_path, *arm(), name="a/good.urdf")
     write(tmp_path, joint("a", "base", "one"), name="b/one.urdf")
     status, out, _ = ask("bench", "robots", tmp_path, "--runs", 2)
-    good, refused, summary = out.splitlines()
-    assert status == 0 and good.startswith("arrived  ") and "lift, elbow of 3; 2 of 2 within 0.5°, 2 claimed" in good
-    assert refused.startswith("refused  ") and "two are needed" in refused
-    assert summary == "1 of 1 robots within 0.5° in all of 2 runs each, seed 0; 1 refused"
+    assert status == 0 and "good.urdf" in out and "two are needed" in out.splitlines()[-1]
     told = ask_json("bench", "robots", tmp_path, "--runs", 2)[1]["robots"]
-    assert told["arrived"] == 1 and [one["refused"] is None for one in told["robots"]] == [True, False]
+    (row,) = told["rows"]
+    assert row["within"]["0.5"]["count"] == row["claimed"]["count"] == 2 and len(told["refused"]) == 1

@@ -5,8 +5,9 @@ import {degreesOff, jointsOff, LEVELS, robotSteps, sessionOf} from "./rules.js";
 
 /** @typedef {import("./rules.js").Challenge} Challenge @typedef {import("./rules.js").World} World */
 
-/** One square for each step: green there, yellow within 10°, orange within 30°, red beyond. @param {number} off degrees @param {number} withinDeg */
-const square = (off, withinDeg) => off <= withinDeg ? "🟩" : off <= 10 ? "🟨" : off <= 30 ? "🟧" : "🟥";
+/** One square for each step: green there, yellow within 10°, orange within 30°, red beyond. @param {number[]} off degrees @param {number} withinDeg */
+export const squares = (off, withinDeg) =>
+  off.map(one => one <= withinDeg ? "🟩" : one <= 10 ? "🟨" : one <= 30 ? "🟧" : "🟥").join("");
 
 /** A joint without its symbol. @param {string} name */
 export const plainName = name => name.replace(/ \S+$/, "");
@@ -83,7 +84,7 @@ export class Game {
     const {challenge: {day}, level: {title, withinDeg}, made, robot} = this, off = this.path.slice(1).map(one => one.off);
     const found = this.isThere ? `${stepsText(made)}, ${off[made - 1].toFixed(1)}° off` : `not found in ${stepsText(made)}`;
     const what = `viewimit ${day || "challenge"} (${title}${isPractice ? ", practice" : ""})`;
-    return [`${what}: ${found}. Robot: ${robot ?? "–"}.`, off.map(one => square(one, withinDeg)).join(""), address]
+    return [`${what}: ${found}. Robot: ${robot ?? "–"}.`, squares(off, withinDeg), address]
       .filter(Boolean).join("\n");
   }
 }

@@ -18,6 +18,7 @@ import {daily, dealt, fromLink, LEVELS, POINTS, toLink} from "./rules.js";
  * @property {(challenge: Challenge) => string} address to share, "" for none
  * @property {(challenge: Challenge, steps: number) => void} robot
  * @property {(challenge: Challenge) => void} friend
+ * @property {() => void} [changed] the game has gone on
  */
 const GLIDE_MS = 450, MAX_SEED = 2 ** 31, FULL_PX = 30; // px at which the meter is full
 const HELD = [6, 12]; // postures of each joint that the windows of L and R hold
@@ -173,6 +174,7 @@ export class Screen {
       ? make("i", {class: "made", style: `--high:${px[k + 1] / Math.max(...px)}`}, px[k + 1].toFixed(1)) : make("i")));
     say(this.words.count, made ? `${stepsText(made)} of ${tries}` : `${tries} steps at most`);
     this.joints.show(moment.theta, isMoving, isOver);
+    if (!isMoving) this.ways.changed?.();
   }
 
   /** @param {Game} game */

@@ -8,6 +8,7 @@
  * @typedef {{place: number, name: string, at: At | null}} Person
  * @typedef {{item: string, persons: number, before: number, after: number}} Item
  */
+import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
 import {escaped, inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
@@ -15,7 +16,7 @@ import {EnergyMap} from "../view/map.js";
 import {add, energyText} from "../view/svg.js";
 
 const SURE_MS = 5000; // in which a second press means it
-const TABS = ["Students", "Paths", "Gain", "Join", "More"];
+const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];
 const SORTS = /** @type {Record<string, (one: Person) => number>} */ ({
   step: one => one.at?.number ?? -1, E: one => -(one.at?.E ?? -1), motions: one => -(one.at?.motions ?? 0),
 });
@@ -119,6 +120,7 @@ export class Lecturer {
       const again = here && this.count.asked.some((/** @type {any} */ one) => one.lesson === here.lesson && one.step === here.step && one.phase === here.phase);
       rows.push(button(again ? "Ask again" : "Ask the class", () => this.order("ask", this.here() ?? {}), {class: "filled", disabled: !here}),
         button("Gather here", () => this.#gather(), {disabled: !here, title: "All go to this step, and on at their own pace"}),
+        button("Challenge", () => this.#challenge(), {title: "All get one pose to copy, in as few steps as possible"}),
         button(orders.lead ? "Release" : "Lead", () => this.order("lead", {on: !orders.lead}), {"aria-pressed": String(orders.lead), title: "All follow this page"}));
     }
     rows.push(button(orders.frozen ? "Unfreeze" : "Freeze", () => this.order("freeze", {on: !orders.frozen}), {"aria-pressed": String(orders.frozen), title: "Lock the pages of all"}),
@@ -147,6 +149,11 @@ export class Lecturer {
   #goToQuestion() {
     const {asked} = this.room.orders;
     if (asked) this.room.goTo(asked.lesson, asked.step, asked.phase, asked.seed);
+  }
+
+  #challenge() {
+    this.order("gather", newChallenge());
+    this.open("Standings");
   }
 
   #gather() {
@@ -201,7 +208,7 @@ export class Lecturer {
   }
 
   #drawPanel() {
-    const inside = {Students: () => this.#students(), Paths: () => this.#paths(), Gain: () => this.#gainOf(), Join: () => this.#join(), More: () => this.#more()}[this.tab];
+    const inside = {Students: () => this.#students(), Paths: () => this.#paths(), Standings: () => this.room.challenge.standings([...this.people.values()]), Gain: () => this.#gainOf(), Join: () => this.#join(), More: () => this.#more()}[this.tab];
     const tabs = make("nav", {class: "class-tabs", "aria-label": "The class"}, ...TABS.map(name => make("button", {type: "button", "aria-current": name === this.tab ? "page" : null, onclick: () => this.open(name)}, name)),
       make("button", {type: "button", class: "close", "aria-label": "Close", onclick: () => this.open("")}, "×"));
     const made = inside?.() ?? make("div"), key = this.tab + made.dataset.key + made.outerHTML;
@@ -237,13 +244,13 @@ export class Lecturer {
 
   /** @param {Person} one @param {any[]} lessons @param {boolean} isHidden */
   #tile({place: person, name, at}, lessons, isHidden) {
-    const lesson = lessons.find(found => found.name === at?.lesson), step = lesson?.steps.find((/** @type {any} */ found) => found.id === at?.step);
+    const lesson = lessons.find(found => found.name === at?.lesson), isSecret = isHidden || at?.lesson === CHALLENGE, step = lesson?.steps.find((/** @type {any} */ found) => found.id === at?.step);
     const where = step ? `${at?.number} ${plain(step.title)}` : lesson?.short ?? "";
     const scene = this.room.lesson.stage()?.scene, {width, height} = TILE;
     const place = (/** @type {number[]} */ [a, b]) => scene ? [4 + (b - scene.lower[1]) / (scene.upper[1] - scene.lower[1]) * (width - 8), 4 + (scene.upper[0] - a) / (scene.upper[0] - scene.lower[0]) * (height - 8)].map(v => v.toFixed(1)) : ["0", "0"];
-    const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isHidden && at?.demonstrator ? place(at.demonstrator) : null;
+    const path = pairs(at?.path ?? []).map(place), last = path[path.length - 1], goal = !isSecret && at?.demonstrator ? place(at.demonstrator) : null;
     const drawing = scene && last ? `<svg viewBox="0 0 ${width} ${height}" aria-hidden="true"><path class="way" d="M${path.map(p => p.join(" ")).join("L")}"/>${goal ? `<path class="goal" d="M${goal[0]} ${goal[1]}m-4 0l4-4 4 4-4 4z"/>` : ""}<circle cx="${last[0]}" cy="${last[1]}" r="3.6"/></svg>` : "";
-    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isHidden && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
+    const facts = [at?.E != null ? `E ${energyText(at.E)} px²` : "", at?.motions ? `${at.motions} ${at.motions === 1 ? "motion" : "motions"}` : "", !isSecret && at?.off != null && at.motions ? `${at.off}° off` : ""].filter(Boolean);
     return make("button", {type: "button", class: `class-tile${at?.answered ? " answered" : ""}`, "data-person": String(person), title: "Open a copy of this screen", onclick: () => this.order("request", {place: person}),
       html: `<b>${escaped(name || "Student")}</b><span>${escaped(where)}${at?.answered ? " ✓" : ""}</span>${drawing}<small>${escaped(facts.join(" · "))}</small>`});
   }

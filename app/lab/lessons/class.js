@@ -12,6 +12,7 @@
  * @typedef {{asked: Asked | null, lead: boolean, gather: {number: number, lesson: string, step: string, seed: number} | null,
  *   frozen: boolean, hidden: boolean, reset: number}} Orders
  */
+import {ClassChallenge} from "./class-challenge.js";
 import {browser, Link, tab} from "./class-link.js";
 import {resultsOf} from "./class-results.js";
 import {Lecturer} from "./class-lecturer.js";
@@ -76,6 +77,7 @@ class Classroom {
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
     lesson.head.append(this.chip);
     this.dialog = document.body.appendChild(this.#makeDialog());
+    this.challenge = new ClassChallenge(lesson.page, () => this.#sendWhere());
     this.lecturer = new Lecturer(this);
     this.#watch();
     this.link.open();
@@ -135,7 +137,7 @@ class Classroom {
     if (this.isLecturer || this.#atTimer) return;
     this.#atTimer = setTimeout(() => {
       this.#atTimer = 0;
-      const at = JSON.stringify(this.#where());
+      const at = JSON.stringify(this.challenge.where() ?? this.#where());
       if (at !== this.lastAt && !this.isLecturer) this.link.send(JSON.parse(this.lastAt = at));
     }, AT_MS);
   }
@@ -248,6 +250,7 @@ class Classroom {
     const before = this.orders, {lesson, isLecturer} = this;
     this.orders = orders;
     lesson.hideTruth(orders.hidden);
+    this.challenge.follow(orders.gather, !isLecturer && !orders.asked && !orders.lead);
     if (!isLecturer) lesson.freeze(orders.frozen && !orders.asked); // a question is for all to answer
     this.#takeQuestion(before.asked, orders.asked);
     if (!isLecturer && orders.lead && !orders.asked) this.#suspend();
@@ -259,7 +262,7 @@ class Classroom {
     const {gather, reset} = orders;
     if (gather && Number(tab.get("gathered") ?? 0) !== gather.number) {
       tab.set("gathered", String(gather.number));
-      this.goTo(gather.lesson, gather.step, "before", gather.seed);
+      if (!this.challenge.place) this.goTo(gather.lesson, gather.step, "before", gather.seed);
     }
     const done = tab.get("reset");
     if (done !== null && Number(done) !== reset) lesson.askAgain();

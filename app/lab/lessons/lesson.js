@@ -4,6 +4,7 @@ import {inline, make, plain} from "./dom.js";
 import {labAddress, viewimitAddress} from "./elsewhere.js";
 import {FIGURES} from "./figures/registry.js";
 import {grade} from "./measures.js";
+import {printable} from "./paper.js";
 import {QUESTION_S} from "./questions.js";
 import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
 import {Stage} from "./stage.js";
@@ -423,6 +424,7 @@ function begin(data) {
   }
 
   const hooks = {
+    page: data,
     /**
      * Called with every answer.
      * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void}
@@ -591,6 +593,7 @@ function begin(data) {
     isArriving = false;
   };
   addEventListener("hashchange", arrive);
+  printable(data, () => place.kind === "home" ? data.lessons : [lesson]);
   Object.assign(globalThis, {lesson: hooks});
   arrive();
   dispatchEvent(new Event("lesson"));

@@ -26,6 +26,7 @@ HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
 STYLE_FILES = (
     "lessons/lesson.css",
+    "lessons/paper.css",
     "lessons/figures/figures.css",
     "lessons/figures/limits.css",
     "challenge/joints.css",

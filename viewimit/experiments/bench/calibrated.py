@@ -145,26 +145,21 @@ class CalibratedState:
 class CalibratedServo:
     """Runs a calibrated law in a session, in the place of a servo. It reads the session's own images and posture.
 
-    Attributes
-    ----------
-    session : Session
-        Where it runs; set once that is made with it.
-    law : Law
-        Which one runs.
-    model : World
-        What the law is given. It may differ from the session's world.
+    The errors of its model depend on `seed` alone.
     """
 
     session: Session
-    law: Law
-    model: World
+    model: World  # what the law is given; it may differ from the session's world
 
-    def become(self, oracle: Oracle, seed: Sequence[int]) -> None:
-        """Run another law, with a model whose errors depend on the seed alone."""
-        self.law, self.model = oracle.law, self.session.world
-        if oracle.rotation_deg:
-            rng = np.random.default_rng([*seed, MODEL_STREAM])
-            self.model = miscalibrated(self.session.world, oracle.rotation_deg, rng)
+    def __init__(self, oracle: Oracle, seed: Sequence[int]):
+        self.law, self._rotation_deg, self._seed = oracle.law, oracle.rotation_deg, seed
+
+    def attach(self, session: Session) -> None:
+        """Run in this session, which was made with it."""
+        self.session, self.model = session, session.world
+        if self._rotation_deg:
+            rng = np.random.default_rng([*self._seed, MODEL_STREAM])
+            self.model = miscalibrated(session.world, self._rotation_deg, rng)
 
     def start(self, observation: Observation) -> CalibratedState:
         """Return the state before the first motion."""

@@ -14,7 +14,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -242,13 +241,20 @@ def draw_scene(rng: np.random.Generator, any_head: bool = False) -> DrawnScene:
             return drawn
 
 
+def open_resized(camera: str, scene: Scene, points: int, size: float) -> SimulatedEyes:
+    """Open eyes that see a learner of this size."""
+    eyes = ProjectedEyes(scene, points)
+    resize(eyes.world, size)
+    return eyes
+
+
 def resize(world: World, size: float) -> None:
     """Scale the learner's points about its base."""
     world.T_world_own = world.T_world_own @ np.diag([size, size, size, 1.0])
 
 
-def write_scene(scene: Scene, folder: Path, name: str) -> Path:
-    """Write a TOML file that `load_scene` reads."""
+def scene_text(scene: Scene) -> str:
+    """Return a scene file's text, which `load_scene` reads."""
     head = {key: value for key, value in msgspec.to_builtins(scene.head).items() if value is not None}
     eyes = {f"head.{side}": _given(head.pop(side)) for side in ("left", "right")}
     tables = {
@@ -261,9 +267,7 @@ def write_scene(scene: Scene, folder: Path, name: str) -> Path:
     lines = [f'extends = "{scene.robot}"', f'title = "{scene.title}"']
     for table, values in tables.items():
         lines += [f"[{table}]", *(f"{key} = {_toml(value)}" for key, value in values.items())]
-    path = folder / f"{name}.toml"
-    path.write_text("\n".join(lines) + "\n", "utf-8")
-    return path
+    return "\n".join(lines) + "\n"
 
 
 def _drawn(rng: np.random.Generator, any_head: bool) -> DrawnScene:

@@ -6,8 +6,7 @@ one thread before numpy is loaded (OPENBLAS_NUM_THREADS=1), or its threads count
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Annotated, Any, ClassVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +16,11 @@ from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews
 from ...loop.session import Session
-from ...loop.settings import Setting, Settings
+from ...loop.settings import Settings
 from ...servo import SERVOS
 from ...simulation.scene import load_scene
 from ...simulation.world import World
 from . import baselines
-from .benchmark import Context, Progress, SceneOptions, no_progress
 from .draws import surface_points
 
 LOOP_SHARE = 10  # loops are timed on every tenth posture in a seeded order, or on all with --full-loop
@@ -69,27 +67,12 @@ class Times:
     condition_agreement: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpeedBenchmark(SceneOptions):
-    """Speed of E over the range, at one posture, and of one motion."""
-
-    full_loop: Annotated[bool, Setting(description="time plain loops on every posture, not a tenth")] = False
-    distributed: ClassVar[bool] = False
-
-    def run(self, context: Context) -> tuple[Any, str]:
-        """See `Benchmark.run`."""
-        _, points = self.load()
-        with context.progress("speed") as progress:
-            found = run(self.scene, points, self.full_loop, self.seed, progress)
-        return asdict(found), speed_table(found)
-
-
 def run(
     scene: str = Settings().scene,
     points: int = Settings().points,
     full_loop: bool = False,
     seed: int = 0,
-    progress: Progress = no_progress,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> Times:
     """Measure with the scene's demonstrator, over the 1° grid of its two moving joints."""
     world = World(load_scene(scene), points)

@@ -5,9 +5,9 @@ moves, and sees it again: [l r] and [L R]. Its rectification leaves the errors o
 the right image's rows. A fundamental matrix fits it well, and yet its rectification makes predictions worse.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,8 @@ from ...estimation.views import FourViews
 from ...geometry.rectification import Rectification, fit_rectification
 from ...geometry.rigid import rigid_transform, rotation_about_axis
 from ...simulation.camera import Camera, Cameras, Lens
-from .benchmark import CaseOptions, Context, RunOptions, Share, as_json, run_cases
+from ..executors import Study
+from .intervals import Share
 
 WIDTH, HEIGHT, FOCAL_PX, BASELINE_M = 1241, 376, 718.0, 0.54
 NEAR_M, FAR_M = 5.0, 60.0  # depths of points, uniform
@@ -78,24 +79,17 @@ class Outcome:
     always_px: dict[str, float]
 
 
-@dataclass(frozen=True, kw_only=True)
-class TracksBenchmark(RunOptions, CaseOptions):
-    """Tracks of stereo rigs: whether `evaluate` rectifies them, and the errors of transfers at held-out points."""
-
-    cases = CASES
-
-    def run(self, context: Context) -> tuple[Any, str]:
-        """See `Benchmark.run`."""
-        cases = self.chosen_cases()
-        found = run(self.runs, self.seed, cases, context)
-        heading = f"{self.runs} random tracks of a stereo rig a case, seed {self.seed}"
-        return as_json(found), f"{heading}\n{tracks_table(found)}"
-
-
-def run(runs: int, seed: int = 0, cases: Sequence[Case] = CASES, context: Context | None = None) -> list[Outcome]:
-    """Evaluate draws of every case. See also `run_cases`."""
-    tasks = [[(case.points, case.toe_in_deg, case.board, [seed, k]) for k in range(runs)] for case in cases]
-    return [_outcome(case, found) for case, found in zip(cases, run_cases(run_once, tasks, context, "tracks"))]
+def run(
+    runs: int,
+    seed: int = 0,
+    cases: Sequence[Case] = CASES,
+    study: Study | None = None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> list[Outcome]:
+    """Evaluate draws of every case."""
+    tasks = [(case.points, case.toe_in_deg, case.board, [seed, k]) for case in cases for k in range(runs)]
+    found = iter((study or Study()).map(run_once, tasks, progress))
+    return [_outcome(case, list(islice(found, runs))) for case in cases]
 
 
 def run_once(points: int, toe_in_deg: float, board: bool, seed: list[int]) -> Run:

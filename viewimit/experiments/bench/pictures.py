@@ -1,0 +1,89 @@
+"""How well markers are detected in rendered pictures."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...estimation.views import VIEWS
+from ...simulation.eyes import require_eyes
+from ...simulation.scene import load_scene
+from .intervals import rms
+
+WRONG_DETECTION_PX = 3.0  # a marker's radius: a detection farther from its marker is of something else
+
+
+@dataclass(frozen=True)
+class Detection:
+    """Detection of markers in rendered pictures of both arms in random postures."""
+
+    scene: str
+    pictures: int
+    markers: int
+    in_sight: float  # share of markers the middle of whose face is visible
+    found: float  # share of all markers
+    found_in_sight: float  # share of those in sight
+    error_px: tuple[float, float, float, float]  # median, 95th and 99th percentile, largest
+    rms_px: float  # of a coordinate
+    bias_px: tuple[float, float]  # mean error in x and y
+    false: int  # detections farther than WRONG_DETECTION_PX from their marker
+    detections: int
+    usable: tuple[int, float]  # fewest and median number of markers found in all four pictures
+
+
+def detect(scene: str, pairs: int, seed: int, progress: Callable[[float], None] = lambda share: None) -> Detection:
+    """Detect markers in four pictures for each pair of random postures. Raises ValueError for a scene without."""
+    from ...simulation.rendering import RenderedEyes  # loads pybullet and OpenCV
+
+    require_eyes("rendered", load_scene(scene))
+    eyes, rng = RenderedEyes(load_scene(scene)), np.random.default_rng(seed)
+    low, high = eyes.world.scene.lower, eyes.world.scene.upper
+    offsets, sights, finds, usable = [], [], [], []
+    for k in range(pairs):
+        demo, own = rng.uniform(low, high, (2, len(low)))
+        eyes.demo_images(demo)
+        eyes.own_images(own)
+        eyes.look_at("lr")  # once more, because both arms have reached their postures only now
+        eyes.look_at("LR")
+        for view in VIEWS:
+            image, in_sight = eyes.truth(view)
+            offsets.append(eyes.detections[view].points - image)
+            sights.append(in_sight)
+            finds.append(eyes.detections[view].found)
+        usable.append(int(np.all(finds[-len(VIEWS) :], 0).sum()))
+        progress((k + 1) / pairs)
+    in_sight, found = np.array(sights), np.array(finds)
+    errors = np.array(offsets)[found]
+    distance = np.linalg.norm(errors, axis=-1)
+    right = errors[distance <= WRONG_DETECTION_PX]
+    median, p95, p99 = np.percentile(distance, (50, 95, 99)).tolist()
+    bias_x, bias_y = right.mean(0).tolist()
+    return Detection(
+        scene=scene,
+        pictures=len(VIEWS) * pairs,
+        markers=found.shape[1],
+        in_sight=float(in_sight.mean()),
+        found=float(found.mean()),
+        found_in_sight=float(found[in_sight].mean()),
+        error_px=(median, p95, p99, float(distance.max())),
+        rms_px=rms(right),
+        bias_px=(bias_x, bias_y),
+        false=int((distance > WRONG_DETECTION_PX).sum()),
+        detections=int(found.sum()),
+        usable=(min(usable), float(np.median(usable))),
+    )
+
+
+def detection_table(found: Detection) -> str:
+    """Lay out the detection for people."""
+    median, p95, p99, largest = found.error_px
+    bias_x, bias_y = found.bias_px
+    fewest, typical = found.usable
+    return f"""{found.pictures} pictures of {found.scene}, {found.markers} markers an arm, random postures
+  in sight                     {found.in_sight:8.1%}
+  found, of all                {found.found:8.1%}
+  found, of those in sight     {found.found_in_sight:8.1%}
+  error of the middle          median {median:.3f} px, 95 % {p95:.3f}, 99 % {p99:.3f}, most {largest:.2f}
+  of a coordinate              rms {found.rms_px:.3f} px, mean {bias_x:+.3f}, {bias_y:+.3f}
+  false identities             {found.false} of {found.detections}
+  in all four pictures         median {typical:.0f}, fewest {fewest}"""

@@ -1,0 +1,175 @@
+"""How the runs of a study are laid out for people, and kept as a table of rows."""
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ...servo import ServoStatus
+from .engine import FALSE_DEG, N_SIGMA, N_SIGMA_COVERED, NEAR_DEG, Run, Summary, arrives
+from .intervals import Interval
+
+MARKS = "<!-- begin of the table -->", "<!-- end of the table -->"
+NEEDED = ("case", "run", "servo", "motions", "status", "error_deg", "expected_deg", "E_px2")
+COLUMNS = ("transfer", "reason", "travel_deg", "cpu_s", "ended", "kept", "joint_errors_deg")
+
+
+def lay_out(found: Sequence[Summary]) -> str:
+    """Lay out summaries for people: shares, then motions and errors, then what the cases measure beside."""
+    several = len({row.servo for row in found}) > 1, len({row.transfer for row in found}) > 1
+    names = [", ".join([row.case, *([row.transfer] if several[1] else []), *([row.servo] if several[0] else [])])
+             for row in found]  # fmt: skip
+    blocks = [
+        f"share of runs in % (95 % confidence interval); false: of claims, more than {FALSE_DEG:g}° and more than "
+        f"{N_SIGMA:g} expected errors off",
+        _table(names, [_shares(row) for row in found]),
+        "median (95 % confidence interval) and 95th percentile of motions and of the worst joint's error; rms errors; "
+        "expected: of claims, by the learner; travel and CPU: median of a run",
+        _table(names, [_figures(row) for row in found]),
+    ]
+    if any(row.less for row in found):
+        blocks += [
+            f"beside {found[0].servo}, from the same draws: difference of shares, medians of differences",
+            _table(names, [_differences(row) for row in found]),
+        ]
+    if any(row.measures or row.reasons for row in found):
+        blocks.append(_table(names, [_measures(row) for row in found]))
+    return "\n".join(blocks)
+
+
+def _shares(row: Summary) -> dict[str, object]:
+    tenths = lambda share: share and share.with_tenths
+    return {
+        "as promised": row.kept,
+        **{f"≤{limit:g}°": share for limit, share in row.within.items()},
+        "claimed": row.claimed,
+        "false": tenths(row.false),
+        f"off >{FALSE_DEG:g}°": tenths(row.beyond),
+        f"≤{N_SIGMA_COVERED:g} expected": tenths(row.covered),
+        "no end": row.unended if row.unended.count else None,
+    }
+
+
+def _figures(row: Summary) -> dict[str, object]:
+    degrees = lambda value: None if value is None else f"{value:.2f}°"
+    return {
+        "motions": row.motions.text(0),
+        "95 % ": row.motions_95.text(0),
+        "most": row.motions_most,
+        "error": row.error_deg.text(2, "°"),
+        "95 %": row.error_95_deg.text(2, "°"),
+        "rms": degrees(row.rms_deg),
+        "of claims": degrees(row.claims_rms_deg),
+        "expected": degrees(row.expected_deg),
+        "travel": f"{row.travel_deg:.0f}°",
+        "CPU": f"{1e3 * row.cpu_s:.1f} ms",
+    }
+
+
+def _differences(row: Summary) -> dict[str, object]:
+    less = row.less
+    return {
+        f"≤{NEAR_DEG:g}°, more": less and less.near.percentage_points,
+        "error less": less and less.error_deg.text(1, "°"),
+        "motions less": less and less.motions.text(0),
+    }
+
+
+def _measures(row: Summary) -> dict[str, object]:
+    texts = {name.replace("_", " "): _text(value) for name, value in row.measures.items()}
+    reasons = ", ".join(f"{word} {count}" for word, count in row.reasons.items())
+    return {**texts, "reasons": reasons or None}
+
+
+def _text(value: object) -> str:
+    return value.text(2) if isinstance(value, Interval) else f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def _table(names: Sequence[str], rows: Sequence[dict[str, object]]) -> str:
+    """Lay out cells by heading, as wide as they need; a dash stands for None, a column of them is left out."""
+    heads = [head for head in dict.fromkeys(head for row in rows for head in row) if any(row.get(head) for row in rows)]
+    cells = [[head.strip() for head in heads]]
+    cells += [["–" if row.get(head) is None else str(row[head]) for head in heads] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    first = max(map(len, names))
+    return "\n".join(
+        f"  {name:<{first}}" + "".join(f"  {cell:>{width}}" for cell, width in zip(line, widths))
+        for name, line in zip(["", *names], cells)
+    )
+
+
+def write_runs(runs: Sequence[Run], path: Path) -> None:
+    """Write a CSV file, a row for each run, measures as columns of their own. Raises OSError."""
+    measures = dict.fromkeys(name for run in runs for name in run.measures)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow([*NEEDED, *COLUMNS, *measures])
+        for run in runs:
+            errors = ";".join(map(_cell, run.errors_deg))
+            known = [run.case, run.number, run.servo, run.motions, run.status, run.error_deg, run.expected_deg,
+                     run.E_px2, run.transfer, run.reason, run.travel_deg, run.cpu_s, run.ended, run.kept]  # fmt: skip
+            rows.writerow([*map(_cell, known), errors, *(_cell(run.measures.get(name)) for name in measures)])
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.10g}"
+    return "" if value is None else value
+
+
+def read_runs(path: Path) -> list[Run]:
+    """Read what `write_runs` has written. Raises OSError, or ValueError that names the line."""
+    with path.open(newline="", encoding="utf-8") as file:
+        lines = csv.DictReader(file)
+        if not set(NEEDED) <= set(lines.fieldnames or ()):
+            raise ValueError(
+                f"{path}: is no table of runs that --csv has written: it lacks columns of {','.join(NEEDED)}"
+            )
+        runs = []
+        for line in lines:
+            try:
+                runs.append(_run(line))
+            except (TypeError, ValueError) as error:
+                raise ValueError(f"{path}: line {lines.line_num}: {error}") from None
+    if not runs:
+        raise ValueError(f"{path}: holds no runs")
+    return runs
+
+
+def _run(line: dict[str, str]) -> Run:
+    """A row as a run; what an earlier table lacks is unknown."""
+    number = lambda name: float(line.get(name) or "nan")
+    errors = line.get("joint_errors_deg") or line["error_deg"]
+    known = {*NEEDED, *COLUMNS}
+    run = Run(
+        case=line["case"],
+        transfer=line.get("transfer", ""),
+        servo=line["servo"],
+        number=int(line["run"]),
+        motions=int(line["motions"]),
+        status=ServoStatus(line["status"]),
+        reason=line.get("reason", ""),
+        errors_deg=tuple(map(float, errors.split(";"))),
+        expected_deg=number("expected_deg"),
+        E_px2=number("E_px2"),
+        travel_deg=number("travel_deg"),
+        cpu_s=number("cpu_s"),
+        ended=line.get("ended", "1") == "1",
+        kept=False,
+        measures={name: float(value) for name, value in line.items() if value and name not in known},
+    )
+    return replace(run, kept=line["kept"] == "1" if "kept" in line else arrives(run))
+
+
+def write_between_marks(text: str, page: Path) -> None:
+    """Replace what is between the MARKS of a page. Raises OSError, or ValueError for a page without them."""
+    begin, end = MARKS
+    before, found, rest = page.read_text("utf-8").partition(begin)
+    _, found_end, after = rest.partition(end)
+    if not (found and found_end):
+        raise ValueError(f"{page}: lacks the marks {begin} and {end}, between which the table is written")
+    page.write_text(f"{before}{begin}\n\n{text}\n\n{end}{after}", "utf-8")

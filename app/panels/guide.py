@@ -113,13 +113,14 @@ def _method(assumes: str, limitations: str) -> str:
 # What explains the page: links to the lab's lessons, the offer of one of them, and the glossary's cards.
 
 TOUR = "tour"
+FOR = "Workbench: every setting and experiment. New, or on a phone?"
 REWRITTEN_EVERY = 2.0  # s
 LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """The page's name with Tour, Share and Help; last in its column links to all lessons, each with the way back to
-    what the page shows now."""
+    """The page's name with Share and Help, and ways to lab and lessons; last in its column links to all lessons, each
+    with the way back to what the page shows now."""
     head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
 
     def key(model: PageModel) -> tuple:
@@ -163,14 +164,15 @@ def _offered(model: PageModel) -> bool:
 
 
 def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
-    """The page's name and three buttons, at every size."""
+    """The page's name, the way to lab and lessons, Share and Help; and what this page is for."""
     first = next(iter(lessons), "")
     tour = TOUR if first in ORDER else first
-    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', "Tour", "</a>")] if tour else []
-    shown = "".join(f'{start}<span class="vi-head-button">{words}</span>{end}' for start, words, end in buttons)
+    learn = f' · <a href="lab/{tour}{way_back(model)}">Learn</a>' if tour else ""
+    shown = ""
     for what, words in (("share", "Share"), ("help", "Help")):
         shown += button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
-    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
+    title = f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
+    return f'{title}<p class="vi-for">{FOR} <a href="lab">Play</a>{learn}</p>'
 
 
 def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:

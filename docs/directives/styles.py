@@ -1,7 +1,6 @@
 """The drawings' stylesheet, in the colours of the site's light and dark scheme, and their font."""
 
 from pathlib import Path
-from typing import Any
 
 from sphinx.application import Sphinx
 
@@ -18,12 +17,6 @@ def _write(app: Sphinx) -> None:
     (folder / "drawings.css").write_text(sheet, "utf-8")
 
 
-def _without_icon(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object) -> None:
-    """Say that there is no icon: browsers ask the server's first folder for one otherwise."""
-    context["metatags"] += '<link rel="icon" href="data:,">'
-
-
 def add_to(app: Sphinx) -> None:
-    app.connect("html-page-context", _without_icon)
     app.connect("build-finished", lambda app, error: None if error else _write(app))
     app.add_css_file("drawings.css")

@@ -43,20 +43,3 @@ def test_every_marker_is_found_once_on_the_pages_of_its_arm(
         np.testing.assert_allclose(sides, size_mm, atol=2 / PX_A_MM)
         assert all(f"{number} " in said for number in fiducials.detect(picture))
     assert sorted(found["learner"]) == list(learner) and sorted(found["demonstrator"]) == list(demonstrator)
-
-
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        (("--out", "a.png"), "--out: a.png must end in .html"),
-        (("--aruco", "9X9"), "--aruco: no dictionary '9X9'; there are "),
-        (("--count", 30), "--count: 30 of the learner reach the demonstrator's first, 25"),
-        (("--demonstrator-from", 40), "--count: no marker 59: 4X4_50 has 0 … 49"),
-        (("--size-mm", 5), "must be between 10 and 120"),
-        (("--out", "nowhere/a.html"), "--out: "),
-    ],
-)
-def test_what_cannot_be_printed_is_refused_in_a_line(words, message, ask, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    status, out, err = ask("markers", *words)
-    assert (status, out) == (2, "") and message in err and err.count("\n") == 1 and not list(tmp_path.iterdir())

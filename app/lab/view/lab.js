@@ -46,6 +46,7 @@ export class Lab {
     dragging(this);
     this.#buttons();
     this.#keys();
+    addEventListener("popstate", () => clearTimeout(this.remembering)); // else it would write over where Back leads
     addEventListener("hashchange", () => {
       if (this.isOpen) this.#entered(() => this.experiment.enterAddress(location.hash), true);
     });

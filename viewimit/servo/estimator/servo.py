@@ -105,8 +105,9 @@ class Estimator:
         if best.fits(options):
             return state.with_estimate(best)
         if not state.exchanged and (pairs := hypotheses.find_pairs(evidence)):
-            right = replace(see, demo=swapped(see.demonstrator[0], pairs), demo_average=None)
-            right = replace(evidence, see=right, residuals=with_swaps(evidence.residuals, pairs))
+            demo = swapped(see.demonstrator[0], pairs)
+            put_right = replace(see, demo=demo, demo_average=None)
+            right = replace(evidence, see=put_right, residuals=with_swaps(evidence.residuals, pairs))
             again = hypotheses.same_body(right)
             if again is not None and again.fits(options):
                 return replace(state, exchanged=pairs).with_estimate(again)

@@ -1,8 +1,6 @@
 """The one file of the lab: scenes, presets, meshes, styles and modules, as a page that asks nobody for anything."""
 
-from collections.abc import Mapping
 from functools import cache
-from types import MappingProxyType
 from typing import Any
 from urllib.parse import urlencode
 
@@ -15,20 +13,21 @@ from viewimit.drawing.export.lab_methods import lab_methods
 from viewimit.drawing.export.recording import lacks
 from viewimit.drawing.export.replay import lab_html
 from viewimit.drawing.export.space import Shapes, describe_robot, describe_stage
-from viewimit.drawing.export.ways import SERVED
 from viewimit.loop.settings import DISTURBANCES, Settings
 from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene, load_scene
 from viewimit.simulation.world import World
 
 from ..presets import LAB_PRESETS, Preset
+from ..ways import Ways, about, header
 
 SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"
+NO_WAYS = Ways()
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
-def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Mapping[str, str] = MappingProxyType({})) -> str:
+def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
     """Return the lab as one HTML page.
 
     Parameters
@@ -38,7 +37,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Mapping[str,
     name
         As settings name that scene.
     ways
-        Addresses of other pages, by their verbs: of `ways.site_ways`, or those of a server.
+        Where the header's verbs lead.
 
     Raises
     ------
@@ -58,7 +57,8 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Mapping[str,
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    return lab_html(TITLE, data, shapes.packed, ways=ways)
+    parts = {"ways": header(ways, "play", has_help=False), "about": about(ways)}
+    return lab_html(TITLE, data, shapes.packed, parts=parts)
 
 
 def _offered(scene: Scene | None) -> list[Preset]:
@@ -117,14 +117,14 @@ def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, di
 
 
 @cache
-def served_page(name: str, robot: str | None) -> str:
+def served_page(name: str, robot: str | None, ways: Ways = NO_WAYS) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
     if (name, robot) == (SHIPPED, None):
-        return lab_page(ways=SERVED)
+        return lab_page(ways=ways)
     try:
-        return lab_page(load_scene(name, robot), name, SERVED)
+        return lab_page(load_scene(name, robot), name, ways)
     except ValueError:
-        return lab_page(ways=SERVED)
+        return lab_page(ways=ways)
 
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.

@@ -1,11 +1,16 @@
 """viewimit lab: the method in the browser, written as one file that needs no server."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import BadInput
 from .options import DONE, add_chain_options, choose_bodies, naming
+
+if TYPE_CHECKING:
+    from ..app.ways import Ways
 
 MB = 1_000_000
 
@@ -25,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         ".toml file; more than once for more",
     )
     parser.add_argument(
-        "--site", metavar="ADDRESS", help="of a site that viewimit site has written: the page leads to its other pages"
+        "--site", metavar="URL", help="the address of a site that `viewimit site` has written, to which the page links"
     )
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")
 
@@ -33,6 +38,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if args.out.suffix.lower() not in (".html", ".htm"):
         raise BadInput(f"--out: {args.out} must end in .html")
+    if args.site is not None and not re.match(r"https?://", args.site):
+        raise BadInput(f"--site: {args.site} must begin with https:// or http://")
     if args.lesson:
         page = _lessons(args).encode()
     else:
@@ -41,12 +48,6 @@ def run(args: argparse.Namespace) -> int:
         args.out.write_bytes(page)
     print(f"written to {args.out}, {len(page) / MB:.2f} MB: open it in a browser", file=sys.stderr)
     return DONE
-
-
-def _ways(args: argparse.Namespace) -> dict[str, str]:
-    from ..drawing.export.ways import site_ways
-
-    return {} if args.site is None else site_ways(args.site.removesuffix("/") + "/")
 
 
 def _lessons(args: argparse.Namespace) -> str:
@@ -67,3 +68,10 @@ def _lab(args: argparse.Namespace) -> str:
         own = args.scene is not None or args.robot is not None
         scene = load_scene(args.scene or SHIPPED, args.robot) if own else None
         return lab_page(scene, args.scene or SHIPPED, _ways(args))
+
+
+def _ways(args: argparse.Namespace) -> "Ways":
+    """Where the page's header leads: nowhere without a site."""
+    from ..app.ways import Ways
+
+    return Ways() if args.site is None else Ways.of_site(args.site.rstrip("/") + "/")

@@ -19,6 +19,7 @@ from typing import Any
 
 import msgspec
 
+from ... import __version__
 from ...assets import ROOT
 from ...loop.session import Session
 from ...loop.snapshot import Snapshot
@@ -30,7 +31,6 @@ from .engine_scene import can_compute, describe_hulls, describe_world
 from .panels import largest_residual
 from .recording import describe_method, kept_motions, record
 from .space import Shapes, describe_robot, describe_stage
-from .ways import credits, verbs
 
 SCRIPTS = ROOT.parent / "app" / "lab"  # beside assets/, in a clone and where it is installed
 COMMENT = re.compile(r"^ *(?:/\*\*(?:(?!\*/).)*\*/|// [^\n]*)\n|/\*\*.*?\*/ ?| +// [^\n]*$", re.M | re.S)
@@ -98,6 +98,7 @@ TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
 NO_PARTS: Mapping[str, str] = MappingProxyType({})
 PARTS = tuple(f"replay_{place}" for place in PLACES)
+OF_LAB = "ways", "about"  # places of lab.html that replays leave empty
 ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"
 
 
@@ -210,7 +211,6 @@ def lab_html(
     meshes: bytes,
     more_styles: str = "",
     parts: Mapping[str, str] = MappingProxyType({}),
-    ways: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Write the lab's page as one file.
 
@@ -225,16 +225,15 @@ def lab_html(
     more_styles
         CSS besides the lab's own.
     parts
-        HTML of a replay, by the places of lab.html that are empty in the lab.
-    ways
-        Addresses of other pages, by the verbs of `VERBS`.
+        HTML by the places of lab.html: of a replay, and the lab's header and word on its makers.
     """
     page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
-        dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
+        dict.fromkeys((*PARTS, *OF_LAB, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
-        ways=verbs("play", ways),
-        credits=credits(ways),
-        styles="\n".join((styles("view/lab.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)),
+        version=escape(__version__),
+        styles="\n".join(
+            (styles("view/lab.css", "view/ways.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)
+        ),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),

@@ -76,7 +76,7 @@ VERDICT = "vi-claims"
 MOTION = "vi-said"  # of the demonstrator, that is chosen
 MOTIONS_MADE = "vi-count"
 SEE_THROUGH = "vi-aim"  # the arm that is
-OFFER, LESSONS = "vi-offer", "vi-lessons"
+OFFER = "vi-offer"
 DRAWING = "vi"  # any
 
 JOINT_NAME = r"(?:Base|Shoulder|Upper arm|Elbow|Forearm|Wrist|Hand|Joint) (?=θ)"

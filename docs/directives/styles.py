@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from sphinx.application import Sphinx
+from viewimit.app.ways import STYLES
 
 from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 
@@ -11,7 +12,7 @@ def _write(app: Sphinx) -> None:
     dark = variables(True)
     chosen, by_system = f"body[data-theme=dark]{{{dark}}}", f"body:not([data-theme=light]){{{dark}}}"
     on_screens = f"@media not print{{{chosen}@media (prefers-color-scheme:dark){{{by_system}}}}}"
-    sheet = f"{font_faces()}\nbody{{{variables(False)}}}\n{on_screens}\n{DRAWING_CSS}\n"
+    sheet = f"{font_faces()}\nbody{{{variables(False)}}}\n{on_screens}\n{DRAWING_CSS}\n{STYLES.read_text('utf-8')}"
     folder = Path(app.outdir) / "_static"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "drawings.css").write_text(sheet, "utf-8")

@@ -570,9 +570,11 @@ def test_the_server_serves_it_and_its_link_opens_the_page(browser, server):
     page = browser.new_page()
     page.goto(f"{server}/lab#preset=paper&demo=50,-80&steps=2")
     wait_until(
-        lambda: page.evaluate("typeof lab === 'object' && document.querySelector('#open').href.includes('demo=50')")
+        lambda: page.evaluate(
+            "typeof lab === 'object' && document.querySelector('.to-workbench').href.includes('demo=50')"
+        )
     )
-    script = read_link(page.locator("#open").get_attribute("href").partition("?")[2], Settings()).script
+    script = read_link(page.locator(".to-workbench").get_attribute("href").partition("?")[2], Settings()).script
     assert script.settings.demonstrator_deg == (50, -80) and script.steps == 2
     page.close()
 

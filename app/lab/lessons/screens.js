@@ -1,5 +1,5 @@
 /**
- * The screens that are no step: where a lesson begins, one of the eight questions, and its end.
+ * The screens of the eight questions, and of a lesson's end.
  *
  * @typedef {import("./stage.js").Lesson} Lesson
  * @typedef {import("./store.js").Kept} Kept
@@ -7,66 +7,7 @@
  * @typedef {import("./step-screen.js").Button} Button
  */
 import {inline, make} from "./dom.js";
-import {linked, orderOf, outcome, questionOf, QUESTION_S, reviewOf} from "./questions.js";
-
-/** @implements {Screen} Where lessons begin. */
-export class HomeScreen {
-  /**
-   * @param {HTMLElement} body
-   * @param {Lesson[]} lessons
-   * @param {Lesson} lesson
-   * @param {(lesson: Lesson) => {words: string, done: number, isAsked: boolean}} stateOf
-   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
-   *   void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void,
-   *   catalogue: {name: string, title: string, about: string, minutes: number}[], beside: (name: string) => string}} acts
-   */
-  constructor(body, lessons, lesson, stateOf, acts) {
-    this.start = () => acts.start(lesson);
-    this.words = stateOf(lesson).words;
-    const cards = lessons.map(one => {
-      const {words, done, isAsked} = stateOf(one), count = one.steps.length, questions = one.questions?.length ?? 0,
-        hasQuestions = questions > 0, round = Math.max(1, Math.round(QUESTION_S * questions / 60));
-      const times = `${one.minutes} minutes${hasQuestions ? `, and ${round} for each round of ${questions} questions` : ""}`;
-      return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`},
-        make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
-        make("p", {class: "hint"},
-          `${count} ${count === 1 ? "step" : "steps"}, ${times}${done ? `. ${done} done.` : "."}`),
-        make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(one)},
-          words),
-          hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)},
-            "Without the questions before it") : null,
-          isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
-            : null,
-          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Start again")
-            : null),
-        make("ol", {class: "contents"}, ...one.steps.map(step =>
-          make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)},
-          step.title)))));
-    });
-    const others = acts.catalogue.map(({name, title, about, minutes}) =>
-      make("a", {class: "other-lesson", href: acts.beside(name)}, make("b", {}, title), make("span", {html: inline(about)}),
-      make("small", {}, `${minutes} minutes`)));
-    body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "",
-      make("div", {class: "others"}, ...others));
-  }
-
-  draw() { /* it stands still */ }
-
-  key() {
-    return false;
-  }
-
-  /** @returns {Button} */
-  primary() {
-    return {words: this.words, key: "↵", filled: true, act: this.start};
-  }
-
-  skip() {
-    return null;
-  }
-
-  remove() { /* it holds nothing */ }
-}
+import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
 
 /** @implements {Screen} One of the eight. */
 export class QuestionScreen {

@@ -32,6 +32,8 @@ export class Lab {
     this.isOpen = true;
     this.isServed = /\/lab$/.test(location.pathname) && location.protocol !== "file:";
     const lesson = this.isServed ? lessonBehind(location.hash) : null;
+    /** The link to the page that has all methods, which opens there in this state. @type {HTMLAnchorElement | null} */
+    this.workbench = document.querySelector(".to-workbench");
     this.announced = "";
     this.announcing = this.remembering = 0;
     const hold = (/** @type {boolean} */ held) => this.hold(held);
@@ -46,12 +48,12 @@ export class Lab {
     dragging(this);
     this.#buttons();
     this.#keys();
+    addEventListener("popstate", () => clearTimeout(this.remembering)); // else it would write over where Back leads
     addEventListener("hashchange", () => {
       if (this.isOpen) this.#entered(() => this.experiment.enterAddress(location.hash), true);
     });
     this.#entered(() => {}, this.isServed || this.experiment.misread.length > 0);
     this.draw();
-    $("open").hidden = !this.isServed;
     $("lesson").hidden = !lesson;
     if (lesson) $("lesson").href = lesson;
   }
@@ -239,7 +241,7 @@ export class Lab {
   #write(how) {
     clearTimeout(this.remembering);
     if (!this.isOpen) return;
-    if (this.isServed) $("open").href = `./?${this.experiment.pageLink()}`;
+    if (this.workbench) this.workbench.href = `./?${this.experiment.pageLink()}`;
     try { history[how](null, "", this.experiment.address()); } catch { /* a frame without an address */ }
   }
 

@@ -54,8 +54,8 @@ class Estimator:
         """Return the state after the demonstrator moved: the body stays."""
         best = None if state.best is not None and state.best.explanation is not None else state.best
         return replace(
-            state, best=best, n_explored=0, n_moved=0, certificate=None, misfit=None, moved=True, probe=False,
-            status=ServoStatus.MOVING,
+            state, best=best, n_explored=0, n_moved=0, went_nearest=False, certificate=None, misfit=None, moved=True,
+            probe=False, status=ServoStatus.MOVING,
         )  # fmt: skip
 
     def step(self, state: EstimatorState, observation: Observation, residuals: ResidualFunction) -> Outcome:
@@ -104,14 +104,17 @@ class Estimator:
         best = hypotheses.converged(best, evidence)
         if best.fits(options):
             return state.with_estimate(best)
-        if not state.exchanged and (pairs := hypotheses.find_pairs(evidence)):
+        n, m = len(state.visits), len(see.lower)
+        searches = not state.exchanged and n - m in options.search_swaps_at
+        if searches and (pairs := hypotheses.find_pairs(evidence)):
             demo = swapped(see.demonstrator[0], pairs)
             put_right = replace(see, demo=demo, demo_average=None)
             right = replace(evidence, see=put_right, residuals=with_swaps(evidence.residuals, pairs))
             again = hypotheses.same_body(right)
             if again is not None and again.fits(options):
                 return replace(state, exchanged=pairs).with_estimate(again)
-        n, m = len(state.visits), len(see.lower)
+        if best.open_joints(options, evidence.noise_px).any():  # no other hypothesis, with more unknowns, tells more
+            return state.with_estimate(replace(best, theta=hypotheses.least_E(best)))
         if n >= 2 * m and (before is None or why is None or before.fits(options) or (n - 2 * m) % 2 == 0):
             return state.with_estimate(hypotheses.otherwise(best, state.visits_as_reached, evidence))
         return state.with_estimate(replace(best, explanation=why, theta=hypotheses.least_E(best)))
@@ -122,17 +125,19 @@ class Estimator:
         here, m = body.seen.displacement[-1], len(see.lower)
         best, choice = self._chosen(state, best, evidence)
         noise, fits = evidence.noise_px, best.fits(options)
-        std = np.where(best.std < options.max_std_per_px * noise, best.std, np.inf)
+        open_joints = best.open_joints(options, noise)
+        std = np.where(open_joints, np.inf, best.std)
         error = std if choice.place is not None else np.hypot(std, np.abs(best.theta - here))
         state = replace(state, best=best, certificate=certificate_of(error, noise * state.unit_px))
-        if choice.place is not None and state.n_moved < options.most * m:
+        worth = choice.explores or not (fits and open_joints.any())
+        if choice.place is not None and worth and not state.went_nearest and state.n_moved < options.most * m:
             n_explored = state.n_explored + choice.explores
             purpose = Purpose.LOOK if choice.explores else Purpose.ARRIVE
             state = replace(state, n_moved=state.n_moved + 1, n_explored=n_explored, probe=choice.explores)
             return moved(replace(state, purpose=purpose), body, see, choice.place)
         if not fits:
             return rest(state, see, ServoStatus.NO_PROGRESS)
-        if not np.isfinite(std).all():  # as long as points are hidden somewhere, other places may show more
+        if open_joints.any():  # as long as points are hidden somewhere, other places may show more
             left = options.exploring_unexplained * m - state.n_explored
             more_to_see = left > 0 and not body.seen.visible_in_both.all()
             return self._grow(state, see) if more_to_see else self._at_least_E(state, evidence)
@@ -235,9 +240,9 @@ def nearest(
 ) -> Outcome:
     """Go to a posture once, and rest there."""
     here = see.displacement if body is None else body.seen.displacement[-1]
-    if state.purpose is Purpose.NEAREST or np.abs(place - here).max() < SAME_PLACE:
+    if state.went_nearest or np.abs(place - here).max() < SAME_PLACE:
         return rest(state, see, status)
-    return moved(replace(state, purpose=Purpose.NEAREST), body, see, place)
+    return moved(replace(state, purpose=Purpose.NEAREST, went_nearest=True), body, see, place)
 
 
 def moved(state: EstimatorState, body: OwnBody | None, see: Observation, target: Displacement) -> Outcome:

@@ -94,7 +94,7 @@ export class Screen {
 
   /** Play what an address asks for; what it asked for before goes on. @param {string} hash */
   open(hash) {
-    const asked = fromLink(this.world, hash), challenge = asked ?? daily(this.world, today(), "points");
+    const asked = fromLink(this.world, hash.replace(/challenge=today(?=&|$)/, `challenge=${today()}`)), challenge = asked ?? daily(this.world, today(), "points");
     if (!challenge) throw new Error("this robot has no pose that makes a challenge");
     if (this.game && toLink(challenge) === toLink(this.game.challenge)) return;
     this.stop?.();

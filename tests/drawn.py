@@ -17,9 +17,8 @@ CHOSEN_POINT = "vi-ring"
 SPREAD = "vi-spread"  # ellipse, where it may be recovered
 STEPS = "vi-steps"  # from the middle of all points to it
 HOW = "vi-how"  # words
-IMAGE_L, IMAGE_R = "vi-at-L", "vi-at-R"
+IMAGE_L = "vi-at-L"
 NEAREST = "vi-nearest"  # to a finger: what a click chooses
-SWAPPED, SWAPPED_NAME = "vi-pair-ring", "vi-pair-name"  # that the learner takes to be
 EPIPOLAR_LINE = "vi-line"  # of any of the three other images
 FROM_LEFT = "vi-line"
 FROM_RIGHT = "vi-line vi-from-right"
@@ -32,7 +31,6 @@ HULL = "vi-hull"  # of a link
 SKELETON = "vi-bone"
 PHOTOGRAPH = "vi-photograph"
 NOT_DETECTED = "vi-idle"
-GOAL_POINTS = "vi-goal-ring"  # where the learner's own would be in the demonstrator's posture
 
 # In a landscape
 LEVELS = "vi-contour"
@@ -44,35 +42,25 @@ SMALLEST_E = "vi-cross"
 DEMONSTRATORS_POSTURE = "vi-seen"
 INSET = "vi-inset"  # frame, of what lies closest together
 TO_THE_LEFT = "vi-end"  # of where it stands
-START, WAY_FROM_START = "vi-basin-mark", "vi-basin-way"
+START = "vi-basin-mark"
 LEARNERS_PATH, OPPONENTS_PATH = "vi-line-own", "vi-line-opponent"
-LEARNER_NOW, OPPONENT_NOW = "vi-now", "vi-now-opponent"
 
 # In plots and figures
 AXES = "vi-axis"
 CURVE = "vi-x"
 SOLID = "vi-x-solid"
 E_CURVE = "vi-line-E"
-CURSOR = "vi-cursor"
 TRUE = "vi-line-demo"  # the demonstrator's angles and its E, or the true path
 OWN_TRACE = "vi-line-own"
-BIASES_EPIPOLAR, BIASES_LINEAR = "vi-x-fill-learner", "vi-x-recovered"  # dots
+BIASES_EPIPOLAR = "vi-x-fill-learner"  # dots
 PARABOLAS_LEVEL = "vi-x-ellipse"
-PAPERS_MINIMUM = "vi-x-paper"
-NOT_ARRIVED = "vi-x-off-mark"
-SCALE_BAR = "vi-lead"
 LED = "vi-lead"  # line to a label
-JOINT_LABELS = "vi-of-own"
-TITLE = "vi-b"
 CONFLICT = "vi-E"  # E, the largest figure below the images
 
 # Marks and parts of the page
-HIGH, TOO_HIGH = "vi-amber", "vi-red"
-WEAK_JOINT = "vi-amber"
+HIGH = "vi-amber"
 BAR = "vi-bar"  # a joint of the learner with its angle
-TWO_COLUMNS = "vi-many"
 STATUS = "vi-status"
-EQUATION = "vi-eq"
 LESSON = "vi-lesson"  # what a preset shows
 KEYS = "vi-keys"
 ALL_TRANSFERS = "vi-transfers"
@@ -87,10 +75,8 @@ PROGRESS = "vi-progress"
 VERDICT = "vi-claims"
 MOTION = "vi-said"  # of the demonstrator, that is chosen
 MOTIONS_MADE = "vi-count"
-QR_CODE = "vi-qr"
 SEE_THROUGH = "vi-aim"  # the arm that is
-SCALE_OF_MORE = "vi-scale vi-scale-up"  # of a word of which more is better
-OFFER, LESSONS = "vi-offer", "vi-lessons"
+OFFER = "vi-offer"
 DRAWING = "vi"  # any
 
 JOINT_NAME = r"(?:Base|Shoulder|Upper arm|Elbow|Forearm|Wrist|Hand|Joint) (?=θ)"
@@ -137,11 +123,6 @@ def paths(html: str, *seen: str) -> list[str]:
 def line_of(role: str) -> str:
     """Of a curve in a role's colour."""
     return f"vi-x-{role}"
-
-
-def dashed(dash: str) -> str:
-    """Of a curve with this dash."""
-    return f"vi-x-{dash}"
 
 
 def written_path(html: str, seen: str) -> str | None:

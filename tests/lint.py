@@ -1,4 +1,4 @@
-"""Checks of the source that are no tests: style, types, public docstrings, files of the forge. `python tests/lint.py`
+"""Checks of the source that are no tests: style, types, public docstrings, forge files, faults. `python tests/lint.py`
 
 CI runs it once, beside the tests. It needs the dependency groups `lint` and `test`.
 """
@@ -14,6 +14,8 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from mutants import fault_in, mutants
 
 import viewimit
 
@@ -81,7 +83,15 @@ def forge() -> str:
     return found
 
 
-CHECKS = {"style": style, "types": types, "completeness": completeness, "docstrings": docstrings, "forge": forge}
+def faults() -> str:
+    """Return which faults of tests/mutants.toml cannot be made any more."""
+    return "\n".join(found for mutant in mutants() if (found := fault_in(mutant)))
+
+
+CHECKS = {
+    "style": style, "types": types, "completeness": completeness, "docstrings": docstrings, "forge": forge,
+    "faults": faults,
+}  # fmt: skip
 
 
 def _reported(name: str, found: str) -> bool:

@@ -1,17 +1,14 @@
 """A transfer, a servo and an experiment from outside: all that is said of them is in this file, a line registers each,
 and page, autosave, duel, comparison, figures, benchmarks and commands have them."""
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from drawn import ALL_TRANSFERS, DRAWING, E_CURVE, EXPERIMENT, OPPONENTS_PATH, TITLE, used
+from drawn import DRAWING, E_CURVE, EXPERIMENT
 from quiet_page import QuietPage
-from sameness import assert_same
 from viewimit.app.panels.guide import help_html
 
-from viewimit.drawing import status
 from viewimit.estimation.equations import HOLE, Equation, number
 from viewimit.estimation.transfers import TRANSFERS, TransferMethod
 from viewimit.estimation.transfers.linear import AffineTransfer
@@ -159,13 +156,6 @@ def outside(**settings):
     return Settings.paper(**{"transfer": "ridge", "servo": "cautious", "start_deg": (25, -45), **settings})
 
 
-def stepped(count):
-    session = Session(outside())
-    for _ in range(count):
-        session.step()
-    return session
-
-
 @pytest.fixture
 def page():
     """At rest on the outside methods, chosen by their titles."""
@@ -192,46 +182,3 @@ def test_the_page_plays_with_them_and_shows_their_own_equations_and_words(page):
     assert all(
         words in help_html("") for words in (RIDGE.assumes, RIDGE.limitations, CAUTIOUS.assumes, CAUTIOUS.limitations)
     )
-
-
-def test_too_large_a_condition_is_said_in_the_transfers_words(monkeypatch):
-    now = stepped(1).snapshot
-    ill = replace(TRANSFERS["linear"](now.views), sigma=np.array([300.0, 2, 1]))
-    monkeypatch.setitem(TRANSFERS, now.settings.transfer, replace(TRANSFERS[now.settings.transfer], fit=lambda _: ill))
-    assert status.describe(replace(now)).doubt == "cond ridge is 300, far too high. The ridge is too narrow."
-
-
-def test_a_duel_takes_them_as_opponent(page):
-    page.choose("Transfer", "Linear combination")
-    page.choose("Opponent's transfer", "Ridge regression")
-    page.choose("Opponent's servo", "Cautious")
-    page.click("Begin duel")
-    page.tick_until(lambda: OPPONENTS_PATH in used(page.shown))
-    assert "Opponent: Ridge regression" in page.shown and ">Cautious</text>" in page.shown
-
-
-def test_all_transfers_are_compared_in_as_many_rows_as_needed(page):
-    page.click("Compare all transfers")
-    page.tick_until(lambda: "· basin" in page.shown)
-    (compared,) = (widget.content for widget in page.gui.widgets if ALL_TRANSFERS in getattr(widget, "content", ""))
-    for method in TRANSFERS.values():
-        assert f">{method.title}</text>" in compared
-    height = float(re.search(r'viewBox="0 0 \d+ (\d+)"', compared)[1])
-    places = re.findall(rf'<g transform="translate\((\d+) (\d+)\)"><text class="{TITLE}"', compared)
-    assert len(places) == len(set(places)) == len(TRANSFERS) and 2 < height / 131 <= 3
-    assert all(float(top) < height for _, top in places)
-
-
-def test_what_is_kept_goes_on_as_if_nothing_had_been():
-    settings = outside(noise_px=0.2, missing=0.02, seed=1)
-    page, again = QuietPage(settings), QuietPage(settings)
-    page.restore()
-    for _ in range(8):
-        page.choose("Motion", "Step")
-    again.restore(page.kept)
-    for each in (page, again):
-        for _ in range(4):
-            each.choose("Motion", "Step")
-    kept, restored = (tuple(each.page.model.session.history) for each in (page, again))
-    assert len(kept) > 8 and isinstance(restored[3].servo_state, CautiousState) and restored[3] is not kept[3]
-    assert_same(kept, restored)

@@ -31,10 +31,6 @@ def written(motions, dense=None, make=moment):
     return history
 
 
-def heavy_ones(history):
-    return [k for k, one in enumerate(history) if one.without_cache() is not one]
-
-
 def test_a_moment_is_found_by_its_motion_and_the_cursor_is_on_the_last():
     history = written(5)
     assert len(history) == 6 and history.cursor == 5 and history.present is history[-1]
@@ -50,37 +46,6 @@ def test_undo_and_scrub_stay_within_the_history_and_drop_nothing():
     assert history.scrub(3) and history.present.motion == 3 and len(history) == 4
 
 
-@pytest.mark.parametrize("act, length", [("append", 3), ("replace", 2)])
-def test_a_motion_or_another_present_drops_what_came_later(act, length):
-    history = written(5)
-    before = history[0]
-    history.scrub(1)
-    new = moment(length - 1)
-    getattr(history, act)(new)
-    assert len(history) == length and history.present is new and history[0] is before
-
-
-@pytest.mark.parametrize("dense", [None, STRIDE + 8, RECENT + 5 * STRIDE])
-def test_of_a_long_run_only_recent_moments_hold_more_than_their_fields(dense):
-    history = written(0, dense, heavy)
-    for motion in range(1, 10 * STRIDE):
-        history.append(heavy(motion))
-        held = heavy_ones(history)
-        assert len(held) <= RECENT + STRIDE
-        assert held[-RECENT:] == list(range(max(motion + 1 - RECENT, 0), motion + 1)) or dense is not None
-    assert not heavy_ones(history)[: -RECENT - STRIDE]
-
-
-def test_what_another_holds_of_an_old_moment_stays_as_it_was():
-    first = heavy(0)
-    history = History([first])
-    for motion in range(1, RECENT + STRIDE + 1):
-        history.append(moment(motion))
-    assert history[0] is not first and history[0].keeps_the_same(first)
-    assert first.without_cache() is not first
-    np.testing.assert_array_equal(history[0].e, first.e)
-
-
 @pytest.mark.parametrize("dense", [0, 8, STRIDE + 8, RECENT, 5 * STRIDE])
 def test_after_the_first_motions_every_stride_th_of_old_ones_stands_for_those_after_it(dense):
     motions = EARLY + 8 * STRIDE + 5
@@ -91,16 +56,6 @@ def test_after_the_first_motions_every_stride_th_of_old_ones_stands_for_those_af
     assert len(set(map(id, history))) == len(set(stands))
     assert history.scrub(EARLY + STRIDE + 3) and history.cursor == EARLY + STRIDE
     assert history.undo() and history.cursor == EARLY and history.undo() and history.cursor == EARLY - 1
-
-
-@pytest.mark.parametrize("dense", [None, 8, RECENT, 5 * STRIDE])
-def test_a_history_taken_over_is_as_one_written_here(dense):
-    motions = EARLY + 8 * STRIDE + 5
-    here, there = written(motions, dense, heavy), History(written(motions, make=heavy), motions, dense)
-    assert [one.motion for one in there] == [one.motion for one in here]
-    assert heavy_ones(there) == heavy_ones(here)
-    bare = [moment(motion) for motion in range(motions + 1)]
-    assert all(one is other for one, other in zip(History(bare, motions), bare))  # nothing to let go of
 
 
 def test_a_history_is_a_table_whose_columns_are_named_by_the_joints_that_move():
@@ -117,10 +72,3 @@ def test_a_history_is_a_table_whose_columns_are_named_by_the_joints_that_move():
         assert arrays["motion"].tolist() == [row["motion"] for row in rows] == list(range(5))
         assert all(row.keys() == arrays.keys() for row in rows)
         assert rows[3] == {name: column.tolist()[3] for name, column in arrays.items()}
-
-
-def test_moments_that_stand_in_for_others_are_in_its_table_once():
-    session = Session(Settings.paper(servo="gradient", start_deg=(25, -45)), dense=8)
-    session.run(EARLY + 8 + 4 * STRIDE)
-    motions = [row["motion"] for row in session.history.table()]
-    assert motions == sorted(set(motions)) and len(motions) < len(session.history) and motions[-1] == session.cursor

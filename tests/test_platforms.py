@@ -64,28 +64,6 @@ assert main(["imitate", "--demonstrator", "45,-90", "--start", "25,-45"]) == 0
     assert "converged" in on_windows(code)
 
 
-def test_windows_has_its_own_priority_and_ways_to_end():
-    code = """
-import viewimit.processes as processes
-processes.lower_priority(0)
-processes.lower_priority(5)
-with processes.interrupts_withheld():
-    inside = list(Kernel32.calls)
-print([name for name, *_ in Kernel32.calls], Kernel32.calls[1][2] == 0x4000, inside[-1], Kernel32.calls[-1])
-print(processes.stop_signals() == [signal.SIGINT, signal.SIGTERM, signal.SIGBREAK])
-processes.ignore_interrupts()
-print(signal.getsignal(signal.SIGINT) == signal.getsignal(signal.SIGBREAK) == signal.SIG_IGN, processes.stop_signals())
-from viewimit.app.jobs.child import stand_back
-stand_back(1)
-"""
-    calls, ends, ignored = on_windows(code).splitlines()
-    once = ["GetCurrentProcess", "SetPriorityClass"]
-    assert calls.startswith(str([*once, "SetConsoleCtrlHandler", "SetConsoleCtrlHandler"]) + " True")
-    assert calls.endswith("('SetConsoleCtrlHandler', None, True) ('SetConsoleCtrlHandler', None, False)")
-    assert ends == "True"
-    assert ignored.startswith("True [<Signals.SIGINT") and "SIGUSR1" not in ignored
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="as other systems have it")
 def test_a_child_process_stands_back_and_keeps_nohups_wish():
     code = """

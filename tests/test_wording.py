@@ -13,9 +13,9 @@ from viewimit.app.model.choices import PRESETS
 from viewimit.commands import reproduce
 from viewimit.commands.json_output import plain
 from viewimit.commands.options import settings_from
-from viewimit.loop.codegen import MAX_LINES, NO_OPTION, as_command, as_python, as_reproduction
+from viewimit.loop.codegen import MAX_LINES, as_command, as_python, as_reproduction
 from viewimit.loop.session import Session
-from viewimit.loop.settings import DISTURBANCES, SAFETY, Settings
+from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 SEEN_BY_POINTS = [preset.settings for preset in PRESETS if preset.settings.sensor == "projected"]
@@ -37,16 +37,6 @@ def test_every_preset_after_some_motions_is_said_in_python(settings):
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
 
 
-def test_a_method_is_said_by_its_name():
-    said = {}
-    for settings in (Settings.paper(servo="kalman"), Settings(frames=9)):
-        lines = as_python(Session(settings).script)
-        said[settings.servo] = next(line for line in lines.splitlines() if line.startswith("session ="))
-    assert said["kalman"].startswith("session = Session(Settings.paper(") and "servo='kalman'" in said["kalman"]
-    assert said["trust-region"].startswith("session = Session(Settings(") and "frames=9" in said["trust-region"]
-    assert not any("transfer" in words for words in said.values())
-
-
 def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
     session = Session(Settings())
     session.step()
@@ -59,17 +49,6 @@ def test_what_was_done_by_hand_is_said_line_by_line_and_much_of_it_as_data():
     for k in range(8):
         session.pose((0.5 + 0.01 * k, -1.0))
         session.step()
-    lines = as_python(session.script)
-    assert len(lines.splitlines()) <= MAX_LINES
-    assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
-
-
-def test_a_rehearsal_is_said():
-    session = Session(Settings())
-    session.begin_calibration(session.calibration_postures(5, seed=2))
-    session.run(12)
-    session.reset()
-    session.run(3)
     lines = as_python(session.script)
     assert len(lines.splitlines()) <= MAX_LINES
     assert ran(lines).tobytes() == session.snapshot.theta.tobytes()
@@ -108,44 +87,3 @@ def test_a_figure_is_reproduced_with_the_same_settings(settings):
         as_reproduction("fig7", BY_HAND)
     with pytest.raises(ValueError, match="how far the arm goes"):
         as_reproduction("fig7", BOUND)
-
-
-def test_what_a_command_cannot_say_is_told():
-    session = Session(Settings())
-    session.step()
-    session.pose((0.5, -1.0))
-    with pytest.raises(ValueError, match="by hand"):
-        as_command(session.script)
-    with pytest.raises(ValueError, match="late"):
-        as_command(Session(Settings.paper(delay=2)).script)
-    placed = Session(BY_HAND)
-    with pytest.raises(ValueError, match="by hand"):
-        as_command(placed.script)
-
-
-def test_what_settings_a_command_has_words_for_are_all_but_those_that_are_refused():
-    named = as_command(Session(Settings.paper(seed=8)).script)
-    assert "--seed=8" in named
-    told = {
-        "scene",
-        "robot",
-        "joints",
-        "points",
-        "transfer",
-        "servo",
-        "frames",
-        "seed",
-        "undistort",
-        "rectify",
-        "sensor",
-        "dynamics",
-        "matched",
-    }
-    told |= {"demonstrator_deg", "start_deg", *DISTURBANCES, *SAFETY, *NO_OPTION}
-    assert told == set(Settings.__struct_fields__)
-
-
-def test_points_that_were_placed_by_hand_are_said_in_python():
-    session = Session(BY_HAND)
-    session.run(3)
-    assert ran(as_python(session.script)).tobytes() == session.snapshot.theta.tobytes()

@@ -7,9 +7,11 @@ from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import HERE, lesson_page
 from ..lab.lessons.source import find, shipped
 from ..lab.page import lab_page
+from ..ways import Ways
 from .server import Page
 
 ENTRY = "lessons/class.js"
+WAYS = Ways(play="lab", learn="./")
 STYLES = "class.css", "../challenge/challenge.css"
 
 
@@ -42,8 +44,9 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
         Origins whose pages may show a page in a frame.
     """
     make = lambda page: Page(page(), embed)
-    return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab_page)}
+    lab = partial(lab_page, ways=WAYS)
+    return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab)}
 
 
 def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
-    return lesson_page(lessons, ENTRY, "\n".join((HERE / name).read_text("utf-8") for name in STYLES))
+    return lesson_page(lessons, ENTRY, "\n".join((HERE / name).read_text("utf-8") for name in STYLES), ways=WAYS)

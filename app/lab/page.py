@@ -19,13 +19,15 @@ from viewimit.simulation.scene import Scene, load_scene
 from viewimit.simulation.world import World
 
 from ..presets import LAB_PRESETS, Preset
+from ..ways import Ways, about, header
 
 SHIPPED = "panda"
 TITLE = "viewimit lab: one robot copies another from pictures"
+NO_WAYS = Ways()
 MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 
 
-def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
+def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
     """Return the lab as one HTML page.
 
     Parameters
@@ -34,6 +36,8 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
         The scene of the lab, the shipped one by default. Presets of other scenes are then left out.
     name
         As settings name that scene.
+    ways
+        Where the header's verbs lead.
 
     Raises
     ------
@@ -53,7 +57,8 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED) -> str:
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    return lab_html(TITLE, data, shapes.packed)
+    parts = {"ways": header(ways, "play", has_help=False), "about": about(ways)}
+    return lab_html(TITLE, data, shapes.packed, parts=parts)
 
 
 def _offered(scene: Scene | None) -> list[Preset]:
@@ -112,14 +117,14 @@ def served_scenes(name: str = SHIPPED, robot: str | None = None) -> dict[str, di
 
 
 @cache
-def served_page(name: str, robot: str | None) -> str:
+def served_page(name: str, robot: str | None, ways: Ways = NO_WAYS) -> str:
     """Return the lab of a server that was started with this scene; of the shipped one, if the lab cannot compute it."""
     if (name, robot) == (SHIPPED, None):
-        return lab_page()
+        return lab_page(ways=ways)
     try:
-        return lab_page(load_scene(name, robot), name)
+        return lab_page(load_scene(name, robot), name, ways)
     except ValueError:
-        return lab_page()
+        return lab_page(ways=ways)
 
 
 # The address at which the lab opens in a session's state, as app/lab/view/address.js reads it.

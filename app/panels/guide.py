@@ -16,9 +16,11 @@ from viewimit.servo import SERVOS
 from ..drawing.overlays import button, current_values, linked_cards, listed
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.source import ORDER
+from ..lab.page import lab_address
 from ..model.keeping import share_link
 from ..model.page_model import PageModel
 from ..static import STATIC
+from ..ways import Ways, about, header
 from .panel import SLOWEST, Layout, put_html
 
 
@@ -102,7 +104,9 @@ def help_html(keys: str) -> str:
         for title, methods in METHODS
     )
     words = f'<p><b>What the numbers mean</b></p><div class="vi-entries">{listed()}</div>'
-    return f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}</div>'
+    return (
+        f'<div class="vi-help"><div class="vi-help-keys">{keys}</div>{HELP_HTML}{methods}{words}{about(Ways())}</div>'
+    )
 
 
 def _method(assumes: str, limitations: str) -> str:
@@ -110,17 +114,18 @@ def _method(assumes: str, limitations: str) -> str:
     return f"Assumes: {assumes} Fails: {limitations}"
 
 
-# What explains the page: links to the lab's lessons, the offer of one of them, and the glossary's cards.
+# What explains the page: ways to the lab and its lessons, the offer of one of them, and the glossary's cards.
 
 TOUR = "tour"
+PURPOSE = "Your own robot, every method, and experiments."
 REWRITTEN_EVERY = 2.0  # s
 LAST = 1e9  # in the order of a column
 
 
 def lessons(layout: Layout, model: PageModel) -> None:
-    """The page's name with Tour, Share and Help; last in its column links to all lessons, each with the way back to
-    what the page shows now."""
-    head, listed, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
+    """The page's name with Share and Help, the ways to lab and lessons in the present state, and the offer of the
+    tour."""
+    head, offer, offered = layout.gui.add_html(""), layout.gui.add_html("", order=LAST), not _offered(model)
 
     def key(model: PageModel) -> tuple:
         return (
@@ -136,7 +141,7 @@ def lessons(layout: Layout, model: PageModel) -> None:
         nonlocal offered
         offered = _offered(model)
         put_html(head, draw_head(model, layout.info.lessons))
-        put_html(listed, offers(model, layout.info.lessons))
+        put_html(offer, draw_offer(model, layout.info.lessons))
 
     def period(model: PageModel) -> float:
         """The way back is updated now and then, as that takes time; the offer is removed at once."""
@@ -163,34 +168,33 @@ def _offered(model: PageModel) -> bool:
 
 
 def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
-    """The page's name and three buttons, at every size."""
-    first = next(iter(lessons), "")
-    tour = TOUR if first in ORDER else first
-    buttons = [(f'<a href="lab/{tour}{way_back(model)}">', "Tour", "</a>")] if tour else []
-    shown = "".join(f'{start}<span class="vi-head-button">{words}</span>{end}' for start, words, end in buttons)
-    for what, words in (("share", "Share"), ("help", "Help")):
-        shown += button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
-    return f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
-
-
-def offers(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
-    """Links to all lessons, and the offer of the tour, or of a lecturer's first one."""
-    back = way_back(model)
-    links = " · ".join(
-        f'<a href="lab/{name}{back}" title="{escape(lesson.title)}">{escape(lesson.short)}</a>'
-        for name, lesson in lessons.items()
+    """The page's name and two buttons, at every size; the ways to other pages, and what this one is for."""
+    shown = "".join(
+        button(f"{what}/0", words, f'<span class="vi-head-button">{words}</span>')
+        for what, words in (("share", "Share"), ("help", "Help"))
     )
-    listed = f'<div class="vi-lessons">{f"Lessons: {links}"}</div>'
+    play = (lab_address(model.snapshot) or "/lab").removeprefix("/")
+    first = next(iter(lessons), None)
+    ways = Ways(play, first and f"lab/{first}{way_back(model)}", workbench="./")
+    return (
+        f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
+        f'<div class="vi-purpose">{header(ways, "workbench", has_help=False)}<p>{PURPOSE} '
+        f'New here, or on a phone? <a href="{escape(play)}">Play</a> is easier.</p></div>'
+    )
+
+
+def draw_offer(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
+    """The offer of the tour, or of a lecturer's first lesson; "" later."""
     if not _offered(model) or not lessons:
-        return listed
+        return ""
     first = next(iter(lessons))
     name = TOUR if first in ORDER else first  # a lecturer's own come first
     tour = lessons[name]
-    take = f'<a href="lab/{name}{back}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
+    take = f'<a href="lab/{name}{way_back(model)}"><span class="vi-button vi-filled">Begin <kbd>Enter</kbd></span></a>'
     no = button("dismiss/0", "Not now", '<span class="vi-button vi-text">Not now <kbd>Esc</kbd></span>')
     words = "<b>New here?</b> {title}, {n} min: {about}"
     words = f"<span>{words.format(title=escape(tour.title), n=tour.minutes, about=escape(tour.about))}</span>"
-    return f'{listed}<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
+    return f'<div class="vi-offer" role="dialog" aria-label="{escape(tour.title)}">{words}{take}{no}</div>'
 
 
 def way_back(model: PageModel) -> str:

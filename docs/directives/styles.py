@@ -1,9 +1,9 @@
 """The drawings' stylesheet, in the colours of the site's light and dark scheme, and their font."""
 
 from pathlib import Path
-from typing import Any
 
 from sphinx.application import Sphinx
+from viewimit.app.ways import STYLES
 
 from viewimit.drawing.theme import DRAWING_CSS, font_faces, variables
 
@@ -12,18 +12,12 @@ def _write(app: Sphinx) -> None:
     dark = variables(True)
     chosen, by_system = f"body[data-theme=dark]{{{dark}}}", f"body:not([data-theme=light]){{{dark}}}"
     on_screens = f"@media not print{{{chosen}@media (prefers-color-scheme:dark){{{by_system}}}}}"
-    sheet = f"{font_faces()}\nbody{{{variables(False)}}}\n{on_screens}\n{DRAWING_CSS}\n"
+    sheet = f"{font_faces()}\nbody{{{variables(False)}}}\n{on_screens}\n{DRAWING_CSS}\n{STYLES.read_text('utf-8')}"
     folder = Path(app.outdir) / "_static"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "drawings.css").write_text(sheet, "utf-8")
 
 
-def _without_icon(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object) -> None:
-    """Say that there is no icon: browsers ask the server's first folder for one otherwise."""
-    context["metatags"] += '<link rel="icon" href="data:,">'
-
-
 def add_to(app: Sphinx) -> None:
-    app.connect("html-page-context", _without_icon)
     app.connect("build-finished", lambda app, error: None if error else _write(app))
     app.add_css_file("drawings.css")

@@ -35,12 +35,6 @@ def test_every_run_is_a_sessions_own():
     assert [share for share, _ in told] == [0.5, 1.0] and told[-1][1].endings == found.endings
 
 
-def test_the_start_of_the_settings_makes_no_difference():
-    starts = (10, -10), (80, -170)
-    one, other = (find_basin(msgspec.structs.replace(FEW, start_deg=start), counts=(1, 1)) for start in starts)
-    assert np.array_equal(one.endings[0].end, other.endings[0].end)
-
-
 def test_without_bias_all_arrive_and_say_so():
     found = find_basin(Settings(), counts=(2, 2))
     assert found.count("demonstrator", True) == 4 == len(found.endings)
@@ -53,8 +47,3 @@ def test_a_run_ends_at_the_demonstrator_at_the_smallest_E_or_elsewhere():
     assert place_of(lowest + (near, -near), demo, lowest) == "smallest E"
     assert place_of(demo + np.radians([0, NEAR_DEG + 0.01]), demo, lowest) == "elsewhere"
     assert place_of(lowest, demo, np.full(2, np.nan)) == "elsewhere"
-
-
-def test_two_joints_have_to_move():
-    with pytest.raises(ValueError, match="two moving joints"):
-        find_basin(Settings.paper(joints=(1, 2, 3), points=16))

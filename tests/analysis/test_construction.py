@@ -45,18 +45,6 @@ def test_in_95_percent_of_cases_a_point_seen_a_pixel_off_is_recovered_within_the
         assert abs(inside - 0.95) < 5 * np.sqrt(0.95 * 0.05 / count)
 
 
-@pytest.mark.parametrize("name", [name for name in TRANSFERS if name != "epipolar"])
-def test_steps_lead_from_the_middle_to_the_point_in_all_four_images(name):
-    snapshot = of(name)
-    found = construct(snapshot, POINT)
-    assert found.angle is None and found.steps.shape == (4, 5, 2)
-    demo = snapshot.views.demo
-    assert np.allclose(found.steps[:2, 0].ravel(), demo.mean(0)) and np.allclose(
-        found.steps[:2, -1].ravel(), demo[POINT]
-    )
-    assert np.allclose(found.steps[2:, -1], found.recovered)
-
-
 def test_three_steps_are_all_that_affine_cameras_need():
     rng = np.random.default_rng(2)
     shape, cameras = rng.standard_normal((10, 3)), rng.standard_normal((2, 3, 4))

@@ -6,7 +6,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from viewimit.analysis import landscape as landscape_module
 from viewimit.analysis.landscape import Landscape, grid_axes, landscape, landscape_over
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
@@ -56,17 +55,6 @@ def test_known_conditions_of_the_panda():
     found, _ = over_grid(panda(), with_condition=True)
     assert np.median(found.condition) == pytest.approx(9.5, abs=0.05)
     assert found.condition.max() == pytest.approx(36, abs=0.5)
-
-
-@pytest.mark.parametrize("projected, evaluated", [(30_000, 5_000), (5_000, 1_500), (1, 1)])
-def test_it_is_the_same_however_few_points_are_seen_and_evaluated_together(monkeypatch, projected, evaluated):
-    axes = grid_axes(panda(), step_deg=5)
-    whole, _ = over_grid(panda(), axes=axes, with_condition=True)
-    monkeypatch.setattr(landscape_module, "PROJECTED_POINTS", projected)
-    monkeypatch.setattr(landscape_module, "EVALUATED_POINTS", evaluated)
-    found, _ = over_grid(panda(), axes=axes, with_condition=True)
-    np.testing.assert_allclose(found.E, whole.E, rtol=1e-9)
-    np.testing.assert_allclose(found.condition, whole.condition, rtol=1e-9)
 
 
 CASES = {
@@ -122,19 +110,6 @@ def test_points_that_are_missing_somewhere_are_left_out_there(transfer):
     assert min(counts) < 5 and len(counts) > 3
 
 
-def test_nothing_seen_anywhere_is_nan_and_has_no_minimum():
-    world = panda()
-    demo, visible = world.demo_images(np.radians([45, -90]))
-    found = landscape_over(world, TRANSFERS["epipolar"], demo, np.zeros_like(visible), grid_axes(world, 30))
-    assert np.isnan(found.E).all() and np.isnan(found.minimum).all()
-    assert len(found.local_minima()) == 0 and found.basin_fraction() == 0.0
-
-
-def test_condition_is_measured_only_when_asked():
-    found, _ = over_grid(panda(), axes=grid_axes(panda(), 30))
-    assert found.condition is None
-
-
 def test_the_landscape_of_a_session_is_that_of_what_it_sees_and_of_its_transfer():
     session = Session(Settings(scene="panda-toed", noise_px=0.3, demonstrator_deg=(40, -80)))
     now = session.snapshot
@@ -150,31 +125,6 @@ def test_the_landscape_of_a_session_is_that_of_what_it_sees_and_of_its_transfer(
         for axis, wanted in zip(found.axes, axes):
             np.testing.assert_array_equal(axis, wanted)
     assert landscape(Session(Settings.paper(demonstrator_deg=(45, -90)))).E.shape == (91, 181)
-
-
-def test_a_landscape_needs_a_scene_and_two_joints():
-    with pytest.raises(ValueError, match="two moving joints, this scene has 3"):
-        landscape(Session(Settings(joints=(2, 4, 6), points=16)))
-
-    class Robot:
-        lower, upper, start, noise_px = np.zeros(2), np.ones(2), np.full(2, 0.5), 0.0
-
-        def move(self, theta):
-            return theta
-
-        def look(self):
-            return FourViews.from_images(*np.random.default_rng(0).uniform(0, 600, (4, 9, 2)))
-
-    with pytest.raises(ValueError, match="an arm and eyes of your own have no scene"):
-        landscape(Session.of(Robot(), Robot()))
-
-
-def test_what_no_landscape_can_be_of_is_named():
-    session = Session()
-    with pytest.raises(ValueError, match="no transfer 'nope'; there are epipolar, "):
-        landscape(session, by="nope")
-    with pytest.raises(TypeError, match="a landscape is of a Session, got <.*; landscape_over takes a world"):
-        landscape(session.world)
 
 
 def test_grids_cover_the_range_of_two_joints():

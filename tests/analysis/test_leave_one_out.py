@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.leave_one_out import FRAMES, POINTS, leave_one_out
+from viewimit.analysis.leave_one_out import leave_one_out
 from viewimit.estimation.outliers import find_outliers
 from viewimit.estimation.rectification import fit_transfer
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
 from viewimit.experiments.bench.tracks import Case, draw
-from viewimit.geometry.rectification import fit_rectification, fit_rectification_with_prior
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -60,42 +59,6 @@ def test_without_noise_the_projective_transfer_predicts_points_exactly_and_affin
     assert found.rectification is None and found.rectified_px is None  # rows are equal
 
 
-def test_errors_are_in_pixels():
-    views = arms("panda-toed", 16, 3, np.random.default_rng(3), noise_px=0.3)
-    doubled = FourViews(2 * views.demo, 2 * views.own, views.visible)
-    one, two = leave_one_out(views), leave_one_out(doubled)
-    for name, px in one.error_px.items():
-        assert two.error_px[name] == pytest.approx(2 * px, rel=1e-6)
-    assert two.ratio == pytest.approx(one.ratio, rel=1e-3)
-
-
-def test_a_rectification_is_told_by_the_other_points_too():
-    """Else a point of its own would make the images suit it."""
-    views = arms("panda-toed", 20, 1, np.random.default_rng(4), noise_px=0.3)
-    squares = []
-    for point in range(20):
-        rest = views.select(np.delete(np.arange(20), point))
-        by = fit_rectification_with_prior(*np.split(np.concatenate([rest.demo[0], rest.own[0]]), 2, axis=1))
-        fitted = fit_transfer(TRANSFERS["projective"], rest, by)
-        one = views.select([point])
-        squares.append(((one.own - fitted.recover(one.demo_left, one.demo_right)) ** 2).sum() / 2)
-    found = leave_one_out(views).rectified_px
-    assert found is not None and found["projective"] == pytest.approx(np.sqrt(np.mean(squares)), rel=1e-6)
-
-
-@pytest.mark.parametrize("points", [12, 20, 40])
-def test_a_rectified_rig_is_left_as_it_is_though_its_matches_ask_for_rectification(points):
-    """At most one in 20 is rectified; matches alone ask for it more often, and predictions become worse by it."""
-    rectified, worse = 0, []
-    for k in range(DRAWS):
-        seen, elsewhere = draw(Case(points), np.random.default_rng([11, k]))
-        by = fit_rectification(*np.split(np.concatenate([seen.demo[0], seen.own[0]]), 2, axis=1))
-        rectified += leave_one_out(find_outliers(seen).corrected(seen)).rectification is not None
-        if by is not None:
-            worse.append(held_out(seen, elsewhere, by) / held_out(seen, elsewhere, None))
-    assert rectified <= DRAWS / 20 < len(worse) and np.median(worse) > 1
-
-
 def held_out(seen, elsewhere, by):
     fitted = fit_transfer(TRANSFERS["projective"], seen, by)
     return float(np.sqrt(np.square(fitted.residual(elsewhere)).sum(-1).mean() / 2))
@@ -110,37 +73,6 @@ def test_a_toed_in_rig_is_rectified_and_predicts_better_so(points, toe_in_deg):
         by = leave_one_out(find_outliers(seen).corrected(seen)).rectification
         assert by is not None
         assert held_out(seen, elsewhere, by) < held_out(seen, elsewhere, None)
-
-
-def test_a_chessboard_is_predicted_by_the_projective_transfer_and_its_rectified_images_are_left_alone():
-    for k in range(8):
-        seen, _ = draw(Case(20, board=True), np.random.default_rng([13, k]))
-        found = leave_one_out(find_outliers(seen).corrected(seen))
-        others = (px for name, px in found.error_px.items() if name != "projective")
-        assert found.rectification is None and 3 * found.error_px["projective"] < min(others)
-
-
-def test_where_arms_are_in_different_postures_the_matches_decide():
-    rng = np.random.default_rng(5)
-    toed, parallel = (arms(scene, 16, 6, rng, 0.2, alike=False) for scene in ("panda-toed", "panda"))
-    found = leave_one_out(toed)
-    assert found.ratio is None and found.rectification is not None and min(found.error_px.values()) > 2
-    assert leave_one_out(parallel).rectification is None
-
-
-def test_rectification_is_compared_only_if_that_is_asked():
-    found = leave_one_out(arms("panda-toed", 16, 2, np.random.default_rng(6)), rectifying=False)
-    assert found.rectification is None and found.rectified_px is None and found.ratio is None and found.error_px
-
-
-def test_of_many_frames_and_points_those_evenly_spaced_are_used():
-    rng = np.random.default_rng(7)
-    views = arms("panda", 16, 4 * FRAMES, rng, noise_px=0.2)
-    found = leave_one_out(views)
-    assert (found.frames, found.of_frames, found.predictions) == (FRAMES, 4 * FRAMES, 16 * FRAMES) and found.sampled
-    many = FourViews(*(np.repeat(of[:1], 10, 1) for of in (views.demo, views.own, views.visible)))
-    found = leave_one_out(many)
-    assert (found.predictions, found.of_predictions, found.sampled) == (POINTS, 160, True)
 
 
 @pytest.mark.parametrize("seen", [0, 5, 6])

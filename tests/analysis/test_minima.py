@@ -44,13 +44,6 @@ def test_two_basins_are_two_minima_lowest_first_and_the_edge_is_told():
     assert minima.E == pytest.approx([3, 25]) and minima.on_limit.tolist() == [False, True]
 
 
-def test_postures_without_E_are_no_minima():
-    blind = lambda a, b: np.where(b > -60, np.nan, (a - 30.2) ** 2 + (b + 100.4) ** 2)
-    minima = local_minima(*over(blind))
-    np.testing.assert_allclose(np.degrees(minima.theta), [[30.2, -100.4]], atol=1e-3)
-    assert len(local_minima(*over(lambda a, b: np.full(a.shape, np.nan)))) == 0
-
-
 def test_the_real_minimum_is_where_another_method_finds_it():
     session = Session(Settings.paper())
     E_at = conflict_of(session, "epipolar")
@@ -67,19 +60,6 @@ def quadratic(Q, constant=2.0, place=(45.0, -90.0)):
         return constant + np.einsum("i...,ij,j...->...", away, np.array(Q), away)
 
     return E_at
-
-
-def test_of_a_parabola_Q_is_itself_and_holds_everywhere():
-    Q = [[0.02, -0.01], [-0.01, 0.03]]
-    found = convexity(quadratic(Q), np.radians([45.0, -90.0]), BOUNDS)
-    np.testing.assert_allclose(found.Q, Q, atol=1e-9)
-    assert found.positive_definite and found.eigenvalues == pytest.approx(np.linalg.eigvalsh(Q))
-    assert np.nanmax(found.worst) < 1e-6 and found.holds_to_deg == found.convex_radius_deg == RADII_DEG[-1]
-
-
-def test_a_saddle_is_not_positive_definite():
-    found = convexity(quadratic([[0.02, 0.05], [0.05, 0.03]]), np.radians([45.0, -90.0]), BOUNDS)
-    assert not found.positive_definite and found.convex_radius_deg == 0
 
 
 def test_a_quartic_leaves_its_parabola_where_it_must():

@@ -76,10 +76,3 @@ def test_what_is_no_motion_of_this_scene_is_told(world, tmp_path, change, messag
     path.write_text(json.dumps({**GOOD, **change}))
     with pytest.raises(ValueError, match=f"wave.json: .*{message}"):
         trajectory.load_motion(path, world.scene)
-
-
-@pytest.mark.parametrize("data", [b"", b"[]", b"{", b"\xff\xfe", json.dumps(GOOD).replace("46", "NaN").encode()])
-def test_bytes_that_are_no_motion_are_told(world, data):
-    with pytest.raises(ValueError, match="not a recorded motion"):
-        trajectory.decode_motion(data, world.scene)
-    assert trajectory.decode_motion(json.dumps(GOOD).encode(), world.scene).theta_deg == ((45, -90), (46, -91))

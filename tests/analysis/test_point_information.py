@@ -35,15 +35,6 @@ def test_it_says_of_a_scene_what_its_landscape_says():
     assert told.flatness == pytest.approx(values[0] / values[2]) == flatness(views.demo)
 
 
-def test_noise_makes_no_difference():
-    exact, noisy = (point_information(*of(noise_px=noise)) for noise in (0.0, 3.0))
-    np.testing.assert_allclose(exact.std_per_px, noisy.std_per_px, rtol=1e-6)
-
-
-def test_points_rigid_to_each_other_tell_no_joint():
-    assert sorted(point_information(*of(body_points=RIGID)).unobservable) == [0, 1]
-
-
 def test_too_few_points_tell_nothing_and_the_farthest_place_is_next():
     world, moment = of(body_points=RIGID[:3])
     told = point_information(world, moment)
@@ -66,9 +57,3 @@ def test_no_other_place_makes_the_worst_joint_cost_less(settings):
     assert proposal.after.count == proposal.before.count + 1
     if "body_points" in settings:
         assert proposal.after.std_per_px.max() < 0.1 * proposal.before.std_per_px.max()
-
-
-def test_without_a_place_there_is_nothing_to_propose():
-    world, moment = of()
-    with pytest.raises(ValueError, match="move the demonstrator"):
-        best_next(world, moment, BodyPoints(np.zeros(0, int), np.zeros((0, 3))))

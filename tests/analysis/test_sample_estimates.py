@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from viewimit.analysis.landscape import conflict_at
 from viewimit.analysis.observability import joint_uncertainty, sample_estimates
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -32,24 +31,6 @@ def test_noise_of_the_own_images_alone_costs_what_the_curvature_of_E_tells():
     about = theta.mean(0)
     told = joint_uncertainty(session.world, moment.fit, views.demo, views.visible[:, :2], about)
     assert theta.std(0) / noise_px == pytest.approx(told, rel=4 / np.sqrt(2 * RUNS))
-
-
-def test_E_rises_on_all_sides_of_what_was_found():
-    noise_px, rng = 0.5, np.random.default_rng(8)
-    theta = sample_estimates(WORLD, MOMENT.fit, DEMO, noise_px, 1, 1, rng)[0]
-    again = np.random.default_rng(8)
-    own, demo = (again.normal(0.0, noise_px, (1, 1, *MOMENT.views.own.shape)).mean(1)[0] for _ in range(2))
-
-    class Noisy:
-        def own_images(self, theta):
-            images, visible = WORLD.own_images(theta)
-            return images + own, visible
-
-    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    ring = theta[:, None] + np.radians(0.2) * np.stack([np.cos(angles), np.sin(angles)])
-    E = conflict_at(Noisy(), MOMENT.fit, MOMENT.views.demo + demo, MOMENT.views.visible[:, :2], [*ring])[0]
-    least = conflict_at(Noisy(), MOMENT.fit, MOMENT.views.demo + demo, MOMENT.views.visible[:, :2], [*theta])[0]
-    assert (E > least).all()
 
 
 def test_averaged_images_bring_the_postures_nearer_by_the_root_of_their_number():

@@ -39,16 +39,7 @@ def test_the_shift_of_a_late_camera_is_found(scene, late):
     assert found.parts[0][1] == pytest.approx(late, abs=0.25) and found.shifted_px < 0.4 < found.rms_px
 
 
-def test_a_lost_frame_and_a_clock_that_drifts_are_told_by_parts():
-    lost = find_time_shift(images(lambda t: -2 * (t >= 30)))
-    assert lost is not None and [round(late) for _, late in lost.parts] == [0, 0, -2, -2]
-    drift = find_time_shift(images(lambda t: t / 20))
-    assert drift is not None and (np.diff([late for _, late in drift.parts]) > 0.3).all()
-
-
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("path", [swinging, still])
-@pytest.mark.parametrize("noise", [0.0, 0.5])
+@pytest.mark.parametrize("path, noise, seed", [(swinging, 0.0, 0), (swinging, 0.5, 1), (still, 0.5, 0)])
 @pytest.mark.parametrize("wrong", ["nothing", "a point", "a lens"])
 def test_cameras_in_time_are_not_doubted(seed, path, noise, wrong):
     seen = images(lambda t: 0, path, "panda-toed", noise, seed, frames=(12, 40)[seed])
@@ -58,9 +49,3 @@ def test_cameras_in_time_are_not_doubted(seed, path, noise, wrong):
         halves = (seen.reshape(*seen.shape[:2], 2, 2) - (320, 120)) / 256
         seen += (256 * halves * -0.05 * (halves**2).sum(-1, keepdims=True)).reshape(seen.shape)
     assert find_time_shift(seen) is None
-
-
-def test_few_frames_tell_nothing():
-    for frames in (1, 3, 9):
-        assert find_time_shift(images(lambda t: 2, frames=frames)) is None
-    assert find_time_shift(np.full((40, 6, 4), np.nan)) is None

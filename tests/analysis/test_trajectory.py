@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewimit.analysis import trajectory
-from viewimit.analysis.trajectory import follow, hand_points, learned_images
+from viewimit.analysis.trajectory import follow, hand_points
 from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -78,11 +78,6 @@ def test_a_motion_is_carried_over_within_the_workspace_and_in_short_steps():
     assert theta[:, 1].max() <= -40 + 1e-9
 
 
-def test_the_hand_is_the_three_points_farthest_out(session):
-    assert np.flatnonzero(hand_points(session)).tolist() == [7, 8, 9]
-    assert hand_points(Session(Settings.paper(points=20))).sum() >= 3
-
-
 def test_the_learner_sees_no_truth(session, monkeypatch):
     """The same way of the arm, whatever the truth that is kept for people says."""
     moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=10)
@@ -93,41 +88,3 @@ def test_the_learner_sees_no_truth(session, monkeypatch):
     monkeypatch.setattr("viewimit.analysis.trajectory.hand_position", lambda *_: np.full(3, np.nan))
     blind = follow(poisoned, session.snapshot.transfer, moves, np.ones(10, bool))
     np.testing.assert_array_equal(blind.theta, honest.theta)
-
-
-def test_the_session_stays_as_it_is(session):
-    before = session.snapshot
-    follow(session, before.transfer, trajectory.sinusoid(session.world, before.theta_demo, frames=5), np.ones(10, bool))
-    assert session.snapshot is before
-
-
-def test_noise_repeats_itself_by_its_seed_and_missing_points_are_survived():
-    def found(seed):
-        session = converged(noise_px=0.1, missing=0.2, frames=9, points=16, seed=seed, transfer="linear")
-        moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=20)
-        return follow(session, session.snapshot.transfer, moves, np.ones(16, bool))
-
-    first, again, other = found(3), found(3), found(4)
-    np.testing.assert_array_equal(first.theta, again.theta)
-    assert not np.array_equal(first.theta, other.theta)
-    assert np.median(first.joint_deg) < 5
-
-
-def test_what_was_learned_is_what_broyden_knows_nearly():
-    """Only the first probes are weighed otherwise, by (0.2°/15°)²."""
-    session = converged()
-    learned, known = learned_images(session).jacobian, session.snapshot.servo_state.model.jacobian
-    assert np.abs(learned - known).max() < 0.05 * np.abs(known).max()
-
-
-def test_the_share_done_grows_to_one(session):
-    told = []
-    moves = trajectory.sinusoid(session.world, session.snapshot.theta_demo, frames=8)
-    follow(session, session.snapshot.transfer, moves, np.ones(10, bool), told.append)
-    assert told == sorted(told) and len(told) == 8 and told[-1] == 1
-
-
-def test_the_first_frame_is_approached_with_as_many_motions_as_it_needs(session):
-    far = trajectory.sinusoid(session.world, np.radians([75.0, -40.0]), frames=10)
-    found = follow(session, Oracle(session, far), far, np.ones(10, bool))
-    assert found.joint_deg[0] < 0.1  # from 50° away, at most 10° a motion

@@ -1,8 +1,5 @@
 """`evaluate --unmatched` names tracked points by several postures of the learner's own body, or by a rehearsal."""
 
-import json
-import re
-
 import numpy as np
 import pytest
 
@@ -59,19 +56,6 @@ def test_several_postures_of_the_own_body_name_the_points_and_say_the_posture(as
     assert status == 0 and f"names: {POINTS} points named\n" in out and f"0 = {found['names']['0']}, " in out
 
 
-def test_equal_names_in_both_bodies_mean_nothing(ask_json, tracks):
-    path, angles = tracks(own_names=lambda k: LETTERS[k])
-    _, said = ask_json("evaluate", path, "--unmatched", "--postures", angles)
-    assert [said["naming"]["names"][name] for name in LETTERS] == [LETTERS[j] for j in np.argsort(ORDER)]
-
-
-def test_a_point_that_is_not_seen_has_no_partner(ask_json, tracks):
-    path, angles = tracks(demo_points=ORDER[1:])
-    _, said = ask_json("evaluate", path, "--unmatched", "--postures", angles)
-    assert said["naming"]["without_partner"] == {"learner": [str(ORDER[0])], "demonstrator": []}
-    assert said["naming"]["probability"][str(ORDER[0])] is None
-
-
 def test_a_rehearsal_serves_as_well(ask, ask_json, tracks, tmp_path):
     path, _ = tracks()
     body = tmp_path / "body.npz"
@@ -102,34 +86,3 @@ def test_what_it_needs_is_said(ask, tracks, tmp_path):
     few.write_text("frame,theta2,theta4\n" + "".join(f"{k},10,10\n" for k in range(6)))
     status, _, error = ask("evaluate", path, "--unmatched", "--postures", few)
     assert status == 2 and "6 postures do not show how the joints move points: turn each joint alone" in error
-
-
-def test_points_of_another_body_are_not_named(ask, ask_json, tracks):
-    path, angles = tracks()
-    rows = [line.split(",") for line in path.read_text().splitlines()]
-    rng = np.random.default_rng(0)
-    x = {name: float(rng.uniform(200, 400)) for name in LETTERS}
-    y = {name: float(rng.uniform(50, 200)) for name in LETTERS}
-    for row in rows[1:]:
-        if row[1] in "lr":
-            row[3:] = [str(x[row[2]] + (20 * (y[row[2]] / 200) if row[1] == "l" else 0)), str(y[row[2]])]
-    path.write_text("\n".join(map(",".join, rows)) + "\n")
-    status, out, error = ask("evaluate", path, "--unmatched", "--postures", angles, "--json")
-    assert status == 1 and not json.loads(out)["naming"]["accepted"]
-    assert "no naming of the demonstrator's points explains its images" in error
-
-
-@pytest.mark.parametrize("per_degree", [np.radians([1, 1]), [4096 / 360] * 2, [1 / 360] * 2, [2.1, 1.43], [1.0, 0.5]])
-def test_angles_that_are_no_degrees_are_told_by_the_images(ask, tracks, per_degree):
-    """The learner's own motions show by how much a joint turns for each unit of the table."""
-    path, angles = tracks()
-    rows = np.array(POSTURES_DEG) * per_degree
-    angles.write_text("\n".join(["frame,a,b", *(f"{k},{x!r},{y!r}" for k, (x, y) in enumerate(rows.tolist()))]) + "\n")
-    _, out, err = ask("evaluate", path, "--unmatched", "--postures", angles)
-    assert "is at" not in out or "°" not in out.split("is at")[1].splitlines()[0]
-    (said,) = [line for line in err.splitlines() if "--postures" in line]
-    if "radians" in said:
-        assert per_degree[0] == np.radians(1)
-    else:
-        turns = [float(turn) for turn in re.findall(r"by ([\d.]+)°", said)]
-        np.testing.assert_allclose(turns, 1 / np.array(per_degree), rtol=0.03)

@@ -55,14 +55,6 @@ def test_imitate_rectifies_unless_it_is_told_not_to(capsys):
     assert status == 1 and found["error_deg"] > 3
 
 
-def test_imitate_without_its_lenses_distortion_is_as_exact_as_with_ideal_ones(bent, capsys):
-    asked = "imitate", "--scene", str(bent), "--start", "25,-45", "--max-motions", "40"
-    _, raw = told(capsys, *asked)
-    status, found = told(capsys, *asked, "--undistort", "-0.08,0.01")
-    assert status == 0 and found["error_deg"] < 0.05 < raw["error_deg"]
-    assert found["settings"]["undistort"] == [-0.08, 0.01]
-
-
 def test_evaluate_rectifies_a_persons_own_points_by_all_their_frames(tmp_path, capsys):
     points = tracked(tmp_path / "points.csv", "panda-toed")
     _, found = told(capsys, "evaluate", points, "--transfer", "projective")

@@ -16,7 +16,7 @@ from viewimit.assets import ROOT
 
 from viewimit.commands.options import option
 from viewimit.estimation.views import VIEW_NAMES
-from viewimit.sensing.files import MAX_ARRAY_BYTES, parse_toml
+from viewimit.sensing.files import MAX_ARRAY_BYTES
 
 WITHIN_S, MOST_KB = 5.0, 500_000
 PANDA = (ROOT / "robots/panda/panda.urdf").read_text()
@@ -80,52 +80,46 @@ def refused_apart(*words, home=None):
     return said
 
 
-@pytest.mark.parametrize("dots", ["# {}", 'b = "{}"', "b = '{}'", 'b = """\n{}\\""" """', "b = '''\n{}\n'''"])
-def test_dots_in_comments_and_strings_part_no_names(dots):
-    assert parse_toml(f"a = 1\n{dots.format('.'.join('a' * 100))}\n".encode())["a"] == 1
+SCENES = [
+    ('extends = "own"', "build on itself"),
+    ('extends = "other"', "build on itself"),
+    ("a = " + "[" * 5_000 + "]" * 5_000, "nests too deeply"),
+    ("a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
+    ('"a"' + ' . "b c"' * 20_000 + " = 1", "a name of more than 32 parts"),
+    ("[a" + ".a" * 20_000 + "]", "a name of more than 32 parts"),
+    ('a = "\\""\n[a' + ".a" * 20_000 + "]", "a name of more than 32 parts"),
+    ("a = '''it's # here'''\n" + "a" + ".'#'" * 20_000 + " = 1", "a name of more than 32 parts"),
+    ('a = """x"""" # """\n' + "a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
+    ("a = 1 #" + '"' * 3 * 100_000 + "\na" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
+    ("a = " + "[" * 400 + "]" * 400, "own.toml"),
+    ('extends = "panda"\n[head]\nundistort = [11, 0]', "head.left: a distortion of k1 11, k2 0 is none of a lens"),
+    (
+        'extends = "panda"\n[head.right]\ndistortion = [0, 1e5]',
+        "head.right: a distortion of k1 0, k2 100000 is none",
+    ),
+    (head(focal=0), "head.focal must be more than 0"),
+    (head(focal=-600.0), "head.focal must be more than 0"),
+    (head(focal=1e-300), "head.focal must be more than 0"),
+    (head(baseline=0), "head.baseline must be more than 0"),
+    (head(baseline=-0.1), "head.baseline must be more than 0"),
+    (head(baseline="nan"), "not a finite number"),
+    (head(image=[0, 240]), "head.image must be 1 to"),
+    (head(image=[640, -240]), "head.image must be 1 to"),
+    (head(image=[100_000, 100_000]), "head.image must be 1 to"),
+    (head(focal="1e308"), "head.focal is 1e+308, not within"),
+    (head(position=[1e308, 0, 0]), "not within"),
+    (head(focal="9" * 400), "not within"),
+    ("a = 1\n" * 400_000, "more than 1"),
+    (f'extends = "{"a" * 100_000}"', "File name too long"),
+    (f'extends = "panda"\nrobot = "{"a" * 100_000}.urdf"', "File name too long"),
+    ('extends = "\\u001b]0;a\\u0007\\u0000"', r"/\x1b]0;a\x07\x00.toml"),
+]
 
 
-@pytest.mark.parametrize(
-    "text, why",
-    [
-        ('extends = "own"', "build on itself"),
-        ('extends = "other"', "build on itself"),
-        ("a = " + "[" * 5_000 + "]" * 5_000, "nests too deeply"),
-        ("a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
-        ('"a"' + ' . "b c"' * 20_000 + " = 1", "a name of more than 32 parts"),
-        ("[a" + ".a" * 20_000 + "]", "a name of more than 32 parts"),
-        ('a = "\\""\n[a' + ".a" * 20_000 + "]", "a name of more than 32 parts"),
-        ("a = '''it's # here'''\n" + "a" + ".'#'" * 20_000 + " = 1", "a name of more than 32 parts"),
-        ('a = """x"""" # """\n' + "a" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
-        ("a = 1 #" + '"' * 3 * 100_000 + "\na" + ".a" * 20_000 + " = 1", "a name of more than 32 parts"),
-        ("a = " + "[" * 400 + "]" * 400, "own.toml"),
-        ('extends = "panda"\n[head]\nundistort = [11, 0]', "head.left: a distortion of k1 11, k2 0 is none of a lens"),
-        (
-            'extends = "panda"\n[head.right]\ndistortion = [0, 1e5]',
-            "head.right: a distortion of k1 0, k2 100000 is none",
-        ),
-        (head(focal=0), "head.focal must be more than 0"),
-        (head(focal=-600.0), "head.focal must be more than 0"),
-        (head(focal=1e-300), "head.focal must be more than 0"),
-        (head(baseline=0), "head.baseline must be more than 0"),
-        (head(baseline=-0.1), "head.baseline must be more than 0"),
-        (head(baseline="nan"), "not a finite number"),
-        (head(image=[0, 240]), "head.image must be 1 to"),
-        (head(image=[640, -240]), "head.image must be 1 to"),
-        (head(image=[100_000, 100_000]), "head.image must be 1 to"),
-        (head(focal="1e308"), "head.focal is 1e+308, not within"),
-        (head(position=[1e308, 0, 0]), "not within"),
-        (head(focal="9" * 400), "not within"),
-        ("a = 1\n" * 400_000, "more than 1"),
-        (f'extends = "{"a" * 100_000}"', "File name too long"),
-        (f'extends = "panda"\nrobot = "{"a" * 100_000}.urdf"', "File name too long"),
-        ('extends = "\\u001b]0;a\\u0007\\u0000"', r"/\x1b]0;a\x07\x00.toml"),
-    ],
-    ids=lambda value: str(value)[:24],
-)
-def test_scenes(tmp_path, refused, text, why):
+def test_scenes(tmp_path, refused):
     toml(tmp_path, 'extends = "own"', "other.toml")
-    assert why in refused("imitate", "--scene", toml(tmp_path, text))
+    for text, why in SCENES:
+        assert why in refused("imitate", "--scene", toml(tmp_path, text)), text[:80]
 
 
 def test_a_chain_of_scenes_has_an_end(tmp_path, refused):
@@ -134,12 +128,6 @@ def test_a_chain_of_scenes_has_an_end(tmp_path, refused):
     toml(tmp_path, SCENE, "s2000.toml")
     assert "more than 16 scenes" in refused("imitate", "--scene", tmp_path / "s0.toml")
     assert "more than 16 scenes" not in refused("imitate", "--scene", tmp_path / "s1990.toml", "--n-points", 11)
-
-
-def test_names_of_a_few_parts_and_lists_of_many_numbers_are_read():
-    numbers = ", ".join(["0.5"] * 1_000)
-    read = parse_toml(f"a.b.'c d'.\"e.f\".g = [{numbers}]\nh = '{'x.' * 9}'".encode())
-    assert len(read["a"]["b"]["c d"]["e.f"]["g"]) == 1_000
 
 
 @pytest.mark.parametrize(
@@ -312,10 +300,22 @@ def test_a_device_takes_no_memory():
     assert "a pipe or device" in refused_apart("evaluate", "/dev/zero")
 
 
-@pytest.mark.parametrize(
-    "origin", ["class.example.org", "//class.example.org", "ftp://class.example.org", "https://", "https://a:b",
-               "https://class.example.org/path", "https://me@class.example.org", "", "https://*", "https://a b",
-               "https://*.example.org", "https://klasse.schüle.example"],
-)  # fmt: skip
-def test_origins_that_no_browser_sends(refused, origin):
-    assert "such as https://class.example.org" in refused("serve", "--origin", origin)
+ORIGINS = [
+    "class.example.org",
+    "//class.example.org",
+    "ftp://class.example.org",
+    "https://",
+    "https://a:b",
+    "https://class.example.org/path",
+    "https://me@class.example.org",
+    "",
+    "https://*",
+    "https://a b",
+    "https://*.example.org",
+    "https://klasse.schüle.example",
+]
+
+
+def test_origins_that_no_browser_sends(refused):
+    for origin in ORIGINS:
+        assert "such as https://class.example.org" in refused("serve", "--origin", origin), origin

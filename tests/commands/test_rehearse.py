@@ -44,16 +44,6 @@ def test_the_command_that_is_told_begins_with_the_rehearsal(ask, ask_json, tmp_p
     assert ask_json(*command, "--max-motions", 1)[1]["rehearsed"] == 12
 
 
-def test_a_history_is_not_written_over_the_rehearsal_that_it_began_with(ask, body, tmp_path):
-    before, linked = body.read_bytes(), tmp_path / "linked.npz"
-    linked.symlink_to(body)
-    for out in (body, linked):
-        status, said, err = ask("imitate", "--calibration", body, "--out", out)
-        assert status == 2 and said == "" and "--out: " in err and "is the rehearsal that --calibration reads" in err
-    assert body.read_bytes() == before
-    assert ask("imitate", "--calibration", body, "--out", tmp_path / "history.npz")[0] == 0
-
-
 def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body):
     status, told = ask_json("rehearse", "--postures", 12, "--out", tmp_path / "again.npz")
     assert status == 0 and told["rehearsed"] == 12 == len(told["points_seen"])
@@ -78,32 +68,3 @@ def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body
 def test_a_rehearsal_of_no_use_is_refused(ask, body, words, named):
     status, out, err = ask("imitate", "--calibration", body, *words)
     assert status == 2 and not out and "--calibration" in err and named in err
-
-
-def test_files_that_are_none_are_named(ask, tmp_path):
-    missing = tmp_path / "none.npz"
-    status, _, err = ask("imitate", "--calibration", missing)
-    assert status == 2 and "--calibration" in err and str(missing) in err
-    missing.write_text("theta,E")
-    status, _, err = ask("imitate", "--calibration", missing)
-    assert status == 2 and "no calibration" in err and "viewimit rehearse" in err
-    assert ask("rehearse", "--out", tmp_path / "body.csv")[0] == 2
-    assert ask("rehearse", "--out", tmp_path / "nowhere" / "body.npz")[0] == 2
-    for joints, words in (2, ()), (7, ("--joints", "all", "--n-points", 16)):
-        status, _, err = ask("rehearse", "--out", tmp_path / "body.npz", "--postures", joints + 2, *words)
-        assert status == 2 and f"{joints} joints need {joints + 3} or more" in err
-    assert ask("rehearse")[0] == 2
-
-
-def test_a_rehearsal_that_shows_nothing_is_no_success(ask, tmp_path):
-    status, out, err = ask("rehearse", "--out", tmp_path / "body.npz", "--missing", 1, "--postures", 5)
-    assert status == 1 and "imitate with" not in out and "no posture shows 5 points" in err
-
-
-def test_bench_counts_the_motions_after_a_rehearsal(ask, ask_json):
-    words = "bench", "success", "--transfer", "projective", "--runs", 4, "--seed", 3
-    (with_it,) = ask_json(*words, "--servo", "trust-region", "--rehearsed", 12)[1]["success"]
-    (alone,) = ask_json(*words, "--servo", "trust-region")[1]["success"]
-    assert with_it["motions"]["value"] < alone["motions"]["value"]
-    status, _, err = ask(*words, "--servo", "broyden", "--rehearsed", 12)
-    assert status == 2 and "--rehearsed" in err

@@ -14,15 +14,11 @@ from drawn import (
     FROM_LEFT,
     FROM_PARTNER,
     FROM_RIGHT,
-    GOAL_POINTS,
-    HIGH,
     LEARNERS_PATH,
     LEVEL_NUMBERS,
     OWN_POINTS,
     RECOVERED_POINTS,
     RESIDUALS,
-    SKELETON,
-    TOO_HIGH,
     VIEW_NAME,
     classes,
     marked,
@@ -30,32 +26,29 @@ from drawn import (
     only,
     parsed,
     path,
-    used,
 )
 from viewimit.app.drawing.overlays import current_values
 from viewimit.app.static import LAYOUT_CSS, stylesheet
 from viewimit.assets import ROOT
 
 from viewimit.analysis.landscape import grid_axes, landscape_over
-from viewimit.analysis.self_assessment import Assessment, assess
-from viewimit.drawing import curves, equations, glossary, relief, status, svg, theme
+from viewimit.analysis.self_assessment import assess
+from viewimit.drawing import curves, equations, glossary, status, svg, theme
 from viewimit.drawing import landscape as landscape_drawing
 from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images import panel
-from viewimit.drawing.images.planes import MARGIN, SIZES, holds, image_windows
+from viewimit.drawing.images.planes import MARGIN, SIZES, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.equations import MISSING
 from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.estimation.views import FourViews
-from viewimit.geometry.affine import DEMO_PAIR, VIEW_PAIRS, fit_affine_fundamental
+from viewimit.geometry.affine import VIEW_PAIRS, fit_affine_fundamental
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo import Certificate, ServoStatus
-from viewimit.servo.trust_region.options import MAX_STD_PER_PX
+from viewimit.servo import ServoStatus
 from viewimit.simulation.appearance import Silhouettes, points_in_images
 
-MINUS = "−"
 MATHML = "{http://www.w3.org/1998/Math/MathML}"
 
 
@@ -75,13 +68,6 @@ def seen_as(snapshot, views):
     """The snapshot, had the learner seen these views."""
     seen = replace(snapshot, views=views)
     return seen.with_fields(E=float(conflict(seen.e[seen.usable])))
-
-
-def conditioned(transfer, condition):
-    """The transfer, were that its condition."""
-    found = replace(transfer)
-    vars(found)["condition"] = np.array(condition)
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -156,14 +142,6 @@ class TestImages:
                 off = np.cross([*(b - a), 0], [*(centre - a), 0])[2] / np.linalg.norm(b - a)
                 assert abs(off) < 0.2
 
-    def test_solid_lines_come_from_the_left_images(self, session):
-        """In [R] the line of [l] is f31 x + f32 y + … = 0 of the pair (l, R)."""
-        snapshot = session.snapshot
-        box = planes(drawn(session, 2))["R"]
-        a, b = numbers(path(box, FROM_LEFT)).reshape(2, 2)
-        f, _ = fit_affine_fundamental(snapshot.views.demo_left, snapshot.views.own_right)
-        assert (b - a) @ f[2:] / np.linalg.norm(b - a) / np.linalg.norm(f[2:]) == pytest.approx(0, abs=2e-3)
-
     def test_the_lines_come_from_the_snapshots_fundamental_matrices(self, session):
         views = session.snapshot.views
         images = (views.demo_left, views.demo_right, views.own_left, views.own_right)
@@ -176,12 +154,6 @@ class TestImages:
         assert session.snapshot.fundamental is session.snapshot.fundamental
         assert stepped(0, missing=0.5).snapshot.fundamental is None
 
-    @pytest.mark.parametrize("scene, rectified", [("panda", False), ("panda-toed", True)])
-    def test_what_the_transfer_has_fitted_of_them_is_not_fitted_again(self, scene, rectified):
-        snapshot = Session(Settings.paper(scene=scene, transfer="epipolar")).snapshot
-        assert (snapshot.rectification is not None) == rectified
-        assert np.array_equal(np.delete(snapshot.fundamental.f, DEMO_PAIR, 0), snapshot.transfer.fundamentals)
-
     @pytest.mark.parametrize("gain", [1, 5])
     def test_arrows_run_from_the_recovered_points_towards_the_own(self, session, gain):
         for box in (planes(drawn(session, gain=gain))[name] for name in "LR"):
@@ -189,20 +161,6 @@ class TestImages:
             own, recovered = starts(path(box, OWN_POINTS)), starts(path(box, RECOVERED_POINTS))
             assert arrows[:, :2] == pytest.approx(recovered, abs=0.11)
             assert arrows[:, 2:] - arrows[:, :2] == pytest.approx(gain * (own - recovered), abs=0.11 * (1 + gain))
-
-    def test_residuals_are_drawn_to_the_windows_scale(self, session):
-        windows = windows_of(session)[False]
-        arrows = numbers(path(planes(drawn(session, gain=1))["R"], RESIDUALS)).reshape(-1, 4)
-        assert (arrows[:, 2:] - arrows[:, :2]) / windows["R"].scale == pytest.approx(
-            session.snapshot.e[:, 2:], abs=0.15
-        )
-
-    def test_small_residuals_are_enlarged_and_the_legend_says_so(self, session):
-        lengths = panel.residual_lengths(session.snapshot)
-        gain = panel.arrow_gain(lengths)
-        assert gain > 1 and gain * lengths.max() <= panel.MAX_ARROW
-        assert f"×{gain}" in drawn(session)
-        assert panel.arrow_gain(np.array([[8.0, 1.0]])) == 1
 
     def test_windows_fit_the_run_and_its_goal_with_room_for_a_ring(self, session):
         appearance, world = Appearance(session.world), session.world
@@ -227,37 +185,6 @@ class TestImages:
             assert min(tight) == pytest.approx(MARGIN)
         assert first[False]["L"].scale == first[False]["R"].scale and first[False]["l"].scale == first[False]["r"].scale
 
-    def test_windows_widen_for_an_arm_that_leaves_them_and_fit_again_at_a_start(self, session):
-        appearance, start = Appearance(session.world), session.history[0]
-        _, before = appearance.of(start)
-        far = replace(start, theta=np.radians([-30.0, 0.0]), motion=1)
-        bodies, wider = appearance.of(far)
-        assert holds(wider, points_in_images(bodies)) and not holds(before, points_in_images(bodies))
-        assert wider[False]["L"].scale < before[False]["L"].scale
-        assert appearance.of(session.history[1])[1] is wider
-        assert appearance.of(start)[1][False]["L"] == before[False]["L"]
-
-    def test_the_goal_is_where_the_learners_points_are_in_the_demonstrators_posture(self, session):
-        snapshot = session.snapshot
-        there = session.observe(snapshot.theta_demo, snapshot)
-        for name, box in planes(drawn(session, goal=True)).items():
-            rings = marked(box, "path", GOAL_POINTS)
-            assert len(rings) == (name in "LR")
-            if rings:
-                window = windows_of(session)[False][name]
-                centres = starts(rings[0].get("d"))
-                side = 2 * (name == "R")
-                expected = (there.views.own[:, side : side + 2] - (window.x, window.y)) * window.scale
-                assert centres == pytest.approx(expected, abs=0.06)
-        assert GOAL_POINTS not in used(drawn(session))
-
-    def test_metrics_are_those_of_the_residuals(self, session):
-        e = session.snapshot.e.reshape(-1, 2)
-        text = " ".join(parsed(drawn(session)).itertext())
-        for value in (np.linalg.norm(e, axis=1).mean(), np.linalg.norm(e, axis=1).max()):
-            assert f"{value:.1f}" in text
-        assert svg.short_E(session.snapshot.E) in text  # as the status says it
-
     def test_too_few_points_leave_frames_points_and_dashes(self):
         session = stepped(0, missing=0.5)
         assert session.snapshot.transfer is None
@@ -265,24 +192,6 @@ class TestImages:
         text = " ".join(parsed(html).itertext())
         assert text.count(MISSING) >= 4 and "nan" not in html and f"{session.snapshot.usable.sum()}" in text
         assert not only(planes(html)["L"], "path", RESIDUALS)
-
-    def test_points_without_names_are_named_in_time_and_not_unseen(self):
-        session = Session(Settings(points=16, matched=False))
-        before = panel.metrics_of(session.snapshot)[-1]
-        assert (before.label, before.value) == ("named", "0")
-        session.run(8)
-        assert "named" not in [metric.label for metric in panel.metrics_of(session.snapshot)]
-
-    def test_conditions_are_told_by_shape_and_word(self, session, monkeypatch):
-        for condition, shape, word in ((39.9, None, ""), (40, HIGH, "high"), (200, TOO_HIGH, "too high")):
-            transfer = conditioned(session.snapshot.transfer, condition)
-            method = replace(TRANSFERS[session.settings.transfer], fit=lambda views, fitted=transfer: fitted)
-            monkeypatch.setitem(TRANSFERS, session.settings.transfer, method)
-            snapshot = replace(session.snapshot)
-            for write in (panel.draw_metrics, panel.write_metrics):
-                row = write(panel.metrics_of(snapshot))
-                assert shape is None or shape in row
-                assert word in row and (word or "high" not in row)
 
 
 class TestSilhouettes:
@@ -301,21 +210,6 @@ class TestSilhouettes:
                 image = camera.project(placed.T)[0].T
                 short = (image @ directions).max(0) - (hulls[side, link] @ directions).max(0)
                 assert -1e-9 < short.min() and short.max() < 2.5
-
-    def test_an_arm_that_rests_is_not_projected_again(self, session, silhouettes):
-        first, later = (silhouettes.bodies(moment) for moment in session.history[:2])
-        assert first.demo is later.demo and first.own is not later.own
-        recovered = session.snapshot.transfer.recover(*silhouettes.bodies(session.snapshot).demo.origins)
-        found = silhouettes.bodies(session.snapshot).recovered
-        np.testing.assert_array_equal(np.concatenate(found, -1), recovered)
-
-    def test_without_meshes_the_skeleton_is_drawn(self, session):
-        assert SKELETON in used(drawn(session))
-
-    def test_polygons_are_closed_and_keep_their_corners(self):
-        square = np.array([[[[0, 0], [10.04, 0], [10.04, 0], [10.04, 20.26], [0, 20.26]]]])
-        steps = numbers(svg.polygons(square)[0]).reshape(-1, 2)
-        assert np.cumsum(steps, 0) == pytest.approx(square[0, 0, [0, 1, 3, 4]], abs=0.051)
 
 
 class TestLandscape:
@@ -337,27 +231,6 @@ class TestLandscape:
         expected = plane.place(np.degrees([snapshot.theta for snapshot in session.history]))
         assert numbers(line).reshape(-1, 2) == pytest.approx(expected, abs=0.06)
 
-    def test_long_paths_are_thinned_and_keep_their_ends(self, session, picture):
-        history = long_history(session, 3000)
-        over = parsed(picture.draw_path(history, 2999))
-        line = numbers(path(over, LEARNERS_PATH)).reshape(-1, 2)
-        ends = PosturePlane(session.scene).place(np.degrees([history[0].theta, history[-1].theta]))
-        assert len(line) <= landscape_drawing.MAX_VERTICES
-        assert line[[0, -1]] == pytest.approx(ends, abs=0.06)
-
-    def test_what_cannot_be_drawn_says_why(self, session):
-        waiting = landscape_drawing.LandscapePicture(None, session.scene, session.snapshot)
-        assert "computing" in waiting.html and "−90°" in waiting.html
-        blind = replace(surface(session), E=np.full((91, 181), np.nan))
-        assert "In no pose" in landscape_drawing.LandscapePicture(blind, session.scene, session.snapshot).html
-
-    def test_postures_without_enough_points_are_hatched_not_valleys(self, session):
-        made = surface(session)
-        E = made.E.copy()
-        E[:20] = np.nan
-        html = relief.shading(PosturePlane(session.scene).grid(made.axes), E, (0, 0, 380, 190))
-        assert "pattern" in html and html.count("<mask") == 2
-
 
 class TestCurves:
     def test_points_stand_at_E_on_a_log_axis(self, session):
@@ -377,23 +250,11 @@ class TestCurves:
         assert x[-1] == pytest.approx(curves.LEFT + (424 - curves.RIGHT - curves.LEFT) * 2999 / 4000, abs=0.06)
         assert len(html.encode()) < 12_000
 
-    def test_the_cursors_motion_is_never_thinned_away(self, session):
-        history = long_history(session, 3000)
-        text = "".join(parsed(curves.draw_curves(history, 1234, None, (2, 4))).itertext())
-        assert f"E {history[1234].E:.1f}" in text
-
     def test_unknown_E_interrupts_the_line(self, session):
         history = [*session.history[:2], replace(session.history[2], E=np.nan), *session.history[3:]]
         root = parsed(curves.draw_curves(history, 4, None, (2, 4)))
         line = path(root, E_CURVE)
         assert line.count("M") == 2 and "nan" not in line
-
-    @pytest.mark.parametrize(("last", "end"), [(0, 8), (8, 8), (9, 16), (17, 20), (41, 80), (2000, 2000), (2001, 4000)])
-    def test_the_axis_ends_at_nice_numbers(self, session, last, end):
-        texts = list(parsed(curves.draw_curves(long_history(session, last + 1), 0, None, (2, 4))).iter("text"))
-        below = next(t.get("y") for t in texts if t.text == "steps")
-        ticks = [t.text for t in texts if t.get("y") == below and t.text != "steps"]
-        assert ticks == 2 * [str(quarter * end // 4) for quarter in range(5)]  # below E, and below the angles
 
 
 def conflict_of(session):
@@ -401,11 +262,6 @@ def conflict_of(session):
     return next(
         card for card in parsed(equations.draw_equations(session.snapshot)).iter("div") if card[0].text == "(6)"
     )
-
-
-def law_of(snapshot):
-    """What follows Eq. (6): the servo's law."""
-    return equations.draw_equations(snapshot).split("<b>(6)</b>")[1].split("</div>", 1)[1]
 
 
 class TestEquations:
@@ -431,106 +287,11 @@ class TestEquations:
         )
         assert found == pytest.approx(float(value), abs=4 * (0.0005 * 640 + 0.5) + 0.5 + 0.05)
 
-    def test_the_gradient_law_shows_the_motion_that_it_made(self):
-        session = stepped(3, servo="gradient", start_deg=(30, -60))
-        html = law_of(session.snapshot)
-        for angle in np.degrees(session.snapshot.moved):
-            assert f"{angle:.2f}°".replace("-", MINUS) in html
-        assert "fall" not in html
-
-    @pytest.mark.parametrize("transfer", ["epipolar", "linear"])
-    def test_the_broyden_law_shows_promise_and_fact(self, transfer):
-        session = stepped(3, transfer=transfer)
-        best = session.snapshot.servo_state.best
-        before = next(s for s in session.history if np.array_equal(s.views.own, best.own))
-        promised, measured = re.findall(r"<b>([\d.]+)</b>", law_of(session.snapshot))
-        assert float(promised) == pytest.approx(session.snapshot.servo_state.predicted_reduction, rel=0.01)
-        assert float(measured) == pytest.approx(before.E - session.snapshot.E, rel=0.01)
-
-    def test_with_missing_points_the_broyden_law_shows_what_the_motion_before_brought(self):
-        session = stepped(5, points=16, missing=0.1)
-        state, before = session.snapshot.servo_state, session.history[-2].servo_state
-        assert not session.snapshot.views.visible.all() and state.reductions[0] == before.predicted_reduction
-        numbers = re.findall(r"<b>([\d.−]+)</b>", law_of(session.snapshot))
-        told = [float(number.replace(MINUS, "-")) for number in numbers]
-        assert told == pytest.approx([state.predicted_reduction, *state.reductions], rel=0.01, abs=0.006)
-
-    def test_other_servos_leave_their_equation_out(self, session):
-        assert "argmin" not in law_of(stepped(1, servo="gradient").snapshot)
-
-
-def certified(spread_deg=(2.0, 2.0), told=True, shown=True, learnable=False):
-    spread = np.radians(spread_deg)
-    told = (spread < MAX_STD_PER_PX) & np.array(told)
-    return Certificate(spread, np.where(told, 0.0, np.inf), told, shown, np.zeros(2), False, learnable)
-
-
-def assessed(spread_deg=(2.0, 2.0), room_deg=0.1, lower_deg=0.1, **known):
-    certificate = certified(spread_deg, **known)
-    return Assessment(certificate, np.radians(room_deg), np.radians(lower_deg), certificate.unobservable_joints)
-
 
 class TestStatus:
     def test_what_the_learner_says_knows_no_posture(self, session):
         hidden = replace(session.snapshot, theta=np.full(2, np.nan), theta_demo=np.full(2, np.nan))
         assert status.describe(hidden, session.history[:-1]) == status.describe(session.snapshot, session.history[:-1])
-
-    def test_states(self, session, monkeypatch):
-        now = session.snapshot
-        ill = conditioned(now.transfer, 63.0)
-        assert status.describe(stepped(0).snapshot).state == "ready"
-        assert status.describe(now).state == "moving"
-        assert status.describe(now, playing=False).state == "paused"
-        assert status.describe(replace(now, status=ServoStatus.CONVERGED)).state == "converged"
-        assert status.describe(replace(now, status=ServoStatus.NO_PROGRESS)).state == "no-progress"
-        assert status.describe(replace(now, status=ServoStatus.SETTLED)).state == "settled"
-        lost = status.describe(stepped(0, missing=0.5).snapshot)
-        assert lost.state == "too-few-points" and "plane" in lost.sentence
-        method = replace(TRANSFERS[now.settings.transfer], fit=lambda views: ill)
-        monkeypatch.setitem(TRANSFERS, now.settings.transfer, method)
-        assert (
-            status.describe(replace(now)).doubt
-            == "cond A is 63, which is high. The epipolar lines are nearly parallel, so E may mislead."
-        )
-
-    @pytest.mark.parametrize(
-        "claimed, known, state, doubt",
-        [
-            ("converged", assessed(), "converged", ""),
-            ("settled", assessed(room_deg=14), "settled", "By E alone, it could be up to 14° off."),
-            ("settled", assessed(room_deg=0.34), "settled", "By E alone, it could be up to 0.3° off."),
-            ("settled", assessed(room_deg=0.02), "settled", "By E alone, it is less than 0.1° off."),
-            ("settled", assessed(room_deg=120), "settled", "By E alone, it could be anywhere."),
-            ("settled", assessed(lower_deg=3), "settled", ""),
-            ("no-progress", assessed(room_deg=14), "no-progress", "By E alone, it could be up to 14° off."),
-            ("no-progress", assessed(room_deg=14, lower_deg=3), "no-progress", ""),
-            ("unobservable", assessed((36.0, 3.0)), "unobservable", ""),
-            ("unobservable", assessed(told=(False, True)), "unobservable", ""),
-            ("settled", assessed((36.0, 3.0)), "settled", ""),
-            ("no-progress", assessed((36.0, 3.0)), "no-progress", ""),
-            ("unobservable", assessed((36.0, 3.0), learnable=True), "unobservable", ""),
-            ("settled", assessed((36.0, 3.0), lower_deg=3, learnable=True), "settled", ""),
-            (
-                "no-progress",
-                assessed((36.0, 3.0), room_deg=14, learnable=True),
-                "no-progress",
-                "By E alone, it could be up to 14° off.",
-            ),
-        ],
-    )
-    def test_at_rest_it_claims_no_more_than_it_can_know(self, session, claimed, known, state, doubt):
-        now = replace(session.snapshot, status=ServoStatus(claimed), servo_state=None)
-        said = status.describe(now, assessment=known, joints=(2, 4))
-        assert (said.state, said.doubt) == (state, doubt)
-
-    def test_a_joint_that_nothing_tells_is_named_and_its_cost(self, session):
-        now = replace(session.snapshot, status=ServoStatus.UNOBSERVABLE, servo_state=None)
-        one = status.describe(now, assessment=assessed((36.4, 3.0)), joints=(2, 4))
-        assert "θ₂ by 36°" in one.sentence and "θ₄" not in one.sentence
-        two = status.describe(now, assessment=assessed((36.4, 170.0)), joints=(2, 4))
-        assert "θ₄ by any angle, θ₂ by 36°" in two.sentence
-        level = status.describe(now, assessment=assessed(told=(True, False)), joints=(2, 4))
-        assert "θ₄" in level.sentence and "θ₂" not in level.sentence
 
     @pytest.mark.parametrize("noise_px, said", [(0.0, "within 0.1°"), (0.5, "within 0.")])
     def test_a_claim_says_how_exact_it_is(self, noise_px, said):
@@ -543,31 +304,6 @@ class TestStatus:
         E = (100.0, 50.0, 25.0)
         history = [replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E)]
         assert "falling by 50 % per step" in status.describe(history[-1], history[:-1]).sentence
-
-    def test_the_trend_is_of_one_posture_of_the_demonstrator(self):
-        """Moving the demonstrator raises E by itself, which is no step of the learner's."""
-        session = Session(Settings.paper())
-        session.run()
-        session.pose(np.radians([80.0, -60.0]))
-        moved = status.describe(session.snapshot, session.history[:-1]).sentence
-        assert "per step" not in moved and "E is " in moved
-        before = session.snapshot.E
-        for _ in range(4):
-            session.step()
-        assert session.snapshot.E < before
-        assert "falling by" in status.describe(session.snapshot, session.history[:-1]).sentence
-
-    @pytest.mark.parametrize("E", [(100.0, 1e-9), (1e-9, 100.0), (0.0, 3.0), (np.nan, 3.0)])
-    def test_there_is_no_trend_from_or_to_an_E_that_is_not_seen(self, session, E):
-        before, now = (replace(session.snapshot, motion=k, E=e, probe=False) for k, e in enumerate(E))
-        assert "per step" not in status.describe(now, [before]).sentence
-
-    def test_the_truth_names_the_joint_that_is_farthest_off(self):
-        told = status.describe_truth((2, 4), np.radians([25.1, -93.5]), np.radians([45.0, -90.0]))
-        assert told == "19.9° off: θ₂ is at 25.1° but should be at 45.0°."
-        told = status.describe_truth((2, 4), np.radians([45.0, -93.5]), np.radians([45.0, -90.0]))
-        assert told == f"3.5° off: θ₄ is at {MINUS}93.5° but should be at {MINUS}90.0°."
-        assert "to within 0.1°" in status.describe_truth((2, 4), np.radians([45.0, -90.01]), np.radians([45.0, -90.0]))
 
 
 @pytest.fixture(scope="module")
@@ -604,10 +340,6 @@ class TestEverything:
         sizes = set(re.findall(r"--([a-z-]+):", places))
         assert {name for name in used if not name.startswith("mantine")} <= set(theme.ROLES) | sizes
 
-    def test_has_both_schemes_of_every_role(self):
-        for role, colours in theme.ROLES.items():
-            assert all(f"--{role}:{colour};" in stylesheet() for colour in colours)
-
     def test_writes_a_real_minus(self, drawings):
         for drawing in drawings:
             assert not re.search(r"-\d", "".join(parsed(drawing).itertext()))
@@ -617,16 +349,6 @@ class TestEverything:
         strip = status.draw_status(status.StatusMessage("message", hostile, hostile), hostile)
         assert "<img" not in strip and "<img" not in svg.text(0, 0, hostile)
         assert parsed(strip)
-
-    @pytest.mark.parametrize("scene", ["panda", "iiwa", "panda-facing"])
-    def test_is_small(self, scene):
-        session = stepped(3, scene=scene)
-        shapes = Silhouettes(meshes(session.scene.robot), session.world)
-        made = landscape_drawing.LandscapePicture(surface(session), session.scene, session.snapshot)
-        assert len(drawn(session, 3, shapes).encode()) < 13_000
-        assert len(made.html.encode()) < 24_000
-        assert len(made.draw_path(session.history, session.cursor).encode()) < 4_000
-        assert len(equations.draw_equations(session.snapshot).encode()) < 8_000
 
 
 def long_history(session, count):

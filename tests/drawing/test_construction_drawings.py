@@ -5,7 +5,7 @@ from drawn import CHOSEN_POINT, EPIPOLAR_LINE, FROM_LEFT, FROM_RIGHT, IMAGE_L, S
 
 from viewimit.analysis.construction import construct
 from viewimit.drawing.images.panel import draw_images
-from viewimit.drawing.images.planes import describe_construction, image_windows, last_stage
+from viewimit.drawing.images.planes import image_windows
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.appearance import Silhouettes, points_in_images
@@ -41,22 +41,8 @@ def test_each_stage_adds_to_the_one_before(stage, rings, lines, ellipses):
     assert count(boxes, "LR", "ellipse", SPREAD) == [ellipses] * 2
 
 
-def test_all_of_it_has_the_lines_of_the_partner_too_and_the_ellipse():
-    boxes = drawn("epipolar", None)
-    assert count(boxes, "LR", "path", EPIPOLAR_LINE) == [3, 3] and count(boxes, "LR", "ellipse", SPREAD) == [1, 1]
-
-
 @pytest.mark.parametrize("transfer", ["linear", "rank3", "projective"])
 def test_where_no_lines_are_crossed_none_are_drawn_but_steps_are_carried_over(transfer):
     steps = [count(drawn(transfer, stage), "lrLR", "path", STEPS) for stage in (0, 1, 2, None)]
     assert steps == [[0, 0, 0, 0], [1, 1, 0, 0], [1, 1, 1, 1], [1, 1, 1, 1]]
     assert not any(count(drawn(transfer, None), "lrLR", "path", EPIPOLAR_LINE))
-
-
-@pytest.mark.parametrize("transfer, crossed", [("epipolar", True), ("linear", False)])
-def test_each_stage_has_its_words(transfer, crossed):
-    found = construct(Session(Settings.paper(transfer=transfer)).snapshot, POINT)
-    words = [describe_construction(found, POINT, stage, crossed) for stage in (*range(last_stage(crossed) + 1), None)]
-    assert len(set(words)) == len(words) and f"1/{last_stage(crossed) + 1}" in words[0]
-    assert ("cross at" in words[-1]) == crossed
-    assert "not visible" in describe_construction(None, POINT, None, crossed)

@@ -4,16 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from drawn import NEAREST, WAY_FROM_START, classes, marked, parsed, paths
-from viewimit.app.drawing.landscapes import describe_basin, draw_basin
-from viewimit.app.drawing.overlays import MIN_HIT, motion_field, point_links, point_places, posture_field
+from drawn import NEAREST, marked, parsed
+from viewimit.app.drawing.overlays import MIN_HIT, point_links, point_places, posture_field
 
-from viewimit.analysis.convergence import Basin, Ending
-from viewimit.drawing.curves import draw_curves
 from viewimit.drawing.images.planes import SIZES, image_windows
 from viewimit.drawing.posture_plane import PosturePlane
-from viewimit.loop.session import Session
-from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
 
 
@@ -72,46 +67,3 @@ def test_the_field_of_a_landscape_has_its_postures_where_they_are_drawn(name):
     corners = PosturePlane(scene).place(np.array([[bottom, left], [top, right]]))
     np.testing.assert_allclose(corners, [[x, y + h], [x + w, y]], atol=0.1)
     assert posture_field(load_scene("panda", joints=(1, 2, 3))) == ""
-
-
-def test_both_curves_have_a_field_from_the_first_motion_to_the_end_of_their_axis():
-    session = Session(Settings.paper(start_deg=(25, -45)))
-    session.run(6)
-    assert "data-" not in draw_curves(session.history, 2, None, (2, 4)).split("</svg>")[0]
-    fields = [one for one in parsed(motion_field(8)).iter("rect") if one.get("data-field") == "moment"]
-    assert [values(one) for one in fields] == [[0, 8]] * 2
-
-
-class TestBasin:
-    STARTS = np.radians([[10, -170], [20, -100], [30, -50], [40, -10], [50, -10]])
-    ENDINGS = tuple(
-        Ending(start, np.radians([70.0, -20.0]), place, claimed)
-        for start, place, claimed in zip(
-            STARTS, ("demonstrator", "demonstrator", "smallest E", "elsewhere"), (True, False, True, True)
-        )
-    )
-
-    def test_each_start_has_a_mark_that_says_where_its_run_ends_and_what_it_claims(self):
-        html = draw_basin(load_scene("panda"), Basin(self.STARTS, self.ENDINGS))
-        plane, root = PosturePlane(load_scene("panda")), parsed(html)
-        kinds = "there", "lowest", "elsewhere", "hollow"
-        marks = {kind: [one for one in root.iter() if f"vi-basin-{kind}" in classes(one)] for kind in kinds}
-        assert [len(marks[kind]) for kind in kinds] == [2, 1, 1, 1]
-        places = plane.place(np.degrees(self.STARTS))
-        centres = [(float(mark.get("cx")), float(mark.get("cy"))) for mark in marks["there"]]
-        assert np.allclose(centres, places[:2], atol=0.06)
-        assert {mark.tag for mark in marks["there"]} == {"circle"} and marks["hollow"] == marks["there"][1:]
-        (way,) = paths(html, WAY_FROM_START)
-        end = [float(n) for n in re.findall(r"[\d.]+", way)][2:]
-        assert np.allclose(end, plane.place(np.array([70, -20])), atol=0.06)
-        assert "4 of 5 learners" in html
-
-    def test_the_sentence_counts_them(self):
-        text = "".join(parsed(describe_basin(Basin(self.STARTS[:4], self.ENDINGS))).itertext())
-        assert (
-            text.split()
-            == (
-                "2 of 4 end at the demonstrator, 1 at the smallest E, 1 elsewhere. "
-                "3 claim to have converged (filled), 1 of them falsely."
-            ).split()
-        )

@@ -5,7 +5,7 @@ import pytest
 from drawn import parsed, words
 
 from viewimit.analysis.construction import construct
-from viewimit.drawing.images.rectified import AS_THEY_ARE, OFF, draw_rectified, row_distance
+from viewimit.drawing.images.rectified import draw_rectified, row_distance
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import LINE_VIEWS, POINT_VIEWS
 from viewimit.loop.session import Session
@@ -28,12 +28,6 @@ def test_rows_that_differ_as_seen_are_equal_when_rectified():
     assert row_distance(demo) > 5 > 1e-3 > row_distance(session.snapshot.rectification.apply(demo))
     said = words(drawn(session))
     assert f"rows differ by {row_distance(demo):.2f} px" in said and "rows differ by less than 0.01 px" in said
-
-
-@pytest.mark.parametrize("settings, why", [({}, AS_THEY_ARE), ({"scene": "panda-toed", "rectify": "off"}, OFF)])
-def test_where_nothing_is_rectified_it_says_why(settings, why):
-    said = words(drawn(seen(**settings)))
-    assert all(line in said for line in why.splitlines()) and said.count("rows differ by") == 2
 
 
 def test_few_and_no_points_are_drawn():

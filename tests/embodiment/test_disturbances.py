@@ -1,14 +1,10 @@
 """Disturbances against their settings; and each is one entry, which page, commands and captions have from its field."""
 
-import ast
-from pathlib import Path
-
 import msgspec
 import numpy as np
 import pytest
 from quiet_page import QuietPage
 
-import viewimit
 from viewimit.drawing.plots import describe_settings
 from viewimit.loop.session import Session
 from viewimit.loop.settings import DISTURBANCES, Settings
@@ -17,27 +13,10 @@ from viewimit.simulation.disturbances import (
     ArmDisturbance,
     ImageDisturbance,
     disturb,
-    disturbed_frames,
     drive,
 )
 
 POINTS, SEEN = np.zeros((5000, 4)), np.ones((5000, 2), bool)
-# the fields, cases made of them, and a noise that was measured
-KNOWN_BY_NAME = {
-    "self_calibration.py",
-    "rehearse.py",
-    "settings.py",
-    "link.py",  # words that a format of texts begins with
-    "outliers.py",  # a kind of outlier
-    "recording.py",  # for the lab, which goes on with a replay
-    "evaluate_report.py",
-    "presets.py",
-    "robustness.py",
-    "compare.py",
-    "tracking.py",
-    "calibration.py",
-    "scenes.py",
-}
 
 
 def spoilt(seed=(1,), **amounts):
@@ -78,17 +57,6 @@ def test_one_disturbance_of_an_image_does_not_change_what_another_does():
     missing, outliers = spoilt(missing=0.2)[1], spoilt(outliers=0.1)[0]
     np.testing.assert_array_equal(all_at_once[1], missing)
     np.testing.assert_allclose(all_at_once[0], noisy + outliers, atol=1e-12)
-
-
-def test_frames_are_looks_of_their_own_and_the_first_is_the_only_one_of_a_single_look():
-    points, visible = np.zeros((10, 4)), np.ones((10, 2), bool)
-    amounts = Settings.paper(noise_px=1.0, missing=0.2).amounts(ImageDisturbance)
-    frames, seen = disturbed_frames(amounts, points, visible, [3, 1], 4)
-    alone, alone_seen = disturb(amounts, points, visible, [3, 1])
-    assert frames.shape == (4, 10, 4) and seen.shape == (4, 10, 2)
-    np.testing.assert_array_equal(frames[0], alone)
-    np.testing.assert_array_equal(seen[0], alone_seen)
-    assert len({frame.tobytes() for frame in frames}) == 4
 
 
 def test_an_arm_obeys_by_its_gain_and_in_its_steps():
@@ -139,11 +107,3 @@ class TestEach:
         assert getattr(page.page.model.session.history[-1].settings, name) == pytest.approx(
             entry.slider_range[1] / entry.slider_scale
         )
-
-
-def test_nobody_else_knows_a_disturbance_by_its_name():
-    root = Path(viewimit.__file__).parent
-    for path in [*root.rglob("*.py"), *root.parent.joinpath("app").rglob("*.py")]:
-        if path.name not in KNOWN_BY_NAME and "lab" not in path.parts:  # whose engine has noise and missing points
-            words = {node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)}
-            assert not words & set(DISTURBANCES), path

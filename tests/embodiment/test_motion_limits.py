@@ -10,7 +10,6 @@ from hypothesis import given, settings, strategies
 
 from viewimit import Session
 from viewimit.loop.embodiment import waypoints
-from viewimit.loop.history import MAX_HISTORY
 from viewimit.loop.settings import Settings
 from viewimit.servo import SERVOS
 
@@ -60,7 +59,7 @@ def require_inside(postures, workspace_deg):
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16))
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_step_deg, seed):
     low, high = np.radians(WORKSPACE_DEG).T
     start, shown = np.random.default_rng(seed).uniform(low, high, (2, 3))
@@ -78,7 +77,7 @@ def test_an_own_arm_is_never_sent_too_far_nor_out_of_its_workspace(servo, max_st
 
 @pytest.mark.parametrize("servo", SERVOS)
 @given(max_step_deg=strategies.floats(2.0, 40.0), seed=strategies.integers(0, 2**16), noise_px=strategies.just(0.5))
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 def test_in_a_scene_the_same_limits_hold(servo, max_step_deg, seed, noise_px):
     low, high = np.array(SCENE_WORKSPACE_DEG).T
     start_deg, shown_deg = np.random.default_rng(seed).uniform(low, high, (2, 2)).round(3)
@@ -106,34 +105,15 @@ def test_short_motions_arrive_and_claim_so_where_long_ones_do(max_step_deg):
 
 
 def test_with_noise_what_is_claimed_after_short_motions_is_true():
-    """20 runs of 0.25 px and 25 images: an error beyond three times what is expected would be one in hundreds."""
+    """An error beyond three times what is expected would be one in hundreds."""
     rng, low, high = np.random.default_rng(3), (0.0, -130.0), (90.0, 0.0)
-    for seed in range(20):
+    for seed in range(6):
         start_deg, shown_deg = rng.uniform(low, high, (2, 2)).round(3)
         fields = {"max_step_deg": 5.0, "noise_px": 0.25, "seed": seed}
         postures = {"start_deg": tuple(start_deg), "demonstrator_deg": tuple(shown_deg)}
         last = Session(Settings(**fields, **postures)).run(200).last
         error = np.abs(last.theta - last.theta_demo).max()
         assert last.status == "converged" and error < 3 * last.expected_error
-
-
-@pytest.mark.parametrize("servo", ["broyden", "kalman", "gauss-newton"])
-def test_laws_that_rest_do_so_where_they_would_after_longer_motions(servo):
-    """What such a law knows at the end of a motion does not depend on in how many pieces the arm was sent there."""
-    fields = {"servo": servo, "demonstrator_deg": SHOWN_DEG, "start_deg": START_DEG}
-    free, bound = (Session(changed(max_step_deg=step, **fields)) for step in (None, 15.0))  # 15°: as long as a probe
-    there, here = free.run(200).last, bound.run(200).last
-    assert longest(sent(free)) > np.radians(15.0) >= longest(sent(bound)) - ROUNDING
-    assert there.status == here.status == "settled" and here.motion > there.motion
-    np.testing.assert_allclose(here.theta, there.theta, atol=1e-8)
-
-
-def test_a_probe_is_no_longer_than_one_motion():
-    session = Session(changed(max_step_deg=4.0))
-    session.run(2)
-    moved = np.degrees([moment.moved for moment in session.history[1:]])
-    np.testing.assert_allclose(np.sort(np.abs(moved), axis=1), [[0, 4], [0, 4]], atol=1e-9)
-    assert all(moment.probe and moment.target is None for moment in session.history[1:])
 
 
 @pytest.mark.parametrize("restarts", [0, 1, 4])
@@ -148,14 +128,6 @@ def test_a_servo_searches_elsewhere_as_often_as_it_may(restarts):
     if restarts == 0:
         assert not any(moment.servo_state.search.n_restarts for moment in session.history[1:])
         assert "No lower E nearby" in words
-
-
-def test_a_servo_that_may_not_search_elsewhere_does_not_look_for_hidden_points_there_either():
-    visible = changed(missing=0.5, restarts=0, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG)
-    for seed in range(6):
-        session = Session(msgspec.structs.replace(visible, seed=seed))
-        session.run(80)
-        assert not any(getattr(moment.servo_state, "restarts", 0) for moment in session.history)
 
 
 def test_a_demonstrator_outside_the_workspace_is_approached_and_not_claimed_to_be_reached():
@@ -183,15 +155,6 @@ def test_a_rehearsal_goes_in_short_motions_and_keeps_the_postures_that_were_aske
         np.testing.assert_allclose(one.own, other.own, atol=1e-6)
     with pytest.raises(ValueError, match="the rehearsed posture is outside the workspace: angle 2"):
         bound.begin_calibration(np.array([low, high, (low[0], high[1] + 0.1)]))
-
-
-def test_a_rehearsal_within_a_workspace_serves_an_imitation_without_one():
-    """Postures are told from the arm's own limits."""
-    body = Session(changed(workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG)).calibrate(12, seed=1)
-    session = Session(changed(demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
-    session.use_calibration(body)
-    last = session.run(40).last
-    assert last.status == "converged" and last.calibration_holds and last.motion <= 4
 
 
 def test_who_goes_back_to_the_past_drives_the_arm_there_in_short_motions():
@@ -233,16 +196,6 @@ def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
     np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
 
 
-def test_settings_that_change_on_the_way_let_the_servo_decide_anew():
-    session = Session(changed(max_step_deg=3.0, demonstrator_deg=SHOWN_DEG, start_deg=START_DEG))
-    while session.snapshot.target is None:
-        assert session.step()
-    session.change(transfer="linear")
-    assert session.snapshot.target is None
-    session.change(max_step_deg=None)
-    assert session.run(60).status in ("converged", "no-progress")
-
-
 def test_a_run_in_short_motions_is_repeated_by_its_script():
     session = Session(changed(max_step_deg=6.0, workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG))
     session.run(7)
@@ -254,16 +207,6 @@ def test_a_run_in_short_motions_is_repeated_by_its_script():
     assert again.settings == session.settings
     one, other = again.run(200).last, session.run(200).last
     assert one.motion == other.motion and one.theta.tobytes() == other.theta.tobytes()
-
-
-def test_a_new_workspace_begins_anew_inside_it():
-    session = Session(changed(start_deg=START_DEG))
-    session.run(5)
-    session.change(workspace_deg=SCENE_WORKSPACE_DEG)
-    assert session.snapshot.motion == 0
-    with pytest.raises(ValueError, match="learner's start posture is outside the workspace: angle 1 is 25°"):
-        session.change(workspace_deg=((30, 60), (-100, -20)))
-    assert session.settings.workspace_deg == SCENE_WORKSPACE_DEG
 
 
 @pytest.mark.parametrize(
@@ -299,12 +242,6 @@ def test_settings_that_limit_nothing_are_refused(fields, why):
         Settings(**fields)
 
 
-def test_limits_are_plain_data_from_arrays():
-    given = Settings(max_step_deg=np.float64(5), workspace_deg=np.array(SCENE_WORKSPACE_DEG))
-    assert given == Settings(max_step_deg=5.0, workspace_deg=SCENE_WORKSPACE_DEG)
-    assert msgspec.json.decode(msgspec.json.encode(given), type=Settings) == given
-
-
 @given(
     target=strategies.lists(strategies.floats(-3, 3), min_size=2, max_size=2),
     longest_rad=strategies.floats(1e-3, 4),
@@ -317,9 +254,3 @@ def test_waypoints_lead_straight_to_the_target_by_as_few_motions_as_that_takes(t
     assert len(way) <= max(np.abs(target - start).max() / longest_rad + 1, 1)
     np.testing.assert_allclose(steps, np.broadcast_to(steps[0], steps.shape), atol=1e-12)
     assert len(waypoints(start, target, np.inf)) == 1
-
-
-def test_a_history_that_is_full_ends_on_the_way_too(monkeypatch):
-    monkeypatch.setattr("viewimit.loop.learner.MAX_HISTORY", 4)
-    session = Session(changed(max_step_deg=1.0))
-    assert session.run(MAX_HISTORY).last.motion == 4 and session.snapshot.status == "max-motions"

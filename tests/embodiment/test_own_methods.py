@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from viewimit import SERVOS, TRANSFERS, Session, Settings, conflict, replay
+from viewimit import TRANSFERS, Session, Settings, conflict, replay
 from viewimit.drawing.export.citation import cite
-from viewimit.estimation.transfers import TransferMethod, linear
+from viewimit.estimation.transfers import linear
 from viewimit.loop.settings import OWN
 from viewimit.servo import GaussNewton
 
@@ -94,17 +94,6 @@ def test_a_servo_without_a_status_that_wants_no_motion_rests():
     assert session.snapshot.status == "settled" and session.snapshot.servo_state == {"asked": 1}
 
 
-def test_a_motion_of_a_servo_without_a_status_is_divided_as_any_other():
-    class Once(Still):
-        def step(self, state, seen, residuals):
-            return {"asked": state["asked"] + 1}, np.radians((0, 12)) if state["asked"] == 0 else np.zeros(2)
-
-    session = Session(Settings(**START, max_step_deg=5), servo=Once())
-    assert session.run().motions == 3
-    assert session.snapshot.servo_state == {"asked": 2}
-    np.testing.assert_allclose(np.degrees(session.snapshot.theta), (25, -33), atol=1e-6)
-
-
 def test_both_are_drawn_in_a_replay_and_go_on_in_a_copy_and_in_another_session():
     session = Session(Settings.paper(**START), transfer=affine_map, servo=Law())
     session.run(3)
@@ -149,13 +138,6 @@ def test_a_session_changes_from_its_own_to_a_named_one_and_back():
         session.change(transfer=affine_map)
 
 
-def test_names_serve_as_well():
-    session = Session(Settings(**START), transfer="linear", servo="kalman")
-    assert (session.settings.transfer, session.settings.servo) == ("linear", "kalman")
-    method = TransferMethod(fit=linear.fit)
-    assert Session(transfer=method).snapshot.method is method and method.title == "fit"
-
-
 @pytest.mark.parametrize(
     "given, error, said",
     [
@@ -170,14 +152,6 @@ def test_names_serve_as_well():
 def test_what_cannot_be_one_is_refused_at_once(given, error, said):
     with pytest.raises(error, match=said):
         Session(**given)
-
-
-@pytest.mark.parametrize("registry, wrong", [(TRANSFERS, 3), (SERVOS, Law), (SERVOS, object())])
-def test_what_cannot_be_one_gets_no_name(registry, wrong):
-    for set_as in (registry.__setitem__, lambda name, given: registry.update({name: given}), registry.setdefault):
-        with pytest.raises(TypeError, match="a transfer is a function|is a class|has no start"):
-            set_as("mine", wrong)
-    assert "mine" not in registry
 
 
 def test_points_of_another_shape_and_motions_that_are_none_are_named():
@@ -214,14 +188,6 @@ def test_points_of_another_shape_and_motions_that_are_none_are_named():
         Session(servo=law).step()
 
 
-def test_functions_and_laws_of_two_methods_have_names_once_they_are_set(monkeypatch):
-    monkeypatch.setitem(TRANSFERS, "mine", affine_map)
-    monkeypatch.setitem(SERVOS, "mine", Law())
-    session = Session(Settings.paper(**START, transfer="mine", servo="mine"))
-    session.run(3)
-    assert "affine_map, Law" in replay(session).html and session.script.settings.transfer == "mine"
-
-
 class Resting(Still):
     """Rests at once with a state of one's own."""
 
@@ -236,12 +202,6 @@ def test_a_servo_cannot_claim_to_have_converged_without_a_certificate():
     converged = type("State", (), {"status": "converged"})()
     with pytest.raises(ValueError, match="'converged', but its state has no certificate: report 'settled'"):
         Session(Settings(**START), servo=Resting(converged)).step()
-
-
-@pytest.mark.parametrize("status, found", [("settled", "settled"), ("moving", "no-progress"), (None, "settled")])
-def test_a_servo_at_rest_has_the_status_that_its_state_reports(status, found):
-    state = {"status": "no-progress"} if status is None else type("State", (), {"status": status})()
-    assert Session(Settings.paper(**START), servo=Resting(state)).run().status == found
 
 
 def test_a_servo_without_memory_may_have_none_as_its_state_but_no_other_may():
@@ -308,10 +268,3 @@ def test_a_transfer_that_gives_nan_and_a_class_that_does_not_fit_are_named():
             super().__init__(affine_map(views).matrix)
 
     assert Session(Settings.paper(**START), transfer=Fitting).step()
-
-
-def test_methods_are_given_by_name_and_an_unknown_setting_lists_the_known_ones():
-    with pytest.raises(TypeError, match="positional argument"):
-        Session(Settings(**START), affine_map)
-    with pytest.raises(TypeError, match="no setting 'frame'; the settings are .*frames"):
-        Settings(frame=9)

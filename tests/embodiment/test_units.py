@@ -9,7 +9,6 @@ from hypothesis import given, settings, strategies
 
 from viewimit import FourViews, Session
 from viewimit.estimation.noise import rounding_std
-from viewimit.geometry.affine import image_unit
 from viewimit.geometry.rectification import Rectification
 
 FakeRobot = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "fake_robot.py"))["FakeRobot"]
@@ -62,24 +61,12 @@ def test_so_it_does_by_other_laws_but_for_their_priors_in_pixels(servo):
     np.testing.assert_allclose(scaled.theta, in_px.theta, atol=np.radians(0.01))
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_whole_pixels_are_known_in_hundreds_of_a_pixel_too(seed):
-    in_px, scaled = (end(one, 0.0, seed, whole=True) for one in (1.0, 0.01))
-    assert (scaled.status, scaled.motions) == (in_px.status, in_px.motions)
-
-
 @pytest.mark.parametrize("scale", [1.0, 0.1, 0.01])
 def test_a_grid_of_pixels_is_found_in_decimal_parts(scale):
     points = np.random.default_rng(3).uniform(0, 400, (20, 4)).round() * scale
     assert rounding_std(points, np.ones((20, 2), bool)) == pytest.approx(scale / np.sqrt(12))
     fine = np.random.default_rng(3).uniform(0, 400, (20, 4)) * scale
     assert rounding_std(fine, np.ones((20, 2), bool)) == 0.0
-
-
-def test_a_unit_follows_the_images_scale_and_not_their_place():
-    images = np.random.default_rng(1).normal(size=(12, 4))
-    assert image_unit(3.5 * images + 100) == pytest.approx(3.5 * image_unit(images))
-    assert image_unit(np.ones((12, 4))) == image_unit(np.empty((0, 4))) == 1.0
 
 
 def test_a_rectification_in_other_units_maps_the_same_points():

@@ -56,26 +56,3 @@ def test_evaluate_refuses_degenerate_points(ask, ask_json, tmp_path, reason, tra
     path.write_text("\n".join([rows[0], *(row for row in rows if row.startswith("0,"))]) + "\n")
     status, out, err = ask("evaluate", path, "--transfer", transfer)
     assert status == 1 and reason in err
-
-
-@pytest.mark.parametrize("whose", ["", " of [L R]"])
-@pytest.mark.parametrize("reason, shape", [("σ₁/σ₃", "one plane"), ("σ₁/σ₃", "one line")])
-def test_noisy_degenerate_points_are_called_weak(ask_json, tmp_path, whose, reason, shape):
-    path, rng = tmp_path / "points.csv", np.random.default_rng(1)
-    flat, good = FLATTENED[shape] @ SOLID + 200, SHAPE @ SOLID + 200
-    demo, own = (flat, good) if whose == "" else (good, flat)
-    images = np.concatenate([demo[:, :4], own[:, 4:]], 1) + 0.2 * rng.standard_normal((10, 8))
-    with path.open("w") as file:
-        file.write("frame,view,point,x,y\n")
-        for view, image in zip(VIEWS, np.split(images, 4, 1)):
-            file.writelines(f"0,{view},{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(image))
-    _, output = ask_json("evaluate", path, "--transfer", "projective", "--rectify", "off")
-    (frame,) = output["frames"]
-    assert frame["weak"].startswith(f"{reason}{whose} ") and "E may mislead" in frame["weak"]
-
-
-def test_numbers_that_are_no_pixels_are_reported_with_line_and_column(ask, tmp_path):
-    path = tmp_path / "points.csv"
-    path.write_text("frame,view,point,x,y\n0,l,0,1e9,3\n")
-    status, _, err = ask("evaluate", path)
-    assert status == 2 and "line 2, column x: '1e9' is no pixel: beyond 1e+06" in err

@@ -1,24 +1,13 @@
 """What a servo may ask about images that it predicts, and how a demonstrator goes on."""
 
-import msgspec
 import numpy as np
 
 from viewimit.estimation.noise import HomographyResiduals
-from viewimit.estimation.prediction import VELOCITY_LOOKS, target_velocity
 from viewimit.estimation.residuals import NoiseReference
 from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.snapshot import predicted_residuals
-from viewimit.servo.trust_region.correspondences import swapped, with_swaps
-
-
-def drift_of(session):
-    return velocity_of(session.history.recent(VELOCITY_LOOKS))
-
-
-def velocity_of(moments):
-    return target_velocity([moment.views for moment in moments])
 
 
 def test_residuals_by_another_transfer_of_unknown_points_and_whitened():
@@ -42,30 +31,6 @@ def partially_visible(session, points):
     visible, demo = views.visible.copy(), views.demo.copy()
     visible[points, 1], demo[points, 2:] = False, np.nan
     return session.snapshot.with_fields(views=FourViews(demo, views.own, visible))
-
-
-def test_partially_visible_points_are_included_on_request_if_the_transfer_supports_them():
-    session = Session(Settings.paper(transfer="projective"))
-    there = session.observe(session.snapshot.theta_demo, session.snapshot).views.own
-    now = partially_visible(session, [2, 7])
-    assert now.half_shown == 2 and now.shown == 8
-    ask = predicted_residuals(now)
-    assert ask(there).shape == (8, 4)
-    e = ask.with_partially_visible()(there)
-    assert e.shape == (10, 4) and np.abs(e).max() < 1e-8
-    aside = np.array([there, there])
-    aside[1, 7, 3] += 1.0  # across the line on which it would be recovered
-    assert (ask(aside) == ask(there)).all() and np.abs(ask.with_partially_visible()(aside)[1]).max() > 0.05
-    aside[1, 7] = np.nan
-    assert ask.with_partially_visible()(aside).shape == (2, 9, 4)
-    assert np.isposinf(ask.with_partially_visible()(np.full_like(there, np.nan))).all()
-    np.testing.assert_array_equal(ask.with_partially_visible()(aside, "linear"), ask(aside, "linear"))
-    pairs = ((2, 3),)
-    own = swapped(there, pairs)
-    np.testing.assert_array_equal(with_swaps(ask, pairs).with_partially_visible()(own), e)
-    for changed in ({"transfer": "epipolar"}, {"rectify": "off"}):
-        settings = msgspec.structs.replace(now.settings, **changed)
-        assert now.with_fields(settings=settings).half_shown == 0
 
 
 def test_partially_visible_points_are_whitened_near_the_demonstrator_and_unweighted_elsewhere():
@@ -117,36 +82,3 @@ def test_behind_a_moving_demonstrator_with_noise_the_converged_transfer_is_used(
     assert not np.allclose(predicted_residuals(now, drift, noise_px=0.5)(own, "epipolar"), of_frozen(1.0), atol=0.1)
     assert not np.allclose(predicted_residuals(now, drift)(own), of_frozen(1.0), atol=0.1)
     assert not np.allclose(predicted_residuals(now, noise_px=0.5)(own), of_frozen(0.0), atol=0.1)
-
-
-def test_one_jump_of_the_demonstrator_is_no_velocity():
-    session = Session(Settings.paper(transfer="linear"))
-    session.run(4)
-    session.pose(np.radians([70, -40]))
-    assert not drift_of(session).any()
-    session.step()
-    assert not drift_of(session).any()
-    for angle in (71, 72):
-        session.pose(np.radians([angle, -40]))
-        drift = drift_of(session).any()
-        session.step()
-    assert drift  # it has moved twice
-    session.step()
-    session.step()
-    assert not drift_of(session).any()
-
-
-def test_a_point_invisible_in_one_look_has_no_velocity():
-    session = Session(Settings.paper(transfer="linear", servo="trust-region", demonstrator_deg=(70, -40)))
-    for angle in (71, 72):
-        session.step()
-        session.pose(np.radians([angle, -40]))
-    moments = session.history.recent(VELOCITY_LOOKS)
-    views = moments[1].views
-    demo, visible = views.demo.copy(), views.visible.copy()
-    demo[9], visible[9, 0] = 1e4, False
-    seen = FourViews(demo, views.own, visible)
-    drift = target_velocity([moments[0].views, seen, moments[2].views])
-    assert not drift[9].any()
-    np.testing.assert_array_equal(drift[:9], velocity_of(moments)[:9])
-    assert velocity_of(moments)[9].any()

@@ -28,8 +28,7 @@ def test_with_toed_in_unlike_cameras_the_learner_arrives_only_if_images_are_rect
     assert error_deg(Session(msgspec.structs.replace(TOED, rectify="off")).run(40).last) > 3
 
 
-@pytest.mark.parametrize("scene", ["panda", "panda-facing", "panda-flat", "iiwa"])
-@pytest.mark.parametrize("noise_px", [0.0, 0.5])
+@pytest.mark.parametrize("scene, noise_px", [("panda", 0.5), ("panda-facing", 0.0), ("iiwa", 0.5)])
 def test_with_parallel_axes_a_run_equals_one_without_rectification_to_the_last_bit(scene, noise_px):
     asked = Settings.paper(scene=scene, noise_px=noise_px)
     auto, off = (Session(msgspec.structs.replace(asked, rectify=how)) for how in ("auto", "off"))
@@ -63,33 +62,3 @@ def test_rig_hypotheses_have_their_own_residuals_and_raise_the_standard_error():
         for heads in (0, 7)
     ]
     assert (of_heads[1] > of_heads[0]).all()
-
-
-def test_an_older_snapshot_keeps_its_rectification():
-    session = Session(msgspec.structs.replace(TOED, noise_px=0.25))
-    session.run(4)
-    before = [(moment.E, moment.rectification) for moment in session.history]
-    for _ in range(3):
-        session.undo()
-    assert session.snapshot.E == before[1][0] and session.snapshot.rectification is before[1][1]
-    session.run(4)
-    assert [moment.E for moment in session.history] == [E for E, _ in before]
-
-
-def test_a_played_session_continues_to_the_last_bit():
-    whole, begun, resumed = (Session(msgspec.structs.replace(TOED, noise_px=0.25)) for _ in range(3))
-    whole.run(8)
-    begun.run(5)
-    resumed.play(begun.script)
-    resumed.run(8)
-    assert postures(resumed) == postures(whole)
-
-
-def test_rectification_can_be_switched_off_and_on_during_a_run():
-    session = Session(TOED)
-    session.run(3)
-    E = session.snapshot.E
-    session.change(rectify="off")
-    assert session.snapshot.rectification is None and abs(session.snapshot.E - E) > 0.1 * E
-    session.change(rectify="auto")
-    assert session.snapshot.E == pytest.approx(E, rel=1e-3)

@@ -10,28 +10,6 @@ def images(count=6, batch=()):
     return list(np.random.default_rng(0).uniform(0, 600, (4,) + batch + (count, 2)))
 
 
-def test_views_keep_their_points():
-    l, r, L, R = images()
-    views = FourViews.from_images(l, r, L, R)
-    for found, given in zip((views.demo_left, views.demo_right, views.own_left, views.own_right), (l, r, L, R)):
-        np.testing.assert_array_equal(found, given)
-    assert views.usable.all()
-
-
-def test_a_point_without_coordinates_is_invisible_in_that_view():
-    l, r, L, R = images()
-    r[2, 1] = np.nan
-    R[4] = np.nan
-    views = FourViews.from_images(l, r, L, R)
-    expected = np.ones((6, 4), bool)
-    expected[2, 1] = expected[4, 3] = False
-    np.testing.assert_array_equal(views.visible, expected)
-    assert np.flatnonzero(~views.usable).tolist() == [2, 4]
-    selected = views.select(views.usable)
-    np.testing.assert_array_equal(selected.own_left, L[[0, 1, 3, 5]])
-    assert selected.usable.all()
-
-
 def test_a_masked_point_is_invisible():
     l, r, L, R = images()
     hidden = np.zeros((6, 2), bool)
@@ -59,30 +37,11 @@ def test_a_batch_whose_postures_show_different_points_is_never_merged_into_one_b
     assert of_all.used is of_all and of_all.demo.shape == of_all.own.shape == (3, 11, 4)
 
 
-def test_a_batch_whose_postures_show_the_same_points_stays_a_batch():
-    l, r, L, R = images(12, (3,))
-    l[:, 7] = np.nan
-    views = FourViews.from_images(l, r, L, R)
-    used = views.used
-    assert used.own.shape == (3, 11, 4) and used.complete
-    for k in range(3):
-        alone = FourViews.from_images(l[k], r[k], L[k], R[k])
-        np.testing.assert_array_equal(used.own[k], alone.used.own)
-        np.testing.assert_array_equal(views.matches[0][k], alone.matches[0])
-        np.testing.assert_array_equal(views.matches[1][k], alone.matches[1])
-
-
 def test_opencvs_arrays_are_points_of_one_posture():
     l, r, L, R = images()
     views = FourViews.from_images(l[:, None], r[:, None].astype("f4"), L, np.ma.array(R[:, None], mask=False))
     assert views.own.shape == views.demo.shape == (6, 4)
     np.testing.assert_array_equal(views.own, FourViews.from_images(l, r, L, R).own)
-
-
-def test_a_stack_of_opencvs_arrays_is_a_batch_of_postures():
-    batch = images(batch=(3,))
-    views = FourViews.from_images(*(image[..., None, :] for image in batch))
-    np.testing.assert_array_equal(views.own, FourViews.from_images(*batch).own)
 
 
 def test_wrong_shapes_are_refused_with_the_view():

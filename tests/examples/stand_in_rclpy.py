@@ -1,8 +1,5 @@
-"""A stand-in of the part of rclpy that examples/ros2_node.py uses. It is no ROS: nothing is serialised or sent.
-
-Messages have the fields of the real definitions, by rosbags' copy of them, and refuse any other. Topics deliver when
-`spin_once` is called, to the subscriptions of the same process.
-"""
+"""A stand-in of the part of rclpy that examples/ros2_node.py uses: topics within one process, delivered by `spin_once`.
+Messages have the fields of the real definitions, by rosbags' copy of them, and refuse any other."""
 
 import sys
 from types import ModuleType, SimpleNamespace
@@ -11,6 +8,11 @@ import numpy as np
 from rosbags.typesys import Stores, get_typestore
 
 DEFAULTS = {"string": "", "float64": 0.0, "bool": False}
+MESSAGES = {
+    "builtin_interfaces": ("Duration",),
+    "sensor_msgs": ("Image", "JointState"),
+    "trajectory_msgs": ("JointTrajectory", "JointTrajectoryPoint"),
+}
 
 
 class Wire:
@@ -32,45 +34,44 @@ class Wire:
                 callback(message)
 
 
+class Node:
+    wire: Wire
+
+    def __init__(self, name):
+        self.name = name
+
+    def declare_parameter(self, name, default):
+        return SimpleNamespace(value=self.wire.parameters.get(name, default))
+
+    def create_subscription(self, kind, topic, callback, qos):
+        self.wire.subscriptions[topic] = [(kind, callback)]
+
+    def create_publisher(self, kind, topic, qos):
+        return SimpleNamespace(publish=lambda message: self.wire.publish(topic, message))
+
+    def get_logger(self):
+        return SimpleNamespace(info=print)
+
+    def destroy_node(self):
+        pass
+
+
 def message_class(store, name):
     """A class that is made as rclpy's are: by keywords, with defaults, and without other attributes."""
-    fields = store.fielddefs[name][1]
+    fields = dict(store.fielddefs[name][1])
 
     def __init__(self, **given):
-        unknown = given.keys() - {field for field, _ in fields}
-        assert not unknown, f"{name} has no {unknown}"
-        for field, (kind, what) in fields:
-            default = [] if kind.name in ("ARRAY", "SEQUENCE") else None
-            if default is None and kind.name == "BASE":
-                default = DEFAULTS.get(what[0] if isinstance(what, tuple) else what, 0)
-            setattr(self, field, given.get(field, default))
+        assert given.keys() <= fields.keys(), f"{name} has no {given.keys() - fields.keys()}"
+        for field, (kind, what) in fields.items():
+            plain = DEFAULTS.get(what[0] if isinstance(what, tuple) else what, 0) if kind.name == "BASE" else None
+            setattr(self, field, given.get(field, [] if kind.name in ("ARRAY", "SEQUENCE") else plain))
 
-    slots = tuple(field for field, _ in fields)
-    return type(name.rpartition("/")[2], (), {"__slots__": slots, "__init__": __init__})
+    return type(name.rpartition("/")[2], (), {"__slots__": tuple(fields), "__init__": __init__})
 
 
 def installed(monkeypatch):
     """Put the stand-ins in the place of rclpy and of the packages of messages → the wire."""
     wire, store = Wire(), get_typestore(Stores.ROS2_HUMBLE)
-
-    class Node:
-        def __init__(self, name):
-            self.logged = []
-
-        def declare_parameter(self, name, default):
-            return SimpleNamespace(value=wire.parameters.get(name, default))
-
-        def create_subscription(self, kind, topic, callback, qos):
-            wire.subscriptions.setdefault(topic, []).append((kind, callback))
-
-        def create_publisher(self, kind, topic, qos):
-            return SimpleNamespace(publish=lambda message: wire.publish(topic, message))
-
-        def get_logger(self):
-            return SimpleNamespace(info=self.logged.append)
-
-        def destroy_node(self):
-            pass
 
     def module(name, **members):
         made = ModuleType(name)
@@ -78,13 +79,9 @@ def installed(monkeypatch):
         monkeypatch.setitem(sys.modules, name, made)
 
     module("rclpy", init=lambda: None, shutdown=lambda: None, spin_once=wire.spin_once)
-    module("rclpy.node", Node=Node)
+    module("rclpy.node", Node=type("Node", (Node,), {"wire": wire}))
     module("rclpy.qos", qos_profile_sensor_data=object())
-    for package, names in {
-        "builtin_interfaces": ("Duration",),
-        "sensor_msgs": ("Image", "JointState"),
-        "trajectory_msgs": ("JointTrajectory", "JointTrajectoryPoint"),
-    }.items():
+    for package, names in MESSAGES.items():
         module(package)
         module(f"{package}.msg", **{name: message_class(store, f"{package}/msg/{name}") for name in names})
     return wire
@@ -93,7 +90,6 @@ def installed(monkeypatch):
 def image_message(kind, picture):
     """A sensor_msgs/Image of (height, width, 3) BGR, with padded rows as some drivers send."""
     height, width, _ = picture.shape
-    step = 3 * width + 5
-    rows = np.zeros((height, step), np.uint8)
+    rows = np.zeros((height, 3 * width + 5), np.uint8)
     rows[:, : 3 * width] = picture.reshape(height, -1)
-    return kind(height=height, width=width, encoding="bgr8", step=step, data=rows.tobytes())
+    return kind(height=height, width=width, encoding="bgr8", step=rows.shape[1], data=rows.tobytes())

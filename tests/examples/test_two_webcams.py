@@ -2,7 +2,6 @@
 
 import csv
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -47,27 +46,6 @@ def test_E_is_least_where_the_arms_agree(points, ask_json):
     commanded = np.array([frame["commanded_deg"] for frame in TRUTH["frames"]])
     sag = np.abs(learner - commanded).max(1)
     assert (sag > 0.01).all() and sag.max() < 0.3  # an arm with mass and motors
-
-
-def test_pictures_of_both_arms_need_numbered_markers_and_a_folder_that_holds_some(ask, tmp_path):
-    status, _, err = ask("detect", FOLDER, "--out", tmp_path / "a.csv")
-    assert status == 2 and "both arms in one picture need markers with numbers: give --aruco" in err
-    (tmp_path / "empty").mkdir()
-    status, _, err = ask("detect", tmp_path / "empty", "--aruco", "4X4_50", "--out", tmp_path / "a.csv")
-    assert status == 2 and "no picture or video is in this folder" in err
-
-
-def test_numbers_say_which_arm_a_marker_is_on(ask_json, tmp_path):
-    for side in ("left", "right"):
-        shutil.copy(FOLDER / f"00_{side}.webp", tmp_path / f"take_{side}.webp")
-    command = "detect", tmp_path, "--aruco", "4X4_50", "--out", tmp_path / "points.csv"
-    usual, none = (ask_json(*command, "--demonstrator-from", first) for first in (25, 50))
-    views = usual[1]["views"]
-    assert usual[0] == 0 and all(views[f"demo_{side}"]["points_a_frame"] > 14 for side in ("left", "right"))
-    assert none[0] == 1 and none[1]["views"]["demo_left"]["points_a_frame"] == 0  # they all count as the learner's
-    assert none[1]["views"]["own_left"]["points_a_frame"] == sum(
-        views[f"{arm}_left"]["points_a_frame"] for arm in ("demo", "own")
-    )
 
 
 @pytest.mark.slow

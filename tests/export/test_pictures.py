@@ -1,6 +1,5 @@
 """Pictures of panels stand alone, in colours of print, and say what they show and what repeats them."""
 
-import html
 import re
 import xml.etree.ElementTree as ET
 
@@ -9,13 +8,10 @@ import pytest
 from drawn import IMAGE_L, OWN_POINTS
 from page_fakes import call
 from quiet_page import QuietPage
-from viewimit.app.jobs.experiments import Request, Run
-from viewimit.app.model import pictures as saving
 from viewimit.app.model.pictures import PICTURES
 
 import viewimit
 from viewimit.drawing.curves import draw_curves
-from viewimit.drawing.equations import equations_of, filled
 from viewimit.drawing.export import figures
 from viewimit.drawing.export.citation import cite
 from viewimit.drawing.export.figures import (
@@ -25,15 +21,11 @@ from viewimit.drawing.export.figures import (
     overlay,
     stack,
     svg_elements,
-    typeset_equations,
 )
 from viewimit.drawing.export.panels import Appearance, make_landscape
 from viewimit.drawing.export.perspective import Viewpoint, default_viewpoint, draw_space
 from viewimit.drawing.images.panel import draw_images
 from viewimit.drawing.theme import ROLES
-from viewimit.estimation.equations import Equation
-from viewimit.experiments import EXPERIMENTS
-from viewimit.experiments.paper.common import Claim
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene_geometry import bases_of
@@ -107,33 +99,6 @@ def test_png_is_as_large_as_print_needs_or_says_what_it_lacks(session, monkeypat
         encode(picture, ".png")
 
 
-@pytest.mark.parametrize(
-    "render, typeset, said",
-    [
-        (True, True, ""),
-        (False, True, "PNG needs resvg_py: pip install 'viewimit[plot]'; SVG does not"),
-        (True, False, "Equations need ziamath: pip install 'viewimit[plot]'; other pictures do not"),
-        (
-            False,
-            False,
-            "PNG needs resvg_py, Equations need ziamath: pip install 'viewimit[plot]'; other pictures, as SVG, need "
-            "neither",
-        ),
-    ],
-)
-def test_the_page_says_of_which_pictures_it_lacks_what(render, typeset, said, monkeypatch):
-    monkeypatch.setattr(saving, "can_render", lambda: render)
-    monkeypatch.setattr(saving, "can_typeset", lambda: typeset)
-    monkeypatch.setattr("viewimit.drawing.export.figures.can_typeset", lambda: typeset)
-    page = QuietPage(Settings())
-    page.tick(1.0)
-    assert (html.escape(said) in page.shown) and (bool(said) == ("viewimit[plot]" in page.shown))
-    page.page.queue.call("picture", "Equations")
-    page.page.queue.call("save_picture")
-    page.tick(1.0)
-    assert ("a picture of equations needs ziamath" in page.shown) == (not typeset)
-
-
 def test_the_page_hands_out_a_replay_and_every_picture():
     page, got = QuietPage(Settings()), {}
     page.client.send_file_download = lambda name, data, **_: got.update({name: data})
@@ -155,62 +120,19 @@ def test_the_page_hands_out_a_replay_and_every_picture():
     page.page.queue.call("duel")
     page.page.queue.call("step")
     page.tick(1.0)
-    take_experiment(page.page.model)
     pictures = {}
-    for what in PICTURES if can_typeset() else [what for what in PICTURES if what != "Equations"]:
+    pictured = [what for what in PICTURES if what != "Experiments" and (can_typeset() or what != "Equations")]
+    for what in pictured:
         page.page.queue.call("picture", what)
         name = f"viewimit-{what.split()[0].lower()}.svg"
         pictures[what] = text_of(save(call("save_picture"), name).decode())
         assert "seed 7" in pictures[what]
-    duel, done = ("".join(pictures[what].split()) for what in ("Duel", "Experiments"))
+    duel = "".join(pictures["Duel"].split())
     for session in (page.page.model.session, page.page.model.duel.opponent):
         assert "".join(cite(session, session.snapshot.motion).command.split()) in duel
     assert "Aduelafter1step" in duel and "Largestjointerror" in duel
-    assert "viewimitreproducefig7" in done and "Fig.7:landscapeandminima." in done and "smallestE<4°miss" in done
     if figures.can_render():
         page.page.queue.call("picture", "Curves")
         page.page.queue.call("picture_format", "PNG")
         png = save(call("save_picture"), "viewimit-curves.png")
         assert png[:4] == b"\x89PNG" and int.from_bytes(png[16:20], "big") == 4 * 440  # px: 15 cm at 300 an inch
-
-
-def take_experiment(model):
-    """One that is done, as its process tells it."""
-    chosen = EXPERIMENTS["fig7"]
-    request = Request("fig7", model.session.settings)
-    claims = (Claim("Fig. 7: smallest E", "<4°", "", "", False, ""),)
-    run = Run("fig7", "done", figure=chosen.empty_figure(model.session.scene), claims=claims, request=request)
-    model.experiments.chosen = "fig7"
-    model.experiments.take(run)
-
-
-def test_equations_become_outlines_of_their_letters_with_the_numbers_of_the_moment(session):
-    pytest.importorskip("ziamath")
-    told = equations_of(session.snapshot, 7)
-    figure = typeset_equations(told, "Equations")
-    picture = figure.captioned(cite(session))
-    root, said = ET.fromstring(picture), "".join(text_of(picture).split())
-    assert all("".join(f"{each.number}{each.title}".split()) in said for each in told)
-    assert "<math" not in picture and "href" not in picture and "black" not in picture
-    letters = [html.unescape(re.sub(r"<[^>]*>|\s", "", filled(each))) for each in told]
-    assert sum(1 for _ in root.iter(f"{SVG}path")) >= len("".join(letters))
-    wide = typeset_equations([Equation("", "", "x" * 120)], "Wide")
-    assert float(re.search(r"scale\(([\d.]+)\)", wide.inside)[1]) < 0.6  # into the column
-    other = typeset_equations(equations_of(session.history[0], 7), "Equations")
-    assert other.inside != figure.inside
-
-
-def test_without_what_sets_equations_it_is_said(session, monkeypatch):
-    monkeypatch.setattr(figures, "can_typeset", lambda: False)
-    with pytest.raises(ValueError, match=r"needs ziamath: pip install 'viewimit\[plot\]'"):
-        figures.require_typesetter()
-
-
-def test_a_copy_of_a_session_does_not_follow_it():
-    session = Session(Settings())
-    session.run(2)
-    copied, script = session.copy(), session.script
-    session.step()
-    session.pose(np.radians((40, -80)))
-    assert len(copied.history) == 3 and copied.snapshot.motion == 2 and copied.script == script
-    assert copied.world is session.world

@@ -7,12 +7,9 @@ from stereo_heads import UNLIKE, fundamental_of, head, matches
 from viewimit.geometry.fundamental import sampson_distance
 from viewimit.geometry.robust_fit import (
     MIN_THRESHOLD_PX,
-    N_UNCERTAIN_STD,
     OUTLIER_SIGMA,
     all_inliers,
     detect_outliers,
-    fit_geometry,
-    fit_row_geometry,
 )
 
 HEADS = {"parallel": head(0), "parallel, unlike": head(0, *UNLIKE), "toed-in": head(12), "both": head(9, *UNLIKE)}
@@ -56,41 +53,3 @@ def test_matches_of_parallel_cameras_are_inliers_until_one_is_moved_out_of_its_r
     along[3, 0] += 20
     across[3, 1] += 20
     assert all_inliers(left, along, noise_px) and not all_inliers(left, across, noise_px)
-
-
-@pytest.mark.parametrize("count, geometry", [(20, fit_row_geometry), (200, fit_geometry)])
-def test_the_deviation_of_equal_rows_is_at_least_that_of_rounding(count, geometry):
-    """Whole pixels of parallel cameras: rows differ by -1, 0 or 1, mostly 0, whose deviation is at least rounding's."""
-    rounding_px = 1 / np.sqrt(12)
-    for seed in range(6):
-        left, right, _ = matches(HEADS["parallel"], np.random.default_rng(seed), count, 0.1)
-        left, right = np.round(left), np.round(right)
-        rows = right[:, 1] - left[:, 1]
-        assert np.median(rows) == 0 and np.abs(rows).max() <= 1
-        fit = geometry(left, right, rounding_px)
-        assert fit.std_px >= rounding_px
-        assert np.abs(fit.distance(left, right)).max() < fit.threshold * fit.std_px
-        assert not detect_outliers(left, right, rounding_px, np.random.default_rng(seed)).any()
-        wrong = right[:1] + [0, 20]
-        assert np.abs(fit.distance(left[:1], wrong))[0] > fit.threshold * fit.std_px
-
-
-def test_a_match_far_from_few_others_is_judged_by_the_squares_that_it_adds():
-    """Whatever it is that they tell of F: deviations of further matches are those of a standard normal variable, though
-    they lie where F is extrapolated."""
-    deviations = []
-    for seed in range(60):
-        left, right, _ = matches(HEADS["both"], np.random.default_rng(seed), 40, 0.3)
-        order = np.argsort(np.linalg.norm(left - np.median(left, 0), axis=1))
-        near, far = order[:26], order[26:]
-        fit = fit_geometry(left[near], right[near])
-        deviations.append(fit.distance(left[far], right[far]) / fit.std_px)
-    assert 0.9 < np.sqrt(np.mean(np.square(deviations))) < 1.2
-
-
-@pytest.mark.parametrize("fit", [fit_row_geometry, fit_geometry])
-def test_the_threshold_is_higher_after_a_fit_to_few_matches(fit):
-    """The standard deviation of few matches is uncertain: a point of 17 may be twice as far as one of many."""
-    left, right, _ = matches(HEADS["parallel"], np.random.default_rng(2), 400, 0.1)
-    few, many = (fit(left[:count], right[:count], rounding_px=0.0).threshold for count in (N_UNCERTAIN_STD, 400))
-    assert few == pytest.approx(2 * OUTLIER_SIGMA) and many == pytest.approx(OUTLIER_SIGMA, rel=0.01)

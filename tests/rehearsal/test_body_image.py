@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sameness import assert_same
 
-from viewimit.loop.self_calibration import MIN_POSTURES, Body, SelfCalibration, calibration_postures, spread_postures
+from viewimit.loop.self_calibration import MIN_POSTURES, Body, SelfCalibration, spread_postures
 from viewimit.servo.observation import Visit
 
 PANDA = Body("panda", (2, 4), (90.0, 180.0), 10, "projected", (0.0, 0.0))
@@ -28,15 +28,6 @@ def test_what_is_saved_comes_back(tmp_path):
     for one, other in zip(back.visits, body.visits):
         np.testing.assert_allclose(one.displacement, other.displacement, rtol=1e-15)  # degrees in the file
         assert_same((one.own, one.seen), (other.own, other.seen))
-
-
-def test_the_file_has_degrees_and_pixels_and_needs_no_pickle(tmp_path):
-    body = rehearsed()
-    body.save(tmp_path / "body.npz")
-    with np.load(tmp_path / "body.npz", allow_pickle=False) as file:
-        np.testing.assert_allclose(file["displacement_deg"], np.degrees([v.displacement for v in body.visits]))
-        assert file["own_px"].shape == (4, 10, 4) and file["seen"].dtype == bool
-        assert np.isnan(file["own_px"][~np.repeat(file["seen"], 2, -1)]).all()
 
 
 def spoilt(tmp_path, **changes):
@@ -102,29 +93,3 @@ def test_postures_are_within_limits_and_apart_and_repeat_themselves(count):
     far = lambda among: np.linalg.norm(drawn[:, None] - among, axis=-1).min(1).mean()
     chance = [far(np.random.default_rng(k).uniform(size=(count, 2))) for k in range(20)]
     assert far(scaled) < min(chance), "nearer to every posture of the range than any random ones"
-
-
-@pytest.mark.parametrize("count", [5, 12])
-def test_a_rehearsal_turns_each_joint_by_itself_and_goes_far_apart(count):
-    postures = calibration_postures(LOW, HIGH, count, np.random.default_rng(1))
-    assert postures.shape == (count, 2) and (postures >= LOW).all() and (postures <= HIGH).all()
-    turned = np.abs(np.diff(postures[:3], axis=0))
-    assert (turned > np.radians(15)).tolist() == [[True, False], [False, True]] and turned.max() < np.radians(25)
-    apart = spread_postures(LOW, HIGH, count - 2, np.random.default_rng(1))
-    np.testing.assert_array_equal(np.delete(postures, [1, 2], 0), apart)
-
-
-def test_too_few_postures_for_both_are_far_apart():
-    few = calibration_postures(LOW, HIGH, 4, np.random.default_rng(1))
-    np.testing.assert_array_equal(few, spread_postures(LOW, HIGH, 4, np.random.default_rng(1)))
-
-
-def test_the_way_through_them_is_short():
-    postures = spread_postures(LOW, HIGH, 20, np.random.default_rng(0))
-    length = lambda order: np.abs(np.diff(postures[order], axis=0)).max(1).sum()
-    assert length(np.arange(20)) < 0.7 * np.mean([length(np.random.default_rng(k).permutation(20)) for k in range(20)])
-
-
-def test_too_few_postures_are_refused():
-    with pytest.raises(ValueError, match=f"{MIN_POSTURES} postures or more, got 2"):
-        spread_postures(LOW, HIGH, 2, np.random.default_rng(0))

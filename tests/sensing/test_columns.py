@@ -5,7 +5,7 @@ import pytest
 from trackers import Seen, analysis
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS
-from viewimit.sensing.tracks import read_files, read_tidy, read_view
+from viewimit.sensing.tracks import read_files, read_tidy
 
 IMAGE = np.random.default_rng(5).uniform(20, 600, (4, 3, 6, 2)).round(2)  # views, frames, points, px
 HIDDEN = np.random.default_rng(6).random((4, 3, 6)) < 0.25
@@ -82,18 +82,18 @@ FLAGS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name, if_hidden, if_seen", FLAGS)
-def test_whether_a_point_is_seen_is_read_alike_in_every_format(tmp_path, name, if_hidden, if_seen):
-    cell = lambda hidden: if_hidden if hidden else if_seen
-    if if_seen:  # an empty last cell needs its separator
-        check(plain(tmp_path, f"frame,point,x,y,{name}", cell))
-        check(tidy(tmp_path, f"frame,point,x,y,{name}", cell))
-    check(deeplabcut(tmp_path, ("x", "y", name), lambda hidden: (cell(hidden),)))
-    if if_seen:
-        of = np.vectorize(lambda hidden: cell(bool(hidden)))
-        check(arrays(tmp_path, **{name: of}))
-        if if_hidden[0].isdigit():
-            check(arrays(tmp_path, **{name: lambda hidden: of(hidden).astype(float)}))
+def test_whether_a_point_is_seen_is_read_alike_in_every_format(tmp_path):
+    for name, if_hidden, if_seen in FLAGS:
+        cell = lambda hidden, words=(if_seen, if_hidden): words[bool(hidden)]
+        if if_seen:  # an empty last cell needs its separator
+            check(plain(tmp_path, f"frame,point,x,y,{name}", cell))
+            check(tidy(tmp_path, f"frame,point,x,y,{name}", cell))
+        check(deeplabcut(tmp_path, ("x", "y", name), lambda hidden, cell=cell: (cell(hidden),)))
+        if if_seen:
+            of = np.vectorize(cell)
+            check(arrays(tmp_path, **{name: of}))
+            if if_hidden[0].isdigit():
+                check(arrays(tmp_path, **{name: lambda hidden, of=of: of(hidden).astype(float)}))
 
 
 @pytest.mark.parametrize("kind", ["table", "fixed"])
@@ -120,22 +120,6 @@ def test_tables_in_hdf5_say_the_same(tmp_path, kind):
     tracked = read_files(tracks)
     check(tracked)
     assert tracked.notes == ("not read: array notes",)
-
-
-def test_of_several_columns_the_one_that_says_least_counts(tmp_path):
-    check(plain(tmp_path, "frame,point,x,y,score,occluded", lambda hidden: f"0.9,{int(hidden)}"))
-    check(tidy(tmp_path, "frame,point,x,y,v,c", lambda hidden: f"{2 - hidden},0.9"))
-
-
-def test_where_one_view_shows_cocos_flags_1_is_not_visible_in_the_others(tmp_path):
-    paths = {}
-    for k, view in enumerate(VIEWS):
-        paths[view] = tmp_path / f"{k}.csv"
-        rows = [f"0,{name},{x},{y},{1 if view == 'R' else 2}" for name, (x, y) in zip(NAMES, IMAGE[k, 0])]
-        paths[view].write_text("\n".join(["frame,point,x,y,visibility", *rows]) + "\n")
-    tracked = read_files(paths)
-    assert tracked.views(0.6).visible.all((0, 1)).tolist() == [True, True, True, False]
-    assert any("6 points" in note for note in tracked.notes)
 
 
 @pytest.mark.parametrize("name, cell", [("score", "97"), ("visibility", "3"), ("occluded", "2"), ("visible", "maybe")])
@@ -169,32 +153,6 @@ def test_headings_with_another_unit_are_refused(tmp_path, heading):
         plain(tmp_path, heading)
 
 
-def test_a_unit_is_the_pixel(tmp_path):
-    check(plain(tmp_path, "frame,point,x,y,unit", lambda hidden: "px"), hidden=False)
-    with pytest.raises(ValueError, match="line 2, column unit: x and y are in mm"):
-        tidy(tmp_path, "frame,point,x,y,unit", lambda hidden: "mm")
-
-
-def test_every_other_column_is_named(tmp_path):
-    cells = lambda hidden: "1,3,train,12.5"
-    for tracked in (
-        plain(tmp_path, "frame,point,x,y,fold,Area,split,timestamp", cells),
-        tidy(tmp_path, "frame,point,x,y,fold,Area,split,timestamp", cells),
-    ):
-        check(tracked, hidden=False)
-        (note,) = tracked.notes
-        assert all(name in note for name in ("fold", "Area", "split", "timestamp")) and note.count("fold") == 1
-    tracked = deeplabcut(tmp_path, ("x", "y", "x_var"), lambda hidden: ("a",), tail=("set", "train"))
-    check(tracked, hidden=False)
-    assert "x_var" in tracked.notes[0] and "set" in tracked.notes[0]
-    assert "video" in arrays(tmp_path, video=np.asarray).notes[0]
-    assert not plain(tmp_path).notes
-
-
-def test_the_name_of_pandas_index_is_no_frame(tmp_path):
-    check(deeplabcut(tmp_path, after=["frame" + "," * 12]), hidden=False)
-
-
 @pytest.mark.parametrize(
     "frame, numbers",
     [
@@ -219,13 +177,6 @@ def test_frames_are_whole_numbers_and_pictures_in_every_format(tmp_path, frame, 
     assert stored.frames == tuple(numbers) and not stored.notes
 
 
-def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
-    more = lambda hidden: "take.png,1733000000.5,arm,0.4"
-    tracked = plain(tmp_path, "image_id,point,x,y,file_name,timestamp,joint,instance_score", more)
-    check(tracked, hidden=False)
-    assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
-
-
 @pytest.mark.parametrize(
     "frame", [lambda t: f"{t / 30:.3f}", lambda t: "first", lambda t: f"-{t + 1}", lambda t: "2e99"]
 )
@@ -244,25 +195,6 @@ def test_what_numbers_no_frame_is_refused(tmp_path, frame):
 )  # fmt: skip
 def test_comments_are_skipped_and_a_heading_may_be_one(tmp_path, first, heading):
     check(plain(tmp_path, heading, first=first), hidden=False)
-
-
-def test_comments_among_the_rows_are_counted_and_names_may_begin_with_a_sign(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("frame,point,x,y\n0,a,1,2\n#0,b,3,4\n# done\n0,c,5,6\n")
-    track = read_view(path)
-    assert track.points == ("a", "c") and "2 lines" in track.unread
-    path.write_text("point,x,y\n#1,1,2\n#2,3,4\n")
-    assert read_view(path).points == ("#1", "#2")
-
-
-def test_a_picture_is_no_name_of_a_point(tmp_path):
-    path = tmp_path / "Results.csv"
-    path.write_text(" ,Label,X,Y,Slice\n1,IMG_0001.jpg,239.3,221.8,1\n2,IMG_0001.jpg,260.5,217.7,1\n")
-    with pytest.raises(ValueError, match="column Label: .*picture"):
-        read_view(path)
-    path.write_text(path.read_text().replace(".jpg", ""))
-    with pytest.raises(ValueError, match="column Label names one point"):
-        read_view(path)
 
 
 @pytest.mark.parametrize(
@@ -305,23 +237,3 @@ def test_spellings_of_one_name_are_one_point_unless_a_view_has_both(tmp_path):
     both = ["a", "A", "p12", "p1_2", "c", "d"]
     tracked = in_views(tmp_path, [both, both, ["a", "b", *both[2:]], both])
     assert tracked.points == (*both, "b")
-
-
-def test_names_that_are_not_in_all_views_are_listed_by_view(tmp_path, ask):
-    usual = ["wrist_left", "elbow", "p1", "p2", "p3", "p4"]
-    tracked = in_views(tmp_path, [usual, usual, usual, ["left_wrist", "elbo", *usual[2:4], "p5", "p6"]])
-    (said,) = tracked.unmatched_names()
-    assert "wrist_left ~ left_wrist" in said and "elbow ~ elbo" in said and "p3 ~" not in said
-    assert "p5, p6 (only own_right)" in said and "p1" not in said
-    assert tracked.unmatched_names((("l", "r"),)) == []
-
-
-def test_that_no_frame_is_in_all_views_is_said(tmp_path, ask):
-    words = []
-    for k, view in enumerate(VIEWS):
-        path = tmp_path / f"{k}.csv"
-        rows = [f"{t + 100 * (k == 3)},{name},{x},{y}" for t in range(3) for name, (x, y) in zip(NAMES, IMAGE[k, t])]
-        path.write_text("\n".join(["frame,point,x,y", *rows]) + "\n")
-        words += [f"--{VIEW_NAMES[view].replace('_', '-')}", path]
-    status, _, err = ask("evaluate", *words)
-    assert status == 1 and "own_right has 100 to 102" in err and "demo_left has 0 to 2" in err

@@ -4,8 +4,8 @@ the renderer."""
 import numpy as np
 import pytest
 
-from viewimit.sensing.detection import detect, read_pictures, reject_partly_hidden
-from viewimit.simulation.robot import colours, load_markers, marker_names
+from viewimit.sensing.detection import detect, read_pictures
+from viewimit.simulation.robot import colours, load_markers
 
 HUES = np.array([0.0, 40.0, 80.0, 120.0, 200.0, 280.0])
 FINE = 8  # samples a pixel and axis
@@ -57,12 +57,6 @@ def test_grey_pictures_have_no_marker_and_the_larger_of_two_blobs_counts():
     np.testing.assert_allclose(found.points[0], (100, 40), atol=0.06)
 
 
-def test_markers_outside_the_searched_width_are_ignored():
-    red = colours(0.0)
-    picture = drawn([(70, 40, 3.5, red), (150, 40, 4.5, red)])
-    np.testing.assert_allclose(detect(picture, HUES, 0.6).points[0], (70, 40), atol=0.06)
-
-
 def test_files_that_are_no_pictures_are_named(tmp_path):
     pytest.importorskip("cv2")
     with pytest.raises(FileNotFoundError, match="No such file"):
@@ -71,61 +65,3 @@ def test_files_that_are_no_pictures_are_named(tmp_path):
         (tmp_path / name).write_text("no picture")
         with pytest.raises(ValueError, match=name):
             next(read_pictures(tmp_path / name))
-
-
-def test_markers_are_on_all_links_with_separate_hues():
-    for name in marker_names():
-        markers = load_markers(name)
-        apart = np.abs((markers.hue_deg[:, None] - markers.hue_deg + 180) % 360 - 180)
-        assert apart[~np.eye(len(apart), dtype=bool)].min() >= 8
-        assert (np.bincount(markers.body.link) >= 2).all()
-
-
-@pytest.mark.parametrize(
-    "text, says",
-    [
-        ("radius = 0.02", "balls"),
-        ("radius = 0\nballs = []", "radius must be positive"),
-        ("radius = 0.02\nballs = [[0, 0, 0, 0, 5], [1, 0, 0, 0, 5]]", "the same hue"),
-        ("radius = 0.02\nballs = [[0, 0, 0, nan, 5]]", "finite"),
-    ],
-)
-def test_faulty_markers_are_named(tmp_path, text, says):
-    path = tmp_path / "mine.toml"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=f"mine.toml.*{says}"):
-        load_markers(path)
-
-
-def test_a_ball_that_is_hidden_from_several_sides_and_stays_round_is_smaller_than_in_the_other_picture():
-    middles, grey = np.stack([15 + 25.0 * np.arange(6), np.full(6, 60.0)], -1), [0.75] * 3
-    radii = (3.6, 3.3, 3.5, 3.4, 3.3, 3.6)
-    whole = [(*middle, r, colour) for middle, r, colour in zip(middles, radii, colours(HUES))]
-    covers = [(40.0 + 11.9 * s, 60.0 + 11.9 * t, 10.3, grey) for s, t in ((1, 0), (0, 1))]
-    left, right = detect(drawn(whole), HUES), detect(drawn(whole + covers), HUES)
-    assert right.found.all() and np.abs(right.points[1] - middles[1]).max() > 0.4
-    kept_left, kept_right = reject_partly_hidden(left, right)
-    assert kept_left.found.all() and kept_right.found.tolist() == [True, False, True, True, True, True]
-    assert np.isnan(kept_right.points[1]).all()
-    mirrored = reject_partly_hidden(right, left)
-    assert mirrored[0].found.tolist() == kept_right.found.tolist() and mirrored[1].found.all()
-
-
-def test_all_balls_may_be_smaller_in_one_picture_than_in_the_other():
-    middles = np.stack([15 + 25.0 * np.arange(6), np.full(6, 60.0)], -1)
-    balls = lambda r: [(*middle, r, colour) for middle, colour in zip(middles, colours(HUES))]
-    left, right = (detect(drawn(balls(radius)), HUES) for radius in (3.0, 4.2))
-    assert all(one.found.all() for one in reject_partly_hidden(left, right))
-    nothing = detect(np.full((48, 64, 3), 90, np.uint8), HUES)
-    assert not any(one.found.any() for one in reject_partly_hidden(nothing, nothing))
-
-
-def test_a_ball_that_is_left_out_is_told_with_the_reason():
-    balls = [(20.0 + 30 * k, 60.0, 4.0, colours(hue)) for k, hue in enumerate(HUES[:4])]
-    assert not detect(drawn(balls), HUES).left_out
-    cover = (20.0, 90.0, 30.0, [0.75] * 3)
-    small = (140.0, 60.0, 1.8, colours(HUES[4]))
-    again = (50.0, 100.0, 3.8, colours(HUES[1]))
-    found = detect(drawn([*balls, cover, small, again]), HUES)
-    assert set(found.left_out) == {0, 1, 4} and found.found.tolist() == [False, True, True, True, False, False]
-    assert len(set(found.left_out.values())) == 3

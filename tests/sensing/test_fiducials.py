@@ -24,14 +24,6 @@ def test_middles_are_found_to_a_fraction_of_a_pixel_without_bias(name, turn, rms
     assert np.sqrt((away**2).mean()) < rms_px and np.abs(away.mean(0)).max() < 0.08
 
 
-def test_a_number_seen_twice_is_nobodys():
-    fiducials = Fiducials("4x4_50")
-    left = picture_of(fiducials.dictionary, {3: (200, 200), 4: (400, 200)}, shape=(400, 600))
-    right = picture_of(fiducials.dictionary, {3: (200, 200), 5: (400, 200)}, shape=(400, 600))
-    assert sorted(fiducials.detect(np.concatenate([left, right], 1))) == [4, 5]
-    assert fiducials.detect(np.full((100, 100, 3), 90, np.uint8)) == {}
-
-
 def test_an_unknown_dictionary_is_refused_with_a_list_of_names():
     assert {"4X4_50", "APRILTAG_36H11"} <= set(dictionary_names()) and len(set(dictionary_names())) == len(
         dictionary_names()
@@ -88,18 +80,3 @@ def test_a_view_without_markers_is_named_and_hues_are_not_looked_for_unasked(ask
     assert status == 2 and "--aruco: no dictionary ''; there are" in err
     status, _, err = ask("detect", full, "--aruco", "4X4_50", "--markers", "iiwa", "--out", out)
     assert status == 2 and "--markers: not allowed with argument --aruco" in err
-
-
-def test_what_is_left_out_and_films_of_other_lengths_are_told(tmp_path, ask):
-    fiducials = Fiducials("4X4_50")
-    page = np.full((200, 500), 255, np.uint8)
-    for at, number in enumerate((1, 2, 1)):
-        page[50:146, 40 + 150 * at : 136 + 150 * at] = 255 * np.kron(fiducials.cells(number, 6), np.ones((16, 16)))
-    files = [tmp_path / f"{k}_own_{side}.png" for side in ("left", "right") for k in range(3)][:5]
-    for path in files:
-        cv2.imwrite(str(path), page)
-    status, out, err = ask("detect", *files, "--aruco", "4X4_50", "--out", tmp_path / "p.csv")
-    assert status == 0 and "1.0 of 2 points" in out
-    (twice,) = [line for line in err.splitlines() if "marker 1 " in line]
-    assert "own_left" in twice and "own_right" in twice and "twice" in twice and "marker 2" not in err
-    assert any("3 frames in own_left" in line and "2 in own_right" in line for line in err.splitlines())

@@ -6,13 +6,9 @@ import pytest
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.sensing.frames import (
-    FAR_OUTLIER,
     MAX_LATENCY_LOOKS,
     average_frames,
     estimate_latency,
-    is_far_outlier,
-    is_missing_value,
-    noise_std,
 )
 from viewimit.simulation.disturbances import ImageDisturbance, disturb, disturbed_frames
 
@@ -30,37 +26,11 @@ def test_the_mean_of_many_has_less_noise(count):
     assert seen.all() and (points - TRUE).std() == pytest.approx(0.5 / np.sqrt(count), rel=0.1)
 
 
-def test_one_frame_is_itself():
-    points, visible = looks(1, noise_px=0.5, missing=0.2)
-    merged, seen = average_frames(points, visible)
-    np.testing.assert_array_equal(merged, points[0])
-    np.testing.assert_array_equal(seen, visible[0])
-
-
 def test_a_point_is_seen_if_one_frame_shows_it_and_is_the_mean_of_those_that_do():
     points, visible = looks(4, missing=0.6)
     merged, seen = average_frames(points, visible)
     assert (seen == visible.any(0)).all() and 0 < (~seen).sum() < 200 * 2 * 0.3  # 0.6⁴ = 0.13 expected
     np.testing.assert_allclose(merged[np.repeat(seen, 2, -1)], TRUE[np.repeat(seen, 2, -1)])
-
-
-@pytest.mark.parametrize("noise_px", [0.0, 0.5])
-def test_outliers_are_excluded_from_the_average(noise_px):
-    """With 10 % wrong, half of 15 frames agree on a wrong place once in a million: none of 400 is far off."""
-    points, seen = average_frames(*looks(15, noise_px=noise_px, outliers=0.1))
-    assert seen.all() and np.abs(points - TRUE).max() < 5 * noise_px / np.sqrt(10) + 1e-9
-    plain = looks(15, noise_px=noise_px, outliers=0.1)[0].mean(0)
-    assert np.abs(plain - TRUE).max() > 5
-
-
-@pytest.mark.parametrize("outliers", [0.0, 0.1])
-def test_outliers_barely_change_the_measured_noise(outliers):
-    """A tenth of wrong points moves the median of the steps by a quarter."""
-    assert noise_std(*looks(8, noise_px=0.5, missing=0.1, outliers=outliers)) == pytest.approx(
-        0.5, rel=0.05 + 3 * outliers
-    )
-    assert noise_std(*looks(8, outliers=outliers)) < 1e-9
-    assert noise_std(*looks(1, noise_px=0.5)) == 0.0
 
 
 BEFORE = np.random.default_rng(0).uniform(0, 240, (10, 4))
@@ -81,12 +51,6 @@ def test_latency_is_the_number_of_looks_before_the_motion_shows(by):
     assert estimate_latency((BEFORE, VISIBLE), late(by, noise_px=0.5, outliers=0.1, missing=0.1), 0.5) == by
 
 
-def test_no_latency_is_found_if_no_motion_shows():
-    assert estimate_latency((BEFORE, VISIBLE), late(1, moved_px=0.0), 0.0) is None
-    assert estimate_latency((BEFORE, VISIBLE), late(1, moved_px=1.0, noise_px=0.5), 0.5) is None
-    assert estimate_latency((BEFORE, VISIBLE & False), late(0), 0.0) is None
-
-
 @pytest.mark.parametrize("settings", [Settings.paper(), Settings()])
 @pytest.mark.parametrize("delay", [1, MAX_LATENCY_LOOKS])
 def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
@@ -99,30 +63,3 @@ def test_a_learner_with_late_pictures_moves_as_one_without(settings, delay):
         assert session.snapshot.lag == late_by and session.snapshot.status == at_rest
         runs.append([moment.theta for moment in session.history])
     np.testing.assert_array_equal(*runs)
-
-
-def test_latency_is_measured_again_for_another_camera():
-    session = Session(Settings())
-    session.step()
-    assert session.snapshot.lag == 0
-    session.change(delay=2)
-    assert session.snapshot.lag is None and session.snapshot.motion == 0
-
-
-def test_a_point_is_missing_only_if_both_coordinates_are_the_mark():
-    image = np.array([[(0, 0), (-1, -1), (-0.0, 0)], [(0, -1), (0, 12), (1e-9, 0)]])
-    assert is_missing_value(image).tolist() == [[True] * 3, [False] * 3]
-
-
-@pytest.mark.parametrize("times, beyond", [(0.9 * FAR_OUTLIER, False), (1.1 * FAR_OUTLIER, True)])
-def test_a_far_outlier_is_beyond_a_multiple_of_the_median_distance(times, beyond):
-    """Wherever they are, and however large they are seen."""
-    turns = np.linspace(0, 2 * np.pi, 8, endpoint=False)
-    ring = np.stack([np.cos(turns), np.sin(turns)], -1)
-    for scale, centre in ((1.0, (0, 0)), (80.0, (320, 240))):
-        image = scale * np.concatenate([ring, ring, [(times, 0)]]) + centre
-        assert is_far_outlier(image).tolist() == [False] * 16 + [beyond]
-
-
-def test_there_is_no_far_outlier_if_half_of_the_points_coincide():
-    assert not is_far_outlier(np.array([(3.0, 4)] * 4 + [(500, 2), (7, 9)])).any()

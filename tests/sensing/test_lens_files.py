@@ -140,16 +140,3 @@ def test_each_camera_has_its_own_lens(tmp_path, capsys):
         E.append(json.loads(out.out)["frames"][0]["E"])
         assert "picture size" not in out.err
     assert E[1] < 1e-6 < 1e-3 < min(E[0], E[2])
-
-
-@pytest.mark.parametrize("lens", ["1400,1400,960,540,-0.3,0.1", "100,100,80,60,0,0", "ros"])
-def test_a_lens_of_another_picture_size_is_mentioned(tmp_path, capsys, lens):
-    points = table(tmp_path / "points.csv", {"left": (K, D), "right": (K, D)})
-    if lens == "ros":
-        lens = str(tmp_path / "half.json")
-        half = {"data": (np.array(FLAT) * ([0.5] * 8 + [1])).tolist()}
-        (tmp_path / "half.json").write_text(
-            json.dumps({**ros(), "image_width": 320, "image_height": 240, "camera_matrix": half})
-        )
-    main(["evaluate", str(points), "--lens", lens])
-    assert "calibrate" in capsys.readouterr().err

@@ -4,8 +4,6 @@ import pickle
 import re
 import shlex
 import struct
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -16,7 +14,7 @@ from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
 from viewimit.commands.options import option
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, view_of
-from viewimit.sensing.tracks import read_files, read_tidy, read_view
+from viewimit.sensing.tracks import read_files, read_view
 
 ROOT = Path(__file__).parent.parent.parent
 PARTS, FRAMES = ("tip", "elbow", "base"), np.array([0, 1, 4])
@@ -44,8 +42,7 @@ def same(track, who=0, likelihood=True, parts=PARTS, frames=FRAMES):
 KINDS, INDICES = ("csv", "table", "fixed"), ("number", "path", "backslash", "levels")  # pandas writes no such table
 
 
-@pytest.mark.parametrize("likelihood", [True, False], ids=["predicted", "CollectedData"])
-@pytest.mark.parametrize("several", [False, True], ids=["single", "multi-animal"])
+@pytest.mark.parametrize("several, likelihood", [(False, False), (True, True)], ids=["single", "multi-animal"])
 @pytest.mark.parametrize("kind, index", [pair for pair in product(KINDS, INDICES) if pair != ("table", "levels")])
 def test_deeplabcuts_tables_as_pandas_writes_them(tmp_path, kind, several, likelihood, index):
     frame = frame_of_pandas(SEEN_BY, several, likelihood, index)
@@ -176,7 +173,6 @@ def test_files_that_are_no_hdf5_or_hold_something_else(tmp_path, name, monkeypat
 
 CO = np.nan_to_num(IMAGE[0])  # (frames, points, 2)
 SEEN = np.isfinite(IMAGE[0]).all(-1)
-NUMBERED = np.arange(3)
 
 
 def check_arrays(track, names=PARTS):
@@ -196,22 +192,6 @@ def test_arrays_of_cotracker_and_tapir(tmp_path):
     check_arrays(read_view(path))
     np.savez(path, tracks=CO.swapaxes(0, 1), occluded=~SEEN.T)
     check_arrays(read_view(path), "012")
-
-
-def test_the_number_of_names_decides_which_axis_is_of_points(tmp_path):
-    path = tmp_path / "tracks.npy"
-    np.save(path, IMAGE[0][:2])
-    with pytest.raises(ValueError, match=r"tracks has shape \(2, 3, 2\): which axis is of points\?"):
-        read_view(path)
-    (tmp_path / "tracks.txt").write_text("tip\nelbow\nbase\n")
-    track = read_view(path)
-    np.testing.assert_array_equal(track.image, IMAGE[0][:2])
-    assert track.points == PARTS
-    np.save(path, IMAGE[0][:2].swapaxes(0, 1))
-    np.testing.assert_array_equal(read_view(path).image, IMAGE[0][:2])
-    (tmp_path / "tracks.txt").write_text("tip\nelbow\nbase\nmore\n")
-    with pytest.raises(ValueError, match="4 names, but tracks has shape"):
-        read_view(path)
 
 
 @pytest.mark.parametrize(
@@ -234,14 +214,6 @@ def test_faults_of_arrays_are_named(tmp_path, arrays, says):
     with pytest.raises(ValueError, match=says) as found:
         read_view(path)
     assert str(path) in str(found.value)
-
-
-@pytest.mark.parametrize("scorers", ["D,D,E,E", "D,D,D,D"])
-def test_a_body_part_with_two_columns_is_refused(tmp_path, scorers):
-    path = tmp_path / "two.csv"
-    path.write_text(f"scorer,{scorers}\nbodyparts,a,a,a,a\ncoords,x,y,x,y\n0,1,2,3,4\n")
-    with pytest.raises(ValueError, match="two.csv: two columns are x of 'a': keep those of one scorer"):
-        read_view(path)
 
 
 # Tables of people and of OpenCV and COLMAP
@@ -307,14 +279,6 @@ def test_faults_of_plain_tables_are_named_by_line_and_column(tmp_path, text, say
     with pytest.raises(ValueError, match=says) as found:
         read_view(path)
     assert str(path) in str(found.value)
-
-
-def test_a_tidy_table_has_decimal_commas_too(tmp_path):
-    lines = [f"0;{view};{name};{k},5;1,25;0,9" for view in VIEWS for k, name in enumerate(PARTS)]
-    path = tmp_path / "points.csv"
-    path.write_text("\n".join(["frame;view;point;x;y;confidence", *lines]), encoding="utf-8-sig")
-    tracked = read_tidy(path)
-    assert tracked.points == PARTS and tracked.image["L"][0].tolist() == [[0.5, 1.25], [1.5, 1.25], [2.5, 1.25]]
 
 
 def test_views_of_different_packages_go_together_by_name(tmp_path, ask, ask_json):
@@ -479,18 +443,3 @@ COLMAP = """# Image list with two lines of data per image:
 3 0.85 0.17 -0.49 0.07 -0.6 1.7 1.4 1 demo_left.png
 1190.83 663.957 23056 10.5 20.25 -1 1258.77 640.354 59070
 """
-
-
-@pytest.mark.parametrize("text", [COLMAP, re.sub("#.*\n", "", COLMAP)], ids=["as written", "without its heading"])
-def test_the_command_that_an_images_txt_is_refused_with_converts_it(tmp_path, monkeypatch, text):
-    monkeypatch.chdir(tmp_path)
-    Path("images.txt").write_text(text)
-    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read") as refused:
-        read_view(Path("images.txt"))
-    with pytest.raises(ValueError, match="images.txt: COLMAP's images.txt is not read"):
-        read_tidy(Path("images.txt"))
-    command = "python -c" + str(refused.value).partition("python -c")[2]
-    subprocess.run(command.replace("python", shlex.quote(sys.executable), 1), shell=True, check=True)
-    track = read_view(Path("demo_left.csv"))
-    assert track.points == ("23056", "59070")
-    np.testing.assert_array_equal(track.image, [[[1190.83, 663.957], [1258.77, 640.354]]])

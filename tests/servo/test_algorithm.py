@@ -7,13 +7,12 @@ import pytest
 from linear_world import LinearWorld
 
 from viewimit import Session, Settings
-from viewimit.servo import ServoStatus, TrustRegion, TrustRegionOptions, trust_region_method
+from viewimit.servo import ServoStatus, TrustRegion, TrustRegionOptions
 from viewimit.servo.observation import Visit
-from viewimit.servo.trust_region import algorithm, subproblem
+from viewimit.servo.trust_region import algorithm
 from viewimit.servo.trust_region.algorithm import PHASES
-from viewimit.servo.trust_region.convergence import certify
 from viewimit.servo.trust_region.rules import updated_region
-from viewimit.servo.trust_region.state import Destination, Phase, Region, Swaps, TrustRegionState
+from viewimit.servo.trust_region.state import Phase, Region, TrustRegionState
 
 OPTIONS = TrustRegionOptions()
 DEG = np.radians(1.0)
@@ -71,38 +70,6 @@ def test_the_radius_follows_actual_over_predicted_reduction(step_deg, actual, ra
     assert region.predicted_reduction is None
 
 
-def test_the_region_never_grows_beyond_its_largest_radius():
-    state = state_with(visit(0, 0), visit(24, 0), region=Region(30 * DEG, predicted_reduction=2.0))
-    assert updated_region(state, np.array([10.0, 8.0]), OPTIONS).radius == OPTIONS.max_radius
-
-
-class RestContext:
-    """What `rest` needs of a context: it is at the first posture, and is to rest at the second one."""
-
-    def __init__(self, here_deg, place_deg):
-        limits = np.full(2, 9.0)
-        self.observation = LinearWorld(2, np.random.default_rng(0), 5).seen(np.radians(here_deg))
-        self.observation = replace(self.observation, lower=-limits, upper=limits)
-        self.place, self.by_explanation = np.radians(place_deg), False
-        self.status, self.options = ServoStatus.SETTLED, OPTIONS
-        self.plan = type("Plan", (), {"minimum": type("Minimum", (), {"theta": self.place})})
-
-
-@pytest.mark.parametrize("times, stops", [(2, False), (3, True)])
-def test_between_two_postures_that_are_best_by_turns_it_stops_at_the_third_return(times, stops):
-    """Each return makes the other posture the best one, by noise: without an end it would go on for ever."""
-    visits = (visit(10, 0), visit(20, 0)) * (times - 1) + (visit(10, 0),)
-    state = state_with(*visits, destination=Destination(status=ServoStatus.SETTLED))
-    _, after, displacement = algorithm.rest(state, RestContext((10, 0), (20, 0)))
-    assert displacement.any() != stops
-    assert after.status == (ServoStatus.SETTLED if stops else ServoStatus.MOVING)
-
-
-def test_a_run_that_has_not_gone_to_rest_before_is_not_cut_off_by_returns():
-    state = state_with(*(visit(10, 0), visit(20, 0)) * 2, visit(10, 0))
-    assert algorithm.rest(state, RestContext((10, 0), (20, 0)))[2].any()
-
-
 def driven(servo, world, motions, moving=False):
     theta, state, steps = np.zeros(len(world.aim)), None, []
     for motion in range(motions):
@@ -117,17 +84,6 @@ def driven(servo, world, motions, moving=False):
             break
         theta = theta + step
     return state, np.array(steps)
-
-
-def test_options_are_those_of_the_servo_that_was_given_them():
-    world = LinearWorld(2, np.random.default_rng(1), 9)
-    servo = TrustRegion(options=replace(OPTIONS, first_radius=0.2, fit_kinematics_at=()))
-    state = servo.start(world.observe(np.zeros(2), 0))
-    assert state.region.radius == 0.2
-    visits = np.array([one.displacement for one in driven(servo, world, 3)[0].visits])
-    steps = driven(servo, world, 3)[1]
-    assert np.abs(visits[-1] + steps[-1] - visits).max(1).min() <= 0.2 + 1e-12  # of a region about the best visit
-    assert trust_region_method(servo.options).servo == servo
 
 
 def test_without_kinematics_no_motion_is_longer_than_images_are_predicted():
@@ -172,22 +128,3 @@ def test_a_learner_that_follows_is_one_motion_behind():
 def test_where_the_demonstrator_moves_slowly_it_waits_and_makes_no_verification():
     """With verification motions meanwhile it would be 0.9° behind."""
     assert behind_deg(speed_deg=0.02, noise_px=0.25) < 0.4
-
-
-def test_a_swap_that_did_not_make_E_small_is_undone():
-    context = RestContext((0, 0), (0, 0))
-    images = np.arange(20.0).reshape(5, 4)
-    context.residuals = lambda own, transfer=None, noise_reference=None, rig=0: own
-    state = state_with(visit(0, 0), swaps=Swaps(((0, 1),), 1))
-    after = algorithm.on_rung(state, context, 0)
-    assert after.exchanged == () and after.swaps.n_searches == 1
-    np.testing.assert_array_equal(context.residuals(images), images[[1, 0, 2, 3, 4]])
-
-
-def test_certify_is_called_with_the_options_of_the_servo(monkeypatch):
-    seen = []
-    recorded = lambda model, options: seen.append(options) or certify(model, options)
-    monkeypatch.setattr(subproblem, "certify", recorded)
-    options = replace(OPTIONS, verification_step=0.05)
-    driven(TrustRegion(options), LinearWorld(2, np.random.default_rng(1), 9), 8)
-    assert seen and all(one == options for one in seen)

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linear_world import LinearWorld
 
-from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop import simulated_robot as looking
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -125,12 +124,12 @@ def test_a_loop_written_from_the_docstring_runs(name, noise_px):
 
 def hide_truth(session):
     """Only the images of the demonstrator stay; its posture becomes NaN."""
-    images = session.observer.demo(session.settings, session.snapshot.theta_demo)
-    session.observer.demo = lambda settings, theta: images
+    demo, theta_demo = session.observer.demo, session.snapshot.theta_demo
+    session.observer.demo = lambda settings, theta, look=None: demo(settings, theta_demo, look)
     session.history.replace(replace(session.snapshot, theta_demo=np.full(2, np.nan)))
 
 
-@pytest.mark.parametrize("transfer", TRANSFERS)
+@pytest.mark.parametrize("transfer", ["epipolar", "projective"])
 @pytest.mark.parametrize("servo", SERVOS)
 def test_no_servo_sees_the_demonstrators_posture(servo, transfer):
     settings = Settings.paper(servo=servo, transfer=transfer, noise_px=0.2, start_deg=(70, -140))
@@ -157,8 +156,7 @@ class Recorder:
         return state, displacement
 
 
-@pytest.mark.parametrize("junk", [0.0, 1e6, np.nan])
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("junk, seed", [(1e6, 0), (np.nan, 1)])
 @pytest.mark.parametrize("servo", SERVOS)
 def test_points_that_are_not_seen_are_not_known(servo, seed, junk, monkeypatch):
     settings = Settings.paper(servo=servo, transfer="linear", points=16, missing=0.1, seed=seed)
@@ -193,7 +191,7 @@ def test_a_servo_is_told_displacements_since_the_start_not_postures(servo, monke
         np.testing.assert_allclose(seen.upper, np.radians((90, 0)) - start)
 
 
-@pytest.mark.parametrize("start", [(0, 0), (90, 0), (0, -180), (90, -180)])
+@pytest.mark.parametrize("start", [(0, 0), (90, -180)])
 @pytest.mark.parametrize("servo", SERVOS)
 def test_joint_limits_are_kept_by_the_servo_itself(servo, start, monkeypatch):
     recorder = Recorder(SERVOS[servo])

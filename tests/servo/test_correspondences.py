@@ -1,7 +1,5 @@
 """Points that are taken for each other are found without a motion, and exchanged back; where none are, none are."""
 
-from itertools import combinations
-
 import msgspec
 import numpy as np
 import pytest
@@ -96,36 +94,9 @@ def test_two_swapped_points_near_each_other_are_not_taken_for_points_elsewhere()
     assert last.status == "converged" and last.servo_state.explanation is None and error_deg(last) < 1e-3
 
 
-def test_what_was_found_is_kept_with_the_session_and_goes_on():
-    settings = anywhere(Settings(points=16, swapped=0.1), 0)
-    whole, begun, resumed = (Session(settings) for _ in range(3))
-    whole.run(30)
-    while not begun.snapshot.exchanged:
-        assert begun.step()
-    resumed.play(begun.script)
-    resumed.run(30)
-    assert [moment.E for moment in resumed.history] == [moment.E for moment in whole.history]
-    resumed.pose(np.radians((60, -100)))
-    assert resumed.snapshot.exchanged == whole.snapshot.exchanged
-    assert error_deg(resumed.run(60).last) < 0.5
-
-
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])
 def test_a_learner_of_straight_points_exchanges_none(noise_px):
     for seed in range(4):
         session = Session(anywhere(Settings(points=10, noise_px=noise_px), seed))
         session.run(40)
         assert not any(moment.exchanged for moment in session.history)
-
-
-def test_every_pair_can_be_swapped():
-    drawn = [swapped(Settings(seed=seed, swapped=0.1), 10) for seed in range(400)]
-    assert set().union(*drawn) == set(combinations(range(10), 2))
-
-
-def test_where_the_images_are_hardly_known_nothing_is_exchanged_and_nothing_fails():
-    for seed in range(3):
-        Session(anywhere(Settings(missing=0.4, frames=1), seed)).run(40)
-    two_joints = np.zeros(2), np.ones(2)
-    unknown = lambda theta: np.full((*theta.shape[:-1], 10, 4), np.nan)
-    assert find_swaps(unknown, lambda own, transfer=None, noise_reference=None: own[..., :1, :], *two_joints, 1.0) == ()

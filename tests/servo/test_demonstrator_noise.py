@@ -28,15 +28,15 @@ def is_false(last, error_deg):
     return error_deg > FALSE_DEG and error_deg > TIMES * np.degrees(last.expected_error)
 
 
-@pytest.mark.parametrize("baseline_m", [0.05, 0.2, 0.6])
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("baseline_m", [0.05, 0.6])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_away(baseline_m, seed):
     """Four times as far as its own body, whose images alone made the floor under E."""
     _, last, error_deg = run_of(seed, scene=distant_scene(4.0, baseline_m))
     assert last.status == "converged" and not is_false(last, error_deg)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 3))])
 def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_false_claim(seed):
     session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
     now = session.snapshot

@@ -90,6 +90,12 @@ def test_bodies_without_rigid_links_are_not_claimed():
     assert state.visits[-1].displacement == pytest.approx(theta)
 
 
+def test_few_points_make_no_false_claim_and_no_long_way():
+    session, result = run((25, -45), seed=1, points=5, **NOISY)
+    assert not result.success or error_deg(session) < 3 * np.degrees(session.snapshot.expected_error)
+    assert result.motions < 25
+
+
 def test_a_servo_at_rest_is_not_asked_to_think_again():
     session, _ = run()
     state = session.snapshot.servo_state

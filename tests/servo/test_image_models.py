@@ -11,7 +11,7 @@ from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.final_adjustment import prediction_sigmas
 from viewimit.servo.trust_region.gaussian_process import GaussianProcessImages
-from viewimit.servo.trust_region.image_models import MIN_CONFIRMING, ImageData, estimate_own_noise, observations_of
+from viewimit.servo.trust_region.image_models import ImageData, estimate_own_noise, observations_of
 from viewimit.servo.trust_region.options import TrustRegionOptions
 
 NOISE_PX = 0.05
@@ -43,43 +43,12 @@ def test_the_jacobian_is_the_difference_of_predicted_images(images):
         np.testing.assert_allclose(slope, (images.predict(at + on) - images.predict(at - on)) / (2 * h), atol=1e-3)
 
 
-def test_predictions_near_the_visits_are_better_than_any_single_image(images, visits):
-    spread = images.prediction_std(np.array([visit.displacement for visit in visits]))
-    assert (spread < NOISE_PX).all()
-    assert (images.prediction_std(np.array([[1.0, -1.5]])) > spread.max(0)).any()
-
-
 def test_samples_vary_as_the_covariance_says(images):
     """2,000 draws: variances to 5 √(2/2000), of coordinates of a point together."""
     at = np.array([0.3, -0.2])
     drawn, _ = images.posterior_samples(at, 2000, seed=1)
     spread = np.sqrt((drawn**2).mean((0, 2)))
     np.testing.assert_allclose(spread, images.prediction_std(at[None])[0], rtol=5 * np.sqrt(2 / 2000))
-
-
-def test_sampled_jacobians_are_differences_of_sampled_images(images):
-    at, h = np.array([0.3, -0.2]), 1e-3
-    slopes = images.posterior_samples(at, 5, seed=2)[1]
-    for joint in range(2):
-        on = h * np.eye(2)[joint]
-        ahead, behind = (images.posterior_samples(at + way, 5, seed=2)[0] for way in (on, -on))
-        np.testing.assert_allclose(slopes[:, joint], (ahead - behind) / (2 * h), atol=1e-2 * np.abs(slopes).max())
-
-
-def test_the_process_predicts_points_unknown_to_the_kinematics(visits):
-    hidden = [
-        Visit.of(visit.displacement, visit.own, visit.seen & ~((np.arange(10) == 8) & (k == 2))[:, None])
-        for k, visit in enumerate(visits)
-    ]
-    hidden = [*hidden[:3]]  # the second joint was not asked of it, and the first alone moves others too
-    kinematics = fit_kinematics(observations_of(hidden), NOISE_PX)
-    assert kinematics.unknown.tolist() == [k == 8 for k in range(10)]
-    images, process = ImageData(hidden, NOISE_PX, kinematics).fit(1), GaussianProcessImages.fit(hidden, 1, NOISE_PX)
-    at = np.array([0.1, -0.1])
-    np.testing.assert_array_equal(images.predict(at)[8], process.predict(at)[8])
-    assert images.prediction_std(at[None])[0, 8] == process.prediction_std(at[None])[0, 8]
-    assert images.jacobian_std(at)[8] == process.jacobian_std(at)[8]
-    assert np.isfinite(images.posterior_samples(at, 3, seed=0)[0][:, :8]).all()
 
 
 def test_the_hessian_bias_is_the_mean_square_of_sampled_jacobians(images):
@@ -89,17 +58,6 @@ def test_the_hessian_bias_is_the_mean_square_of_sampled_jacobians(images):
     slopes = images.posterior_samples(at, 500, seed=4)[1].reshape(500, 2, -1)
     expected = np.einsum("dik,djk->ij", slopes, slopes) / (500 * 10)
     np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=5 * np.sqrt(2 / 8))
-
-
-@pytest.mark.parametrize("count", [MIN_CONFIRMING - 1, MIN_CONFIRMING])
-def test_hidden_points_count_as_seen_only_where_enough_others_are_visible(visits, count):
-    """A posture at which nearly nothing was seen does not confirm the predictions of the kinematics."""
-    last = Visit.of(visits[3].displacement, visits[3].own, (np.arange(10) < count)[:, None] & visits[3].seen)
-    shown = [*visits[:3], last]
-    images = ImageData(shown, NOISE_PX, fit_kinematics(observations_of(shown), NOISE_PX)).fit()
-    expected = np.arange(10) < (10 if count == MIN_CONFIRMING else count)
-    np.testing.assert_array_equal(images.seen[3], expected)
-    assert images.seen[:3].all()
 
 
 # Noise of the own images, against drawing it many times
@@ -156,36 +114,6 @@ def test_gradient_samples_are_as_large_as_those_that_noise_makes(body):
         [estimate_own_noise(model(k), residual_of, place, NOISE, 20, k).grad_samples_images for k in range(60)]
     )
     np.testing.assert_allclose(np.sqrt((said**2).mean(0)), made.std(0), rtol=0.25)
-
-
-def test_debiasing_keeps_curvature_that_is_larger_than_noise(body):
-    model, residual_of = body
-    noise = estimate_own_noise(model(0), residual_of, np.zeros(2), NOISE, 20, 1)
-    for k in range(1, 20):  # noise alone leaves no curvature
-        J = slopes(model(k), residual_of, np.zeros(2))[0]
-        J = J - np.mean([slopes(model(m), residual_of, np.zeros(2))[0] for m in range(1, 20)], axis=0)
-        H = J @ J.T / POINTS
-        assert np.linalg.eigvalsh(noise.debias_hessian(H))[0] < 0.05 * np.trace(noise.hessian_bias)
-    steep = 1e4 * np.trace(noise.hessian_bias) * np.eye(2)
-    np.testing.assert_allclose(noise.debias_hessian(steep), steep, rtol=1e-3, atol=1e-3 * steep[0, 0])
-    both = noise.debias_hessian(np.stack([steep, noise.hessian_bias]))
-    np.testing.assert_allclose(both[0], noise.debias_hessian(steep))
-    assert (np.linalg.eigvalsh(both) > 0).all()
-
-
-def test_noisy_jacobians_change_the_gradient_where_the_demonstrators_noise_leaves_residuals(body):
-    """Visits near each other determine e there, but not its derivatives."""
-    model, residual_of = body
-    place = np.radians((2.0, 1.0))
-    left = residual_of(np.random.default_rng(7).normal(0, 20 * NOISE, (POINTS, 4)))
-    with_left = lambda own: residual_of(own) + left
-    gradients = lambda J, e: J @ e / POINTS
-    made = np.array([gradients(*slopes(model(k), with_left, place)) for k in range(DRAWS)])
-    said = [estimate_own_noise(model(k), with_left, place, NOISE, 20, k) for k in range(60)]
-    squares = np.mean(
-        [(one.grad_samples_images**2).mean(0) + (one.grad_samples_jacobian**2).mean(0) for one in said], axis=0
-    )
-    np.testing.assert_allclose(np.sqrt(squares), made.std(0), rtol=0.25)
 
 
 # Whether kinematics have predicted a visit

@@ -41,27 +41,6 @@ def test_the_spread_is_that_of_solutions_over_many_draws_of_the_noise():
     )  # 6 standard standard_deviations of a deviation of 2,000
 
 
-def test_starts_that_come_to_one_minimum_are_asked_about_once():
-    asked = []
-
-    def bent(theta):
-        asked.append(theta.shape[0])
-        return linear(theta + 0.1 * theta**2)
-
-    found = minimise(bent, SOLUTION + RNG.uniform(-0.3, 0.3, (5, 3)), *OPEN)
-    np.testing.assert_allclose(found.theta + 0.1 * found.theta**2, SOLUTION, atol=1e-4)
-    assert asked[0] == 5 and asked[-1] < 5
-
-
-def test_what_is_left_to_the_place_is_known_though_it_is_not_worth_a_round():
-    bent = lambda theta: linear(theta + 0.1 * theta**2) - linear(SOLUTION)  # nothing is left there
-    starts = SOLUTION + RNG.uniform(-0.3, 0.3, (5, 3))
-    for few in (starts, starts[:1]):
-        found = minimise(bent, few, *OPEN)
-        theta = found.theta + found.newton_step
-        np.testing.assert_allclose(theta + 0.1 * theta**2, SOLUTION, atol=1e-6)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_joint_that_nothing_tells_stays_whatever_is_rounded(seed):
     """It moves the same images as another, and next to not at all."""

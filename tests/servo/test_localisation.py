@@ -40,41 +40,6 @@ def test_changes_within_noise_contradict_nothing():
     assert contradicts_command(PROBED, visit((16, 16), (15, 15), noise=noise), 0.5)
 
 
-def test_a_joint_that_moves_no_point_contradicts_nothing():
-    still = J * (1.0, 0.0)
-    known = [visit(at, jacobian=still) for at in ((0, 0), (15, 0), (15, 15))]
-    assert not contradicts_command(tuple(known), visit((15, 20), jacobian=still), 0.0)
-
-
-def test_an_offset_too_small_to_matter_contradicts_nothing():
-    assert not contradicts_command(PROBED, visit((15.05, 15), (15, 15)), 0.0)
-
-
-def test_a_change_less_certain_than_its_size_contradicts_nothing():
-    """The second joint moves no point. Noise, over a turn of 0.3°, makes it seem to."""
-    still, noise_px = J * (1.0, 0.0), 0.5
-    noise = np.random.default_rng(6).normal(0, noise_px, (4, POINTS, 4))
-    *known, here = (visit(at, None, still, one) for at, one in zip(((0, 0), (15, 0), (15, 0.3), (15, 5)), noise))
-    assert not contradicts_command(tuple(known), here, noise_px)
-
-
-@pytest.mark.parametrize("times, contradicted", [(1.5, False), (2.5, True)])
-def test_a_change_contradicts_from_twice_the_difference_of_equal_images_on(times, contradicted):
-    """All coordinates should have changed alike, by a multiple of what two images of one posture may differ by."""
-    even, noise_px = np.full_like(J, 200.0), 0.5
-    known = tuple(visit(at, jacobian=even) for at in ((0, 0), (15, 0), (15, 15)))
-    turn_deg = np.degrees(times * 2 * noise_px / 200.0)
-    assert contradicts_command(known, visit((15 + turn_deg, 15), (15, 15), even), noise_px) == contradicted
-
-
-def test_a_single_misplaced_point_contradicts_nothing():
-    """The second joint moves no point, but one of them was misplaced at the visit where that joint was turned."""
-    still, misplaced = J * (1.0, 0.0), np.zeros((POINTS, 4))
-    misplaced[0] = 80.0
-    known = (visit((0, 0), jacobian=still), visit((15, 0), jacobian=still), visit((15, 15), None, still, misplaced))
-    assert not contradicts_command(known, visit((15, 20), jacobian=still), 0.0)
-
-
 def test_a_repeated_image_is_the_same_posture_and_another_one_is_localised():
     here, been = localise(PROBED, visit((15.4, 14.2), (15, 15)), 0.0)
     assert been and np.array_equal(here.displacement, PROBED[2].displacement)
@@ -92,13 +57,18 @@ def run(k, **disturbed):
 
 
 @pytest.mark.parametrize(
-    "disturbed", [{"encoder_step_deg": 0.5}, {"encoder_step_deg": 1.0}, {"encoder_step_deg": 1.0, "noise_px": 0.2}]
+    "runs, disturbed",
+    [
+        (3, {"encoder_step_deg": 1.0}),
+        pytest.param(8, {"encoder_step_deg": 0.5}, marks=pytest.mark.slow),
+        pytest.param(8, {"encoder_step_deg": 1.0, "noise_px": 0.2}, marks=pytest.mark.slow),
+    ],
 )
-def test_an_arm_that_moves_in_steps_comes_as_near_as_they_allow_and_knows_its_error(disturbed):
+def test_an_arm_that_moves_in_steps_comes_as_near_as_they_allow_and_knows_its_error(runs, disturbed):
     """Noise leaves it without evidence: where the arm is was learned less exactly than by noise at rest."""
-    ends, noisy = [run(k, **disturbed) for k in range(8)], "noise_px" in disturbed
+    ends, noisy = [run(k, **disturbed) for k in range(runs)], "noise_px" in disturbed
     claims = [end for end in ends if end.status == "converged"]
-    assert len(claims) >= (4 if noisy else 8)
+    assert len(claims) >= (runs / 2 if noisy else runs)
     off = np.array([np.abs(end.theta - end.theta_demo).max() for end in claims])
     expected = np.array([end.expected_error for end in claims])
     largest = np.sqrt(np.mean(off**2)) if noisy else off.max()
@@ -108,7 +78,7 @@ def test_an_arm_that_moves_in_steps_comes_as_near_as_they_allow_and_knows_its_er
 
 
 def test_an_arm_that_obeys_is_never_localised_by_its_images():
-    assert all(run(k, noise_px=noise).servo_state.mismatch is None for k in range(6) for noise in (0.0, 0.5))
+    assert all(run(k, noise_px=noise).servo_state.mismatch is None for k in range(2) for noise in (0.0, 0.5))
 
 
 def test_an_arm_that_falls_short_of_its_limit_is_reported():
@@ -138,8 +108,7 @@ def somewhere(count, seed=5):
     return np.random.default_rng(seed).uniform(LOW, HIGH, (count, 2))
 
 
-@pytest.mark.parametrize("noise_px, missing", [(0.0, 0.0), (0.25, 0.0), (0.0, 0.1), (0.25, 0.1)])
-@pytest.mark.parametrize("count", [12, 20])
+@pytest.mark.parametrize("count, noise_px, missing", [(12, 0.0, 0.0), (12, 0.25, 0.1), (20, 0.25, 0.0)])
 def test_the_same_body_is_consistent(count, noise_px, missing):
     calibration = visits_of(spread_postures(LOW, HIGH, count, np.random.default_rng(0)), noise_px, missing)
     now = [visits_of([theta], noise_px, missing, seed=k) for k, theta in enumerate(somewhere(40))]
@@ -162,15 +131,3 @@ def test_images_that_have_shifted_as_a_whole_are_consistent_up_to_a_limit(share,
     calibration = visits_of(spread_postures(LOW, HIGH, 20, np.random.default_rng(0)))
     shift = np.tile((share * MAX_SHIFT_PX, 0.0, share * MAX_SHIFT_PX, 0.0), (10, 1))
     assert {is_consistent(calibration, visits_of([theta], moved=shift), 0.0) for theta in somewhere(10)} == {held}
-
-
-def test_points_that_were_hidden_are_not_compared():
-    calibration = visits_of(spread_postures(LOW, HIGH, 12, np.random.default_rng(0)))
-    unseen = tuple(Visit.of(v.displacement, v.own, v.seen & (np.arange(10) > 1)[:, None]) for v in calibration)
-    (here,) = visits_of(somewhere(1))
-    odd = here.own.copy()
-    odd[0] += 50.0
-    assert is_consistent(unseen, (Visit.of(here.displacement, odd, here.seen),), 0.0)
-    assert not is_consistent(calibration, (Visit.of(here.displacement, odd, here.seen),), 0.0)
-    hidden = Visit.of(here.displacement, odd, here.seen & (np.arange(10) > 0)[:, None])
-    assert is_consistent(calibration, (hidden,), 0.0)

@@ -1,7 +1,6 @@
 """A demonstrator that is no body like the own one: the reason is named, and another body's joint angles are found."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -11,19 +10,15 @@ from scipy.spatial.transform import Rotation
 
 from viewimit import Session, Settings
 from viewimit.estimation.views import permute
-from viewimit.experiments.bench.cases import MISFITS
 from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
-from viewimit.experiments.bench.engine import run_one
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
-from viewimit.servo import Misfit, MisfitKind, Observation, TrustRegion, TrustRegionOptions
+from viewimit.servo import Misfit, MisfitKind, Observation
 from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.correspondences import SwappedResiduals, swapped, transpositions
-from viewimit.servo.trust_region.final_adjustment import PostureEstimate
 from viewimit.servo.trust_region.image_models import observations_of
-from viewimit.servo.trust_region.misfit import LinkChange, explain
+from viewimit.servo.trust_region.misfit import explain
 from viewimit.servo.trust_region.options import DEFAULTS
 from viewimit.simulation.eyes import ProjectedEyes
-from viewimit.simulation.world import World
 
 sys.path.append(str(Path(__file__).parent.parent / "geometry" / "kinematics"))
 from turning_body import TurningBody, seen  # noqa: E402
@@ -31,6 +26,7 @@ from turning_body import TurningBody, seen  # noqa: E402
 NOISE_PX, TRUTH, MIDDLE = 0.05, np.array([0.3, -0.4]), np.array([0.1, 0.0, 1.6])
 ON = np.repeat([0, 1, 2], 6)
 NOISY = {"noise_px": 0.25, "frames": 25, "points": 16}
+SEEDS = pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 
 
 def body_of(seed):
@@ -58,12 +54,12 @@ def wider(places):
     return np.stack([360 * x / z + 120, 336 * y / z + 110, 504 * (x - 0.3) / z + 190, 336 * y / z + 110], 1)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_a_body_like_the_own_one_needs_no_explanation(seed):
     assert explained(seed) is None
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_one_point_elsewhere_is_named_and_the_posture_is_found_without_it(seed):
     places = body_of(seed).places(TRUTH)
     places[7] += (0.015, -0.01, 0.01)
@@ -72,19 +68,19 @@ def test_one_point_elsewhere_is_named_and_the_posture_is_found_without_it(seed):
     assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_the_points_of_one_link_elsewhere_are_named(seed):
     places = body_of(seed).places(TRUTH)
     places[ON == 1] += 0.02 * np.random.default_rng(seed).normal(size=(6, 3))
     assert explained(seed, places).misfit == Misfit(MisfitKind.LINK_POINTS, tuple(np.flatnonzero(ON == 1).tolist()))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_another_head_is_named(seed):
     assert explained(seed, head=wider).misfit.kind is MisfitKind.TWO_HEADS
 
 
-@pytest.mark.parametrize("seed", range(3))
+@SEEDS
 def test_a_mirror_image_is_named_and_its_posture_found(seed):
     places = (body_of(seed).places(TRUTH) - MIDDLE) * (1, -1, 1) + MIDDLE
     found = explained(seed, places)
@@ -139,73 +135,7 @@ def test_each_posture_of_another_body_shows_its_links_better():
     assert len(last.servo_state.earlier) == len(SHOWN_DEG) - 1
 
 
-def test_joint_angles_that_are_too_uncertain_for_a_claim_are_imitated_without_one():
-    robot = lambda scene, points: stretched(scene, World(scene, points).robot, np.array([0.1, -0.1]))
-    postures = {"start_deg": (20, -120), "demonstrator_deg": (60, -60)}
-    settings = Settings(seed=2, noise_px=0.7, frames=1, points=16, **postures)
-    session = Session(settings, open_eyes=lambda camera, *scene: OtherDemonstrator(*scene, robot(*scene)))
-    last = session.run(80).last
-    estimate = last.servo_state.explanation.estimate
-    assert last.misfit.kind is MisfitKind.ANOTHER_BODY and last.status == "no-progress"
-    assert DEFAULTS.max_claimed_std < estimate.std_error.max() < DEFAULTS.max_imitated_std
-    np.testing.assert_array_equal(last.certificate.std_error, estimate.std_error)
-    assert not last.certificate.status.is_claim
-    there = session.history[0].theta + estimate.theta
-    assert np.abs(last.theta - there).max() < 0.1 * estimate.std_error.max()
-    assert np.abs(last.theta - last.theta_demo).max() < 3 * estimate.std_error.max()
-
-
-def test_the_same_images_once_more_tell_nothing_new():
-    """The demonstrator stays; then it comes back to a posture, in which its images repeat."""
-    stays = imitated(shown=SHOWN_DEG[:1] * 3)
-    np.testing.assert_allclose([one.expected_error for one in stays[1:]], stays[0].expected_error, rtol=0.1)
-    assert all(not one.servo_state.earlier for one in stays)
-    returns = imitated(shown=(*SHOWN_DEG[:2], SHOWN_DEG[0]))
-    assert [len(one.servo_state.earlier) for one in returns] == [0, 1, 1]
-
-
-def test_points_that_earlier_postures_do_not_replace_leave_a_joint_unobservable():
-    def hide(session, k):
-        see, outer = session.observer.demo, session.world.body.link > session.scene.moving[1]
-        if k == 1:
-            session.observer.demo = lambda *looked: (
-                np.where(outer[:, None], np.nan, see(*looked)[0]),
-                see(*looked)[1] & ~outer[:, None],
-            )
-
-    first, second = imitated(hide, shown=SHOWN_DEG[:2])
-    assert first.status == "converged" and second.status == "unobservable"
-
-
-def test_a_body_like_the_own_one_is_not_taken_for_another_because_it_was_before():
-    """As after a demonstrator of which the images of one posture contradicted by chance."""
-    settings = Settings(start_deg=(20, -120), demonstrator_deg=SHOWN_DEG[0], seed=3, **NOISY)
-    session = Session(settings)
-    session.run(60)
-    now = session.snapshot
-    demo = now.views.demo / now.servo_state.unit_px
-    doubted = PostureEstimate(now.theta_demo - session.history[0].theta, np.full(2, 0.001), 4.0, demo)
-    session.history.replace(now.with_fields(servo_state=replace(now.servo_state, earlier=(doubted,))))
-    session.pose(np.radians(SHOWN_DEG[1]))
-    assert len(session.snapshot.servo_state.earlier) == 1
-    last = session.run(120).last
-    assert last.status == "converged" and last.misfit is None and not last.servo_state.earlier
-
-
-def test_earlier_postures_of_a_demonstrator_that_has_been_moved_are_forgotten():
-    def move(session, k):
-        if k == 3:
-            eyes = session.embodiment.eyes
-            eyes.other.T_world_demo = eyes.other.T_world_demo.copy()
-            eyes.other.T_world_demo[:3, 3] += (0.03, 0.05, 0.0)
-
-    found = imitated(move)
-    assert [len(one.servo_state.earlier) for one in found] == [0, 1, 2, 0, 1]
-    for one in found:
-        assert one.status == "converged" and one.misfit.kind is MisfitKind.ANOTHER_BODY
-        assert np.abs(one.theta - one.theta_demo).max() < 3 * one.expected_error
-
-
+@pytest.mark.slow
 def test_a_demonstrator_like_the_own_body_takes_the_place_of_another_one():
     def replaced(session, k):
         if k == 3:
@@ -227,15 +157,6 @@ def test_points_mixed_up_in_a_cycle_are_put_right_and_named():
     assert np.abs(last.theta - last.theta_demo).max() < np.radians(0.5)
 
 
-def test_a_lengthened_link_is_said_in_words():
-    body = Misfit(MisfitKind.ANOTHER_BODY, links=(LinkChange((0, 1), 0.06, 0.005),))
-    assert body.describe((2, 4)) == "the demonstrator is another body: its link from joint 2 to 4 is 6.0% longer, ± 0.5"
-    assert (
-        "joint 1 to 2" in body.describe()
-        and "shorter" in replace(body, links=(LinkChange((0, 1), -0.1, 0.01),)).describe()
-    )
-
-
 def test_swaps_one_after_the_other_make_any_order_and_their_reverse_undoes_it():
     rng = np.random.default_rng(0)
     for _ in range(20):
@@ -249,7 +170,7 @@ def test_swaps_one_after_the_other_make_any_order_and_their_reverse_undoes_it():
 
 
 def test_an_arm_that_stops_short_is_noticed_sent_farther_and_claims_in_real_degrees():
-    for seed in range(3):
+    for seed in range(2):
         rng = np.random.default_rng([4, seed])
         share = rng.uniform(0.1, 0.3)
         start, demo = rng.uniform((5, -170), (85, -10), (2, 2)).tolist()
@@ -262,22 +183,9 @@ def test_an_arm_that_stops_short_is_noticed_sent_farther_and_claims_in_real_degr
         assert f"stops short, by {last.misfit.amount:.1%}" in last.misfit.describe()
 
 
-def test_how_short_an_arm_stops_is_known_after_its_first_visits_are_forgotten():
-    settings = Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=1, **NOISY)
-    servo = TrustRegion(options=TrustRegionOptions(max_visits=12))
-    session = Session(settings, servo=servo)
-    session.embodiment.arm = StopsShort(session.scene, 0.2)
-    for demonstrator_deg in ((60, -60), (30, -140), (70, -90), (20, -50), (50, -130), (60, -60)):
-        session.pose(np.radians(demonstrator_deg))
-        last = session.run(40).last
-    assert last.motion > 24 and abs(last.servo_state.shortfall.share - 0.2) < 0.02
-    assert np.abs(last.theta - last.theta_demo).max() < 3 * last.expected_error < np.radians(0.75)
-
-
 def test_an_arm_that_moves_as_it_is_told_does_not_stop_short():
-    for seed in range(3):
-        session = Session(Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), seed=seed, **NOISY))
-        assert session.run(40).last.misfit is None
+    session = Session(Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), **NOISY))
+    assert session.run(40).last.misfit is None
 
 
 def through_a_lens(k1):
@@ -302,20 +210,6 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
     head = session.scene.head
     radius = np.hypot(*(np.array(head.image) / 2)) / head.focal
     assert 0.1 < last.misfit.amount < 2 * 0.06 * radius**3 * head.focal
-
-
-@pytest.mark.parametrize("k", [23, 31])
-def test_a_lens_is_named_where_a_rectification_absorbed_most_of_it(k):
-    """A rectification has unknowns, too, which count against it."""
-    run = run_one(MISFITS, "a lens bends the images", k)
-    assert run.kept and run.claimed and run.error_deg < 2 * run.expected_deg
-
-
-@pytest.mark.parametrize("k", [10, 13])
-def test_a_lens_is_not_named_because_its_fit_knows_fewer_points(k):
-    """A point near an axis was unknown with a lens, so its images cost nothing there."""
-    run = run_one(MISFITS, "one point elsewhere", k, 11)
-    assert run.kept and not run.claimed
 
 
 def test_a_clear_misfit_spares_the_search_elsewhere():

@@ -9,16 +9,11 @@ from linear_world import LinearWorld
 
 from viewimit import Session, Settings
 from viewimit.estimation.noise import affine_whitening
-from viewimit.estimation.residuals import conflict
 from viewimit.estimation.transfers import linear, projective
 from viewimit.estimation.views import FourViews
 from viewimit.geometry.affine import MIN_POINTS
 from viewimit.servo import Observation
-from viewimit.servo.observation import Visit
 from viewimit.servo.trust_region.algorithm import TrustRegion
-from viewimit.servo.trust_region.convergence import ROUNDING
-from viewimit.servo.trust_region.motions import maximin, offset_inside_limits
-from viewimit.servo.trust_region.state import record_visit
 from viewimit.simulation.disturbances import NOISE, disturb
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
@@ -72,7 +67,7 @@ def error_deg(postures, demo_deg):
     return np.abs(np.degrees(postures[-1]) - demo_deg).max()
 
 
-@pytest.mark.parametrize("runs", [30, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [12, pytest.param(60, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("scene", ["panda", "iiwa"])
 def test_random_starts_and_demonstrators_over_the_whole_range(scene, runs):
     """Within 0.5°, no false claim, no limit exceeded, after two probes at once to where E is least: in 3 motions."""
@@ -121,17 +116,6 @@ def test_where_the_final_adjustment_expects_a_large_error_each_of_seven_joints_i
     assert last.motion >= 2 * 7
 
 
-def test_only_a_visit_far_from_all_others_confirms_kinematics():
-    state = run_seven(Session(Settings.paper(transfer="projective", servo="trust-region", **SEVEN))).servo_state
-    here, joint, seen = state.visits[-1].displacement, np.eye(7)[0], np.ones((16, 2), bool)
-    for turn_deg, confirmed in ((0.5, False), (5.0, True)):
-        there = here + np.radians(turn_deg) * joint
-        own = state.kinematics.predict(there)
-        told = Observation(own, seen, np.nan, there, np.full(7, -9.0), np.full(7, 9.0), 10, 0.0)
-        after, _ = record_visit(replace(state, confirmed=False), told, TrustRegion().options)
-        assert after.kinematics is state.kinematics and after.confirmed == confirmed
-
-
 def test_with_images_that_kinematics_do_not_predict_exactly_each_of_seven_joints_is_checked():
     """A lens leaves too little in the images to reject kinematics, and more than rounding leaves."""
     scene = load_scene("panda")
@@ -155,35 +139,10 @@ def test_rounding_decides_no_motion():
         points * (1 + 1e-15 * np.random.default_rng(seed).normal(size=points.shape)),
         visible,
     )
-    for _ in range(40):
+    for _ in range(10):
         start, demo = rng.uniform(*np.array(learner.world.scene.range_deg).T, (2, 2))
         postures, others = learner.run(demo, start)[0], rounded.run(demo, start)[0]
         np.testing.assert_allclose(np.degrees(others), np.degrees(postures), atol=1e-3)
-
-
-@pytest.mark.parametrize("upper_deg, way", [(90, 1), (1, -1)])
-@pytest.mark.parametrize("rounding", [-1e-15, 1e-15])
-def test_a_motion_aside_goes_along_its_direction_unless_limits_leave_less_there(upper_deg, way, rounding):
-    seen = Observation(
-        own=np.zeros((5, 4)),
-        seen=np.ones((5, 2), bool),
-        E=0.0,
-        displacement=np.zeros(2),
-        lower=np.radians([-90.0, -90.0]),
-        upper=np.radians([upper_deg, 90.0]),
-        motion=3,
-    )
-    place, away = np.radians((0.2, 0.3)) + rounding, np.radians((1.9, 0.6))
-    np.testing.assert_allclose(offset_inside_limits(seen, place, away), place + way * away, atol=1e-12)
-
-
-def test_of_places_equally_far_from_all_visits_the_first_is_taken():
-    visits = (Visit(np.zeros(2), np.zeros((5, 4)), np.ones((5, 2), bool)),)
-    places = np.array([[0.1, 0.0], [0.0, 0.3], [0.3 + ROUNDING / 2, 0.0]])
-    np.testing.assert_array_equal(maximin(visits, places), places[1])
-    np.testing.assert_array_equal(
-        maximin(visits, places + np.array([ROUNDING, 0.0])), places[2] + np.array([ROUNDING, 0])
-    )
 
 
 def test_corners_of_the_range_are_reached_from_the_opposite_ones():
@@ -237,7 +196,7 @@ def test_with_noise_it_is_called_converged_only_where_images_around_are_known():
     """A model extrapolated from far away has its minimum beside the true one; a small E there does not show it."""
     learner, rng = Learner(noise_px=0.05), np.random.default_rng(5)
     limits = np.array(learner.world.scene.range_deg).T
-    for _ in range(12):
+    for _ in range(6):
         demo, start = rng.uniform(*limits, (2, 2))
         postures, status = learner.run(demo, start)
         near = np.degrees(postures - postures[-1])
@@ -282,39 +241,3 @@ def test_points_not_seen_are_completed_from_the_other_visits():
     for demo, start in (((45, -90), (20, -30)), ((70, -30), (10, -150))):
         postures, status = learner.run(demo, start, servo=Blinking())
         assert status == "converged" and error_deg(postures, demo) < 0.5
-
-
-def test_E_is_judged_on_images_alone():
-    """The observation's own E is NaN throughout this file: the servo asks the transfer."""
-    assert np.isnan(conflict(np.full((5, 4), np.nan)))
-
-
-@pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_a_promise_made_where_nothing_was_told_is_not_judged():
-    """Of images that were seen E is infinite, and finite of those between: numpy would warn of ∞ - ∞."""
-    images = lambda theta: np.outer(np.linspace(50, 90, 6), [1, 1, 1, 1]) + 100 * np.sin(theta) @ np.eye(2, 4)
-    servo, state, theta, visited = TrustRegion(), None, np.zeros(2), []
-
-    def residuals(own, transfer=None, noise_reference=None, rig=0):
-        known = (np.abs(own[..., None, :, :] - np.array(visited)).max((-1, -2)) < 1e-9).any(-1)
-        return np.where(known[..., None, None], np.inf, own - images(np.array([0.3, -0.2])))
-
-    for motion in range(6):
-        visited.append(images(theta))
-        seen = Observation(visited[-1], np.ones((6, 2), bool), np.inf, theta, -np.ones(2), np.ones(2), motion, 0.0)
-        state = servo.start(seen) if state is None else state
-        state, step = servo.step(state, seen, residuals)
-        theta = theta + step
-    assert len(state.visits) == 6
-
-
-@pytest.mark.filterwarnings("error")
-def test_where_too_few_points_are_foretold_for_any_E_nothing_is_certified():
-    settings = Settings(
-        scene="panda-toed", missing=0.05, outliers=0.1, noise_px=0.1, frames=1, encoder_step_deg=0.3, seed=272,
-        demonstrator_deg=(30.372212534, -179.358611514), start_deg=(77.507350992, -35.308881809),
-    )  # fmt: skip
-    session = Session(settings)
-    session.run(60, 5)
-    certificates = [moment.certificate for moment in session.history if moment.certificate is not None]
-    assert certificates and not any(np.isnan(one.std_per_px).any() for one in certificates)

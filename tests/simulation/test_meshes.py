@@ -5,8 +5,7 @@ import pytest
 import trimesh
 from viewimit.assets import ROOT
 
-from viewimit.geometry.rigid import rigid_transform, rotation_about_axis
-from viewimit.simulation.meshes import Mesh, first_hit, ray_distances
+from viewimit.simulation.meshes import first_hit, ray_distances
 from viewimit.simulation.robot import link_meshes, robot_names
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
@@ -23,12 +22,6 @@ def test_a_shipped_robot_is_read_as_trimesh_reads_it(robot):
         np.testing.assert_array_equal(mesh.faces, same.faces)
         for name in ("triangles", "face_normals", "area_faces", "bounds"):
             np.testing.assert_allclose(getattr(mesh, name), getattr(same, name), atol=1e-12, err_msg=name)
-
-
-def test_a_face_without_area_has_no_normal():
-    mesh = Mesh(np.eye(3), np.array([[0, 1, 2], [0, 1, 1]]))
-    np.testing.assert_allclose(mesh.face_normals, [np.full(3, 1 / np.sqrt(3)), np.zeros(3)])
-    np.testing.assert_allclose(mesh.area_faces, [np.sqrt(3) / 2, 0])
 
 
 RNG = np.random.default_rng(3)
@@ -50,24 +43,6 @@ def test_a_box_is_met_where_its_planes_are(origin):
     true = np.array([slab_distance(half, origin, aim) for aim in aims])
     np.testing.assert_allclose(found, true, rtol=1e-9)
     assert np.isfinite(true).any() and (np.isinf(true).any() or np.abs(origin).max() < 1)
-
-
-def test_triangles_behind_or_beside_the_ray_are_missed():
-    square = np.array([[[0, 1, 0], [1, 1, 0], [0, 1, 1]], [[1, 1, 1], [1, 1, 0], [0, 1, 1]]], float)
-    for aim, met in (((0.4, 1, 0.3), 1), ((-0.4, -1, -0.3), 0), ((1.1, 1, 0.3), 0), ((1, 0, 0), 0)):
-        assert np.isfinite(ray_distances(square, np.zeros(3), np.array(aim, float))).sum() == met
-
-
-def test_the_nearest_link_is_met_and_the_place_is_in_its_frame():
-    ball = trimesh.creation.icosphere(4, 0.1)
-    T = np.array(
-        [rigid_transform(rotation_about_axis([0, 0.6, 0.8], angle), (0, y, 0)) for angle, y in ((0.3, 5), (2.0, 3))]
-    )
-    hit = first_hit({0: ball, 1: ball}, T, np.array([0, 0, 0.05]), np.array([0, 2.0, 0]))
-    assert hit is not None and hit.link == 1
-    assert hit.distance == pytest.approx(3 - np.sqrt(0.1**2 - 0.05**2), abs=1e-3)
-    np.testing.assert_allclose(T[1] @ [*hit.local, 1], [0, hit.distance, 0.05, 1], atol=1e-12)
-    assert first_hit({0: ball, 1: ball}, T, np.array([0, 0, 0.2]), np.array([0, 1.0, 0])) is None
 
 
 def test_a_ray_at_a_shipped_point_meets_the_arm_there():

@@ -4,7 +4,6 @@ import importlib.util
 
 import numpy as np
 import pytest
-from viewimit.assets import ROOT
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -38,12 +37,6 @@ def test_an_arm_with_mass_is_not_where_it_was_told_to_be(sensor):
     assert 0.01 < away.max() < 0.5
 
 
-@needed
-def test_it_arrives_in_spite_of_its_weight(ask_json):
-    _, result = ask_json("imitate", "--sensor", "rendered", "--dynamics", "pybullet", "--max-motions", 60)
-    assert result["error_deg"] < 1
-
-
 @pytest.mark.parametrize("has_wheel", [True, False])
 def test_without_pybullet_a_line_says_what_can_be_done(ask, monkeypatch, has_wheel):
     find = importlib.util.find_spec
@@ -53,11 +46,3 @@ def test_without_pybullet_a_line_says_what_can_be_done(ask, monkeypatch, has_whe
     assert status == 2 and err.count("\n") == 1 and "--dynamics: arms with mass need PyBullet" in err
     assert "pip install 'viewimit[pybullet]'" in err
     assert ("wheels only for CPython 3.10 and 3.11 on Linux x86-64" in err) == (not has_wheel)
-
-
-@needed
-def test_masses_are_known_of_the_shipped_robots_alone(ask, tmp_path):
-    urdf = tmp_path / "mine.urdf"
-    urdf.write_text((ROOT / "robots/panda/panda.urdf").read_text())
-    status, _, err = ask("imitate", "--dynamics", "pybullet", "--robot", urdf)
-    assert status == 2 and "--dynamics" in err and "iiwa and panda" in err

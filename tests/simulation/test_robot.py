@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from viewimit.simulation.robot import BodyPoints, Robot
-from viewimit.simulation.scene import load_robot, load_scene
+from viewimit.simulation.robot import Robot
+from viewimit.simulation.scene import load_robot
 
 ORIGINAL_URDF = {"panda": "franka_panda/panda.urdf", "iiwa": "kuka_iiwa/model.urdf"}
 
@@ -35,32 +35,6 @@ def test_link_frames_are_pybullets(name):
                 np.testing.assert_allclose(frames[k][:3, :3], rotation, atol=1e-6)
     finally:
         p.disconnect(client)
-
-
-@pytest.mark.parametrize("moving", [(1, 3), (0, 6), (3, 1)])
-def test_points_on_a_grid_are_those_of_each_posture(moving):
-    robot, body = load_robot("panda"), load_scene("panda").body_points(16)
-    rest = np.radians([10, 45, -20, -90, 30, 90, 45])
-    rows, columns = np.linspace(-1, 1, 4), np.linspace(-2, 0, 5)
-    angles = list(rest)
-    angles[moving[0]], angles[moving[1]] = rows[:, None], columns
-    found = np.full((len(body), 3, 4, 5), np.nan)
-    for index, xyz in robot.place_points(angles, body):
-        found[index] = np.moveaxis(np.broadcast_to(xyz, xyz.shape[:2] + (4, 5)), 1, 0)
-    for i, j in np.ndindex(4, 5):
-        posture = rest.copy()
-        posture[list(moving)] = rows[i], columns[j]
-        T = robot.link_frames(posture)[body.link]
-        expected = np.einsum("nij,nj->ni", T[:, :3, :3], body.local) + T[:, :3, 3]
-        np.testing.assert_allclose(found[:, :, i, j], expected, atol=1e-13)
-
-
-def test_points_that_few_joints_move_are_placed_once():
-    robot = load_robot("panda")
-    body = BodyPoints(np.array([0, 2, 7]), np.zeros((3, 3)))
-    angles = [0.0, np.zeros((4, 1)), 0.0, np.zeros(5), 0.0, 0.0, 0.0]
-    shapes = {tuple(index): xyz.shape[2:] for index, xyz in robot.place_points(angles, body)}
-    assert shapes == {(0,): (1, 1), (1,): (4, 1), (2,): (4, 5)}
 
 
 def joint(name, parent, child, kind="revolute", axis="0 0 1", more=""):

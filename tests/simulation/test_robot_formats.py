@@ -9,10 +9,7 @@ from urdfs import arm, write
 
 from viewimit.simulation.scene import load_robot, load_scene
 from viewimit.simulation.urdf.reference import (
-    Reference,
     description_path,
-    is_description,
-    parse_reference,
     require_urdf,
 )
 
@@ -41,40 +38,6 @@ def test_other_formats_are_refused_in_one_line_with_the_command(tmp_path, load, 
     with pytest.raises(ValueError, match=message) as refused:
         load(tmp_path / name)
     assert "\n" not in str(refused.value)
-
-
-XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="b.xacro"/>{}</robot>'
-
-
-@pytest.mark.parametrize(
-    "content, message",
-    [
-        ("<mujoco model='a'/>", r"my arm\.urdf is MJCF, .*'\S*/my arm-converted\.urdf'"),
-        ("<sdf version='1.6'/>", r"my arm\.urdf is SDF, "),
-        (XACRO.format("<xacro:arm/>"), r"is xacro, .* xacrodoc '\S*/my arm\.urdf' -o '\S*/my arm-converted\.urdf'$"),
-        ("<html/>", r"my arm\.urdf: not a URDF: its root element is <html>"),
-        (" \n", r"my arm\.urdf: the file is empty"),
-    ],
-)
-def test_neither_is_one_that_is_only_named_so(tmp_path, content, message):
-    (tmp_path / "my arm.urdf").write_text(content)
-    with pytest.raises(ValueError, match=message) as refused:
-        load_robot(tmp_path / "my arm.urdf")
-    assert "\n" not in str(refused.value)
-
-
-def test_remains_of_xacro_in_a_urdf_are_harmless(tmp_path):
-    (tmp_path / "arm.urdf").write_text(XACRO.format("".join(arm())))
-    assert len(load_robot(tmp_path / "arm.urdf").joints) == 3
-
-
-def test_paths_and_links_may_contain_the_separators_of_a_reference(tmp_path):
-    odd = "lo&wer#1 %26=x"
-    parts = [part.replace('"lower"', f'"{odd.replace("&", "&amp;")}"') for part in arm()]
-    urdf = write(tmp_path / "a#b", *parts, name="x#y.urdf")
-    reference = Reference(urdf, base="base", tip=odd)
-    assert parse_reference(str(reference)) == reference and parse_reference(urdf) == Reference(urdf)
-    assert load_scene(str(reference)).robot == str(reference) and len(load_robot(str(reference)).joints) == 3
 
 
 def test_the_command_for_sdf_converts_it(tmp_path):
@@ -125,19 +88,3 @@ def test_a_description_is_found_where_its_files_are(descriptions):
     path = write(descriptions / "arm", *arm())
     assert description_path("small_description") == path
     assert "robot_descriptions.small_description" not in sys.modules  # the package's own import would find its own
-
-
-def test_a_missing_description_or_one_without_urdf_is_reported(descriptions, ask):
-    descriptions.mkdir(parents=True)
-    with pytest.raises(ValueError, match=r"macro_description has no URDF: it is xacro, .*a\.urdf\.xacro"):
-        description_path("macro_description")
-    with pytest.raises(ValueError, match="no_description: robot_descriptions has no robot of that name"):
-        description_path("no_description")
-    assert ask("imitate", "--robot", "no_description")[0] == 2
-
-
-def test_a_missing_package_is_reported_with_the_remedy(monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(ValueError, match="ur5_description: pip install robot_descriptions"):
-        description_path("ur5_description")
-    assert is_description("ur5_description") and not is_description("panda") and not is_description("a/b_description")

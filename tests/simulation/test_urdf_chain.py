@@ -1,17 +1,12 @@
 """Which joints of a URDF are the arm, and that they carry what PyBullet says they carry."""
 
-import re
-
 import numpy as np
 import pytest
 from urdfs import arm, gripper, joint, link, write
 
 from viewimit.simulation.robot import BodyPoints, Robot
 from viewimit.simulation.urdf.chain import carrier_frames, find_arm
-from viewimit.simulation.urdf.reference import is_reference, parse_reference
 from viewimit.simulation.urdf.tree import read_tree
-
-NO_LIMIT, STIFF = "", '<limit lower="0.3" upper="0.3"/>'
 
 
 def names(path, tip=None, base=None):
@@ -51,34 +46,6 @@ def test_fingers_are_not_joints_of_the_arm(tmp_path, fingers):
     assert names(write(tmp_path, *arm(*fingers))) == ["yaw", "lift", "elbow"]
 
 
-def test_a_link_called_gripper_may_be_turned_by_a_wrist(tmp_path):
-    path = write(tmp_path, *arm(joint("wrist_roll", "lower", "gripper", xyz="0 0 0.3")))
-    assert names(path) == ["yaw", "lift", "elbow", "wrist_roll"]
-
-
-def test_arms_that_are_equally_long_are_told(tmp_path):
-    chest = [part for side, y in (("left", 0.2), ("right", -0.2)) for part in torso_arm(side, f"0 {y} 0")]
-    path = write(tmp_path, *chest)
-    tip, others = find_arm(read_tree(path)).tip, find_arm(read_tree(path)).equal_tips
-    assert {tip, *others} == {"left_hand", "right_hand"}
-    assert find_arm(read_tree(path), tip=others[0]).equal_tips == ()
-    longer = write(tmp_path, *chest[:-1], joint("right_wrist", "right_lower", "right_hand", xyz="0 0 -0.35"))
-    assert find_arm(read_tree(longer)).equal_tips == ()
-    assert find_arm(read_tree(write(tmp_path, *arm(*gripper("lower"))))).equal_tips == ()
-
-
-def test_of_a_hand_alone_a_finger_is_the_arm(tmp_path):
-    fingers = [
-        part
-        for k in range(3)
-        for part in (
-            joint(f"f{k}a", "palm", f"f{k}_1", xyz=f"0 {0.03 * k} 0"),
-            joint(f"f{k}b", f"f{k}_1", f"f{k}_2", xyz=f"0 0 {0.04 + 0.1 * (k == 1)}"),
-        )
-    ]
-    assert names(write(tmp_path, *fingers)) == ["f1a", "f1b"]  # the longest of those with as many joints
-
-
 def test_of_a_humanoid_the_chain_with_most_joints_is_taken_or_the_one_that_is_asked_for(tmp_path):
     path = write(
         tmp_path,
@@ -97,10 +64,6 @@ def test_of_a_humanoid_the_chain_with_most_joints_is_taken_or_the_one_that_is_as
         names(path, base="tail")
 
 
-def test_a_tip_beyond_the_fingers_takes_them_in(tmp_path):
-    assert names(write(tmp_path, *arm(*gripper("lower"))), tip="one") == ["yaw", "lift", "elbow", "left"]
-
-
 def test_a_prismatic_joint_is_fixed_inside_its_limits(tmp_path):
     """A torso that slides from 0.1 to 0.6 m along an axis of any length rests a fifth above its lower end."""
     lift = joint(
@@ -109,33 +72,6 @@ def test_a_prismatic_joint_is_fixed_inside_its_limits(tmp_path):
     robot = Robot.from_urdf(write(tmp_path, lift, *arm()))
     assert [one.name for one in robot.joints] == ["yaw", "lift", "elbow"]
     np.testing.assert_allclose(robot.joints[0].T_parent_joint[:3, 3], [0, 0, 1 + 0.2 + 0.1])
-
-
-def test_a_joint_without_limits_or_range_does_not_move_by_itself(tmp_path):
-    path = write(
-        tmp_path,
-        joint("a", "base", "one"),
-        joint("free", "one", "two", "continuous", more=""),
-        joint("none", "two", "three", more=NO_LIMIT),
-        joint("stiff", "three", "four", more=STIFF),
-    )
-    assert Robot.from_urdf(path, tip="four").movable_joints == (1, 2)
-
-
-def test_who_follows_a_follower_follows_its_leader(tmp_path):
-    """Written in any order: c = 2 b + 0.1 where b = -2 a + 0.3."""
-    follows = '<limit lower="-3" upper="3"/><mimic joint="{}" multiplier="{}" offset="{}"/>'
-    path = write(
-        tmp_path,
-        joint("c", "two", "three", xyz="0.2 0 0", more=follows.format("b", 2, 0.1)),
-        joint("a", "base", "one", axis="0 0 1", xyz="0 0 0.1"),
-        joint("b", "one", "two", xyz="0.2 0 0", more=follows.format("a", -2, 0.3)),
-        joint("d", "three", "four", xyz="0.2 0 0"),
-        joint("e", "four", "five", xyz="0.2 0 0", more=follows.format("e", 1, 0)),
-    )
-    robot = Robot.from_urdf(path, tip="five")
-    assert robot.movable_joints == (1, 4)
-    np.testing.assert_allclose(robot.with_mimics(np.array([0.4, 9.0, 9.0, -0.2])), [0.4, -0.5, -0.9, -0.2])
 
 
 def test_a_mimic_joint_follows_its_leader_alone_and_in_the_chain(tmp_path):
@@ -230,16 +166,3 @@ def test_an_entity_bomb_is_refused(tmp_path):
     path.write_text(f'<!DOCTYPE robot [<!ENTITY a0 "lol">{bomb}]><robot name="&a11;"/>')
     with pytest.raises(ValueError, match=r"bomb\.urdf: not a URDF that parses"):
         Robot.from_urdf(path)
-
-
-@pytest.mark.parametrize("name", ["arm.urdf", "a/b.URDF#tip=hand", "b.urdf#base=torso&tip=left_hand"])
-def test_a_reference_is_written_as_it_was_read(name):
-    assert is_reference(name) and str(parse_reference(name)) == name
-    assert parse_reference(name).tip == (re.search("tip=(.*)", name) or [None, None])[1]
-
-
-@pytest.mark.parametrize("name", ["arm.urdf#hand", "arm.urdf#tip=", "arm.urdf#foot=one"])
-def test_other_words_than_base_and_tip_are_refused(name):
-    with pytest.raises(ValueError, match=r"arm\.urdf: #\w+ is not read: say arm\.urdf#base=LINK&tip=LINK"):
-        parse_reference(name)
-    assert not is_reference("panda") and not is_reference("a.urdf.xacro")

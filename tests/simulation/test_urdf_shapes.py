@@ -1,6 +1,5 @@
 """Meshes of a URDF's arm, and their cache."""
 
-import os
 import re
 import sys
 
@@ -9,9 +8,8 @@ import pytest
 import trimesh
 from urdfs import arm, joint, link, write
 
-from viewimit.simulation.robot import link_meshes
 from viewimit.simulation.urdf import shapes
-from viewimit.simulation.urdf.mesh_files import MAX_FILE_FACES, NotFound, creased, mesh_path, simplified
+from viewimit.simulation.urdf.mesh_files import MAX_FILE_FACES, NotFound, mesh_path, simplified
 from viewimit.simulation.urdf.reference import Reference
 from viewimit.simulation.urdf.shapes import shapes_of
 
@@ -75,12 +73,6 @@ def test_large_meshes_become_small_and_keep_their_shape():
     assert simplified(BALL) is BALL
 
 
-def test_sharp_edges_split_their_vertices_and_round_ones_do_not():
-    box, ball = trimesh.creation.box((1, 1, 1)), trimesh.creation.icosphere(3)
-    assert len(creased(box).vertices) == 24 and len(creased(ball).vertices) == len(ball.vertices)
-    np.testing.assert_allclose(creased(box).triangles, box.triangles)
-
-
 def test_a_missing_mesh_is_a_rod_and_a_message(tmp_path):
     seen = write(
         tmp_path, *arm(joint("last", "lower", "hand", xyz="0 0 0.3"), link("hand", visual=mesh_of("lost.stl")))
@@ -88,42 +80,6 @@ def test_a_missing_mesh_is_a_rod_and_a_message(tmp_path):
     shapes = shapes_of(Reference(seen))
     assert set(shapes.meshes) == {0, 1, 2, 3, 4} and len(shapes.faults) == 1
     assert str(seen) in shapes.faults[0] and "lost.stl is not there" in shapes.faults[0]
-
-
-def test_a_robot_of_joints_alone_is_rods_between_them(tmp_path):
-    urdf = write(
-        tmp_path,
-        joint("a", "base", "one"),
-        joint("b", "one", "two", xyz="0.3 0 0.4"),
-        joint("c", "two", "three", xyz="0.5 0 0"),
-    )
-    meshes = link_meshes(str(urdf))
-    assert set(meshes) == {0, 1, 2, 3}
-    reach = (meshes[1].vertices @ [0.6, 0, 0.8]).max()
-    assert reach == pytest.approx(0.5) and meshes[2].vertices[:, 0].max() == pytest.approx(0.5)
-
-
-def test_collision_shapes_are_drawn_if_there_are_no_visual_ones(tmp_path):
-    box = link("one", "0.1 0.2 0.3").replace("visual", "collision")
-    meshes = shapes_of(Reference(write(tmp_path, joint("a", "base", "one"), box))).meshes
-    np.testing.assert_allclose(np.ptp(meshes[1].vertices, axis=0), [0.1, 0.2, 0.3])
-
-
-def test_many_faults_are_reported_in_few_lines(tmp_path):
-    links = [
-        part
-        for k in range(9)
-        for part in (joint(f"j{k}", f"l{k}", f"l{k + 1}"), link(f"l{k}", visual=mesh_of(f"{k}.stl")))
-    ]
-    faults = shapes_of(Reference(write(tmp_path, *links))).faults
-    (fault,) = faults
-    assert "0.stl" in fault and "6 more" in fault and "--meshes" in fault
-
-
-def test_a_shape_that_is_no_numbers_is_left_out_and_named(tmp_path):
-    bad = link("hand", visual=mesh_of("ball.stl", 'scale="1 1 1 1"'))
-    (fault,) = shapes_of(Reference(write(tmp_path, *arm(joint("last", "lower", "hand"), bad)))).faults
-    assert "link 'hand': <mesh scale='1 1 1 1'> is not numbers" in fault
 
 
 @pytest.fixture
@@ -221,16 +177,6 @@ def test_an_obj_reads_no_other_file(tmp_path, monkeypatch):
     assert not [path for path in opened if "hostname" in path or path.endswith(".mtl")]
 
 
-def test_links_above_the_base_are_drawn(tmp_path):
-    """A chain that begins at the shoulder: base and cart are where the root's frame has them."""
-    parts = arm(joint("bolt", "cart", "base", "fixed", xyz="0.5 0 0.2"), link("cart", "0.2 0.2 0.2"))
-    meshes = shapes_of(Reference(write(tmp_path, *parts), base="shoulder")).meshes
-    np.testing.assert_allclose(
-        meshes[0].bounds[0], [-0.6, -0.1, -0.4], atol=1e-9
-    )  # the cart's corner from the shoulder
-    np.testing.assert_allclose(meshes[0].bounds[1], [0.1, 0.1, 0.05], atol=1e-9)
-
-
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """Where they are kept, empty."""
@@ -264,36 +210,6 @@ def assert_same(one, other):
         np.testing.assert_array_equal(mesh.faces, other.meshes[link_number].faces)
 
 
-def test_the_next_process_reads_no_mesh_and_has_the_same(tmp_path, folder, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    reference = urdf_of(tmp_path, "ball.stl", "lost.stl")
-    made = anew(reference)
-    assert read == ["ball.stl"] and len(made.faults) == 1 and "lost.stl is not there" in made.faults[0]
-    assert_same(anew(reference), made)
-    assert read == ["ball.stl"]
-    assert folder.stat().st_mode & 0o777 == 0o700
-
-
-def test_any_change_makes_a_new_entry(tmp_path, folder, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    reference = urdf_of(tmp_path, "ball.stl", "late.stl")
-    first = anew(reference)
-    before = (tmp_path / "ball.stl").stat()
-    FINE_BALL.copy().apply_scale([1, 1, 2]).export(tmp_path / "ball.stl")  # as large, and as old
-    os.utime(tmp_path / "ball.stl", ns=(before.st_atime_ns, before.st_mtime_ns))
-    second = anew(reference)
-    assert np.ptp(second.meshes[4].vertices[:, 2]) == pytest.approx(
-        2 * np.ptp(first.meshes[4].vertices[:, 2]), rel=0.01
-    )
-    FINE_BALL.export(tmp_path / "late.stl")
-    third = anew(reference)
-    assert third.faults == () and read == ["ball.stl", "ball.stl", "ball.stl", "late.stl"]
-    urdf_of(tmp_path, "ball.stl", "late.stl", more="<link name='alone'/>")
-    anew(reference)
-    anew(Reference(reference.path, tip="lower"))
-    assert read[4:] == ["ball.stl", "late.stl"] * 2
-
-
 def test_a_damaged_entry_is_made_again(tmp_path, folder, read):
     FINE_BALL.export(tmp_path / "ball.stl")
     reference = urdf_of(tmp_path, "ball.stl")
@@ -310,26 +226,3 @@ def test_a_damaged_entry_is_made_again(tmp_path, folder, read):
         assert len(read) == k
     assert_same(anew(reference), made)
     assert len(read) == k
-
-
-def test_the_cache_is_bounded_and_the_oldest_entries_are_removed(tmp_path, folder, monkeypatch, read):
-    FINE_BALL.export(tmp_path / "ball.stl")
-    monkeypatch.setattr(shapes, "MAX_CACHED", 2)
-    references = [Reference(urdf_of(tmp_path, "ball.stl").path, tip=tip) for tip in ("lower", "hand", None)]
-    for k, reference in enumerate(references):
-        anew(reference)
-        for path in folder.iterdir():
-            os.utime(path, ns=(path.stat().st_atime_ns, path.stat().st_mtime_ns - 10**9))
-        assert len(list(folder.iterdir())) == min(k + 1, 2)
-    anew(references[2])
-    assert len(read) == 3
-    anew(references[0])
-    assert len(read) == 4
-
-
-@pytest.mark.parametrize("where", ["", "a file"])
-def test_a_folder_that_cannot_be_is_done_without(tmp_path, monkeypatch, where):
-    (tmp_path / "a file").write_text("")
-    monkeypatch.setenv(shapes.FOLDER, where and str(tmp_path / where / "below"))
-    FINE_BALL.export(tmp_path / "ball.stl")
-    assert anew(urdf_of(tmp_path, "ball.stl")).faults == ()

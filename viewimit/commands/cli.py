@@ -27,7 +27,6 @@ COMMANDS = {
     "serve": "Serve the page; the options set the defaults of a new tab.",
     "imitate": "Run the loop once, without a page.",
     "lab": "The method in the browser, or its lessons: one file that needs no server, to open, send or embed.",
-    "handout": "A lesson on paper: pages to print, with boxes to tick and maps to draw on.",
     "exam": "The eight questions of the lessons as exam items, for Moodle and other learning platforms.",
     "class": "Lessons for a class: a lecturer asks and leads, students' own devices compute.",
     "rehearse": "Record the learner's own body in several postures, without a demonstrator, for imitate --calibration.",

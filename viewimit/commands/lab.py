@@ -1,11 +1,16 @@
 """viewimit lab: the method in the browser, written as one file that needs no server."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import BadInput
 from .options import DONE, add_chain_options, choose_bodies, naming
+
+if TYPE_CHECKING:
+    from ..app.ways import Ways
 
 MB = 1_000_000
 
@@ -24,12 +29,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="a page of lessons instead: a name (ray, tour, limits, jacobian, motion, sign) or the path of a "
         ".toml file; more than once for more",
     )
+    parser.add_argument(
+        "--site", metavar="URL", help="the address of a site that `viewimit site` has written, to which the page links"
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", default=Path("lab.html"), help="write it there (lab.html)")
 
 
 def run(args: argparse.Namespace) -> int:
     if args.out.suffix.lower() not in (".html", ".htm"):
         raise BadInput(f"--out: {args.out} must end in .html")
+    if args.site is not None and not re.match(r"https?://", args.site):
+        raise BadInput(f"--site: {args.site} must begin with https:// or http://")
     if args.lesson:
         page = _lessons(args).encode()
     else:
@@ -47,7 +57,7 @@ def _lessons(args: argparse.Namespace) -> str:
     if args.scene is not None or args.robot is not None:
         raise BadInput("--lesson: a lesson says itself which scene and robot it shows; leave --scene and --robot out")
     with naming("--lesson"):
-        return lesson_page(dict(map(find, args.lesson)))
+        return lesson_page(dict(map(find, args.lesson)), ways=_ways(args))
 
 
 def _lab(args: argparse.Namespace) -> str:
@@ -57,4 +67,11 @@ def _lab(args: argparse.Namespace) -> str:
     with naming(choose_bodies(args)):
         own = args.scene is not None or args.robot is not None
         scene = load_scene(args.scene or SHIPPED, args.robot) if own else None
-        return lab_page(scene, args.scene or SHIPPED)
+        return lab_page(scene, args.scene or SHIPPED, _ways(args))
+
+
+def _ways(args: argparse.Namespace) -> "Ways":
+    """Where the page's header leads: nowhere without a site."""
+    from ..app.ways import Ways
+
+    return Ways() if args.site is None else Ways.of_site(args.site.rstrip("/") + "/")

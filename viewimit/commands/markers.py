@@ -3,22 +3,49 @@
 import argparse
 import importlib.util
 import sys
+from collections.abc import Iterator
+from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from ..drawing.theme import font_faces
 from ..sensing.detection import FIRST_OF_DEMONSTRATOR
 from . import BadInput
-from .handout import PDF_ADVICE
 from .options import DONE, between, naming
 
+if TYPE_CHECKING:
+    from ..sensing.detection import Fiducials
+
 RIM = 1  # cells of white paper around a marker, which the detector needs
-LABEL_MM, GAP_MM, HEAD_MM, RULER_MM = 4.5, 4.0, 36.0, 100.0
-BLACK, WHITE, CUT = "#000000", "#ffffff", "#b9bec8"
-SMALL, HEADING = 8.5, 13.0  # pt
+WIDTH, HEIGHT, MARGIN = 210.0, 297.0, 16.0  # mm, of A4
+LABEL_MM, GAP_MM, HEAD_MM = 4.5, 4.0, 36.0
+RULER = (
+    f'<path class="ruler" d="M{MARGIN:g} 33h100m-100-1v2m100-2v2"/>'
+    '<text x="118" y="34">100 mm, if printed at its size</text>'
+)
+SECTION = """<section><h1>Markers of the {arm}</h1>
+<p>Print at <b>100 %</b> and cut along the grey lines. Stick number 0 on the learner where number {n} is on the
+demonstrator, 1 where {m} is, and so on: on the base and on every link, eight or more in sight of both cameras.
+Keep them flat. Detect them with <b>--aruco {dictionary}</b>.</p>
+<svg viewBox="0 0 210 297" xml:space="preserve">{svg}</svg></section>"""
+CSS = """@page{size:A4;margin:0}body{margin:0;font:8.5pt/1.3 Inter,sans-serif}
+section{position:relative;width:210mm;height:296.9mm;box-sizing:border-box;padding:9mm 16mm 0;overflow:hidden}
+section+section{break-before:page}h1{font-size:13pt;margin:0 0 1mm}p{margin:0}
+svg{position:absolute;inset:0;width:210mm;height:297mm}text{font-size:3px;white-space:pre}
+.cut{fill:none;stroke:#b9bec8;stroke-width:.25}.ruler{fill:none;stroke:#000;stroke-width:.25}
+@media screen{body{background:#d9dce2}section{margin:6mm auto;background:#fff}}"""
+PAGE = """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none';style-src 'unsafe-inline';font-src data:">
+<style>{css}</style></head><body>{pages}</body></html>"""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--out", type=Path, default=Path("markers.pdf"), metavar="FILE", help="write it as .pdf or .html (%(default)s)"
+        "--out",
+        type=Path,
+        default=Path("markers.html"),
+        metavar="FILE",
+        help="a page to print (%(default)s)",
     )
     parser.add_argument(
         "--aruco", default="4X4_50", metavar="DICT", help="OpenCV's dictionary of markers, as of detect (%(default)s)"
@@ -45,37 +72,30 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     if importlib.util.find_spec("cv2") is None:
         raise BadInput("it needs OpenCV: pip install 'viewimit[opencv]'")
-    from ..app.lab.lessons.sheet import HtmlCanvas, PdfCanvas
     from ..sensing.detection import Fiducials  # loads OpenCV
 
-    kind = args.out.suffix.lower()
-    if kind not in (".pdf", ".html"):
-        raise BadInput(f"--out: {args.out} must end in .pdf or .html")
+    if args.out.suffix.lower() != ".html":
+        raise BadInput(f"--out: {args.out} must end in .html: a browser prints it, or saves it as PDF")
     with naming("--aruco"):
         fiducials = Fiducials(args.aruco)
     if args.count > args.demonstrator_from:
         raise BadInput(f"--count: {args.count} of the learner reach the demonstrator's first, {args.demonstrator_from}")
     with naming("--count"):
         fiducials.cells(args.demonstrator_from + args.count - 1, 0)
-    try:
-        canvas = PdfCanvas() if kind == ".pdf" else HtmlCanvas()
-    except ModuleNotFoundError as error:
-        if error.name != "fpdf":
-            raise
-        raise BadInput(f"--out: {args.out}: {PDF_ADVICE}") from None
-    for arm, first in (("learner", 0), ("demonstrator", args.demonstrator_from)):
-        _draw_arm(canvas, fiducials, arm, first, args)
-    data = canvas.finish(f"Markers {fiducials.name} for two arms · viewimit")
+    pages = [
+        page
+        for arm, first in (("learner", 0), ("demonstrator", args.demonstrator_from))
+        for page in _pages_of_arm(fiducials, arm, first, args)
+    ]
+    title = f"Markers {fiducials.name} for two arms · viewimit"
     with naming("--out"):
-        args.out.write_bytes(data if isinstance(data, bytes) else data.encode())
-    print(f"written to {args.out}: print it on A4, at 100 %", file=sys.stderr)
+        args.out.write_text(PAGE.format(title=title, css=f"{font_faces()}{CSS}", pages="".join(pages)), "utf-8")
+    print(f"written to {args.out}: print it from a browser on A4, at 100 %", file=sys.stderr)
     return DONE
 
 
-def _draw_arm(canvas, fiducials, arm: str, first: int, args: argparse.Namespace) -> None:
-    """Draw the pages of one arm on a `sheet.Canvas`."""
-    from ..app.lab.lessons.sheet import HEIGHT, MARGIN, WIDTH
-
+def _pages_of_arm(fiducials: "Fiducials", arm: str, first: int, args: argparse.Namespace) -> Iterator[str]:
+    """Yield the pages of one arm: their markers on an SVG in mm."""
     cells = fiducials.dictionary.markerSize + 2 * (1 + RIM)
     cell = args.size_mm / (cells - 2 * RIM)
     paper = cells * cell
@@ -83,41 +103,30 @@ def _draw_arm(canvas, fiducials, arm: str, first: int, args: argparse.Namespace)
     rows = int((HEIGHT - MARGIN - HEAD_MM + GAP_MM) // (paper + LABEL_MM + GAP_MM))
     if columns < 1 or rows < 1:
         raise BadInput(f"--size-mm: a marker of {args.size_mm:g} mm does not fit on A4")
-    for k in range(args.count):
-        row, column = divmod(k % (rows * columns), columns)
-        if row == column == 0:
-            canvas.page()
-            _draw_head(canvas, fiducials.name, arm, args)
-        x, y = MARGIN + column * (paper + GAP_MM), HEAD_MM + row * (paper + LABEL_MM + GAP_MM)
-        canvas.path(_rectangle(x, y, paper, paper + LABEL_MM), stroke=CUT, closed=True)
-        canvas.text((x + 1, y + paper + LABEL_MM - 1.3), f"{first + k}  {arm}", SMALL)
-        rim = RIM * cell
-        canvas.path(_rectangle(x + rim, y + rim, paper - 2 * rim, paper - 2 * rim), stroke="", fill=BLACK, closed=True)
-        for line, white in enumerate(fiducials.cells(first + k, cells)[RIM:-RIM, RIM:-RIM].tolist()):
-            for begin, end in _runs(white):
-                part = _rectangle(x + rim + begin * cell, y + rim + line * cell, (end - begin) * cell, cell)
-                canvas.path(part, stroke="", fill=WHITE, closed=True)
+    for begin in range(0, args.count, rows * columns):
+        markers = [RULER]
+        for k in range(begin, min(begin + rows * columns, args.count)):
+            row, column = divmod(k - begin, columns)
+            x, y = MARGIN + column * (paper + GAP_MM), HEAD_MM + row * (paper + LABEL_MM + GAP_MM)
+            inner = fiducials.cells(first + k, cells)[RIM:-RIM, RIM:-RIM].tolist()
+            markers.append(f'<path class="cut" d="{_rectangle(x, y, paper, paper + LABEL_MM)}"/>')
+            markers.append(f'<text x="{x + 1:.2f}" y="{y + paper + LABEL_MM - 1.3:.2f}">{first + k}  {arm}</text>')
+            markers.append(_marker(x + RIM * cell, y + RIM * cell, cell, inner))
+        yield SECTION.format(arm=arm, n=args.demonstrator_from, m=args.demonstrator_from + 1, svg="".join(markers),
+                             dictionary=escape(fiducials.name))  # fmt: skip
 
 
-def _draw_head(canvas, dictionary: str, arm: str, args: argparse.Namespace) -> None:
-    from ..app.lab.lessons.sheet import MARGIN, WIDTH, write
-
-    n = args.demonstrator_from
-    canvas.text((MARGIN, 14.0), f"Markers of the {arm}", HEADING, bold=True)
-    advice = (
-        f"Print at **100 %** and cut along the grey lines. Stick number 0 on the learner where number {n} is on the "
-        f"demonstrator, 1 where {n + 1} is, and so on: on the base and on every link, eight or more in sight of both "
-        f"cameras. Keep them flat. Detect them with **--aruco {dictionary}**."
-    )
-    write(canvas, (MARGIN, 17.0), advice, SMALL, WIDTH - 2 * MARGIN)
-    canvas.path([(MARGIN, 33.0), (MARGIN + RULER_MM, 33.0)], stroke=BLACK)
-    for end in (MARGIN, MARGIN + RULER_MM):
-        canvas.path([(end, 32.0), (end, 34.0)], stroke=BLACK)
-    canvas.text((MARGIN + RULER_MM + 2, 34.0), "100 mm, if printed at its size", SMALL)
+def _marker(left: float, top: float, cell: float, white: list[list[bool]]) -> str:
+    """A black square of which the white cells are cut out, run by run."""
+    d = _rectangle(left, top, len(white) * cell, len(white) * cell)
+    for line, row in enumerate(white):
+        for begin, end in _runs(row):
+            d += _rectangle(left + begin * cell, top + line * cell, (end - begin) * cell, cell)
+    return f'<path fill-rule="evenodd" d="{d}"/>'
 
 
-def _rectangle(x: float, y: float, width: float, height: float) -> list[tuple[float, float]]:
-    return [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
+def _rectangle(x: float, y: float, width: float, height: float) -> str:
+    return f"M{x:.3f} {y:.3f}h{width:.3f}v{height:.3f}h{-width:.3f}z"
 
 
 def _runs(white: list[bool]) -> list[tuple[int, int]]:

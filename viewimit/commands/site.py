@@ -39,8 +39,10 @@ def write_pages(folder: Path) -> None:
     from ..app.lab.lessons.page import lesson_page
     from ..app.lab.lessons.source import shipped
     from ..app.lab.page import lab_page
+    from ..app.ways import Ways
 
     (folder / LESSONS).mkdir(parents=True, exist_ok=True)
     (folder / UNTOUCHED).touch()
-    for path, page in (("index.html", lab_page()), (f"{LESSONS}/index.html", lesson_page(shipped()))):
+    lab, lessons = lab_page(ways=Ways.of_site("")), lesson_page(shipped(), ways=Ways.of_site("../"))
+    for path, page in (("index.html", lab), (f"{LESSONS}/index.html", lessons)):
         (folder / path).write_bytes(page.encode())

@@ -116,6 +116,27 @@ class Observer(Protocol):
         """
         ...
 
+    def demonstrator_look(
+        self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Return what the last of `four_views` showed of the demonstrator, which stands still.
+
+        Parameters
+        ----------
+        settings, theta_demo, look
+            As of `four_views`, which itself keeps the first look at each posture; None for that one.
+
+        Returns
+        -------
+        (N, 4) and (N, 2) arrays
+            Its points in [l, r] [px], and whether they are visible.
+        """
+        ...
+
+    def fixed_noise_px(self) -> float:
+        """Return the part of the noise that no averaging reduces: standard deviation [px]."""
+        ...
+
     def image_noise_std(self, settings: Settings) -> float:
         """Estimate the noise of a coordinate in `four_views`.
 

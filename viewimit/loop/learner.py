@@ -7,7 +7,7 @@ The method is `Learner.step`, in the order of the paper:
 Every pass leaves one immutable `Snapshot`. Panels, plots, exports and tests all read this record.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +23,7 @@ from ..geometry.rectification import Rectification
 from ..servo import Observation
 from ..servo.status import ServoStatus
 from . import rehearsal
+from .demonstrator import MAX_DEMO_LOOKS, Images
 from .embodiment import Embodiment, Observer, waypoints
 from .history import MAX_HISTORY, RECENT, History
 from .script import Log, Looks, Steps
@@ -174,6 +175,7 @@ class Learner:
         views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
         seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
+        seen = seen.with_fields(demo_looks=self._demo_looks(seen, like, changes))
         if seen.awaits_names:  # E is not known before
             return seen.with_fields(E=np.nan)
         if seen.transfer is None:  # → transfer; for the epipolar one, fundamental matrices
@@ -182,6 +184,19 @@ class Learner:
         if np.isnan(E):
             raise ValueError(f"the transfer {seen.method.title!r} maps visible points to NaN")
         return seen.with_fields(E=E)
+
+    def _demo_looks(self, seen: Snapshot, like: Snapshot, changes: Mapping[str, Any]) -> tuple[Images, ...]:
+        """All looks at the demonstrator since it last moved: those before, and this one if it is a new one."""
+        begins = not like.demo_looks or "theta_demo" in changes or "settings" in changes
+        if not begins and "look" not in changes:
+            return like.demo_looks
+        if begins or not seen.shows_same_demonstrator(like):
+            return (self.observer.demonstrator_look(seen.settings, seen.theta_demo, None),)
+        look = self.observer.demonstrator_look(seen.settings, seen.theta_demo, seen.look)
+        if look is like.demo_looks[-1]:  # without noise
+            return like.demo_looks
+        first, *later = like.demo_looks
+        return (first, *later[2 - MAX_DEMO_LOOKS :], look)
 
     def _four_views(self, theta: NDArray[np.float64], like: Snapshot, **changes: Any) -> tuple[FourViews, int]:
         """The image points of both bodies without outliers, and how many points became unusable by that.
@@ -294,8 +309,8 @@ class Learner:
         Observation
             Image points and displacements, no posture.
         """
-        noise_px = self.observer.image_noise_std(now.settings)
-        return observation(now, self.workspace, self.embodiment.lower, noise_px)
+        noise_px, fixed_px = self.observer.image_noise_std(now.settings), self.observer.fixed_noise_px()
+        return observation(now, self.workspace, self.embodiment.lower, noise_px, fixed_px)
 
     def predicted_residuals(self, now: Snapshot, mirror_columns: bool = True) -> ResidualFunction:
         """Make the function that a servo calls for the residuals of images that it predicts.

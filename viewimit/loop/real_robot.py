@@ -58,6 +58,7 @@ class RealObserver:
     def __init__(self, eyes: Eyes, points: int):
         self._eyes, self._points = eyes, points
         self._demo: Images | None = None
+        self._demo_look: Images | None = None  # the last one
         self._noise: tuple[float, float] | None = None  # see _noises_px
 
     def four_views(
@@ -65,8 +66,18 @@ class RealObserver:
     ) -> FourViews:
         """Take `Settings.frames` pictures of both bodies now, and average them."""
         merged, visible = average_frames(*self._pictures(settings.frames))
-        demo, demo_visible = self._demonstrator((merged[:, :4], visible[:, :2]), self.image_noise_std(settings))
+        self._demo_look = merged[:, :4], visible[:, :2]
+        demo, demo_visible = self._demonstrator(self._demo_look, self.image_noise_std(settings))
         return FourViews(demo, merged[:, 4:], np.concatenate([demo_visible, visible[:, 2:]], -1))
+
+    def demonstrator_look(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None) -> Images:
+        """See `embodiment.Observer`."""
+        assert self._demo_look is not None
+        return self._demo_look
+
+    def fixed_noise_px(self) -> float:
+        """See `embodiment.Observer`."""
+        return float(np.hypot(self._noises_px()[1], _extra_noise_px(self._eyes)))
 
     def image_noise_std(self, settings: Settings) -> float:
         """Standard deviation of an averaged coordinate [px], measured in pictures of the own body at rest."""

@@ -48,6 +48,7 @@ class SimulatedObserver:
     def __init__(self, eyes: SimulatedEyes, theta_rest: NDArray[np.float64]):
         self._eyes, self._theta_rest = eyes, theta_rest
         self._demo: tuple[tuple, Images] | None = None  # cache: key, images
+        self._demo_exact: tuple[bytes, Images] | None = None  # cache: posture, images without disturbances
         self._noise: tuple[tuple, float] | None = None
         self._visible: NDArray[np.bool_] | None = None
 
@@ -66,18 +67,36 @@ class SimulatedObserver:
         """Look at the own body. theta: (m,) rad."""
         return observed_images(settings, self._eyes.own_images(theta), OWN_LOOK, look)
 
-    def demo(self, settings: Settings, theta_demo: NDArray[np.float64]) -> Images:
-        """The demonstrator's images: new ones only if it, or a disturbance, has changed. theta_demo: (m,) rad."""
+    def demo(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None = None) -> Images:
+        """The demonstrator's images: those of its first look, new ones only if it or a disturbance has changed.
+
+        theta_demo: (m,) rad; look: number of a later look, which has its own noise.
+        """
         amounts = settings.amounts(SightDisturbance)
         key = theta_demo.tobytes(), amounts, settings.frames, settings.seed, settings.matched
+        if look is not None and any_active(settings.amounts(ImageDisturbance)):
+            return self._demo_look(settings, theta_demo, look)
         if self._demo is None or self._demo[0] != key:
-            images = observed_images(settings, self._eyes.demo_images(theta_demo), DEMO_LOOK, *stream_of(theta_demo))
-            points, visible = mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
-            if not settings.matched:
-                order = demo_order(settings, len(points))
-                points, visible = points[order], visible[order]
-            self._demo = key, (points, visible)
+            self._demo = key, self._demo_look(settings, theta_demo)
         return self._demo[1]
+
+    def demonstrator_look(self, settings: Settings, theta_demo: NDArray[np.float64], look: int | None) -> Images:
+        """See `embodiment.Observer`."""
+        return self.demo(settings, theta_demo, look)
+
+    def fixed_noise_px(self) -> float:
+        """See `embodiment.Observer`."""
+        return float(self._eyes.noise_px)
+
+    def _demo_look(self, settings: Settings, theta_demo: NDArray[np.float64], *look: int) -> Images:
+        if self._demo_exact is None or self._demo_exact[0] != theta_demo.tobytes():
+            self._demo_exact = theta_demo.tobytes(), self._eyes.demo_images(theta_demo)
+        images = observed_images(settings, self._demo_exact[1], DEMO_LOOK, *stream_of(theta_demo), *look)
+        points, visible = mismatch_points(settings.amounts(MatchDisturbance), *images, [settings.seed, MATCH])
+        if not settings.matched:
+            order = demo_order(settings, len(points))
+            points, visible = points[order], visible[order]
+        return points, visible
 
     def image_noise_std(self, settings: Settings) -> float:
         """Standard deviation of an averaged coordinate [px], measured in images of the own body at the start."""

@@ -17,6 +17,7 @@ from ..geometry.rectification import Rectification
 from ..servo import SERVOS, Certificate, Misfit, Naming, Observation, ServoMethod, ServoStatus, verdict
 from ..servo.observation import repeat_xy
 from ..wording import sentences
+from .demonstrator import Images, average_looks
 from .evaluation import Evaluation
 from .self_calibration import MIN_POSTURES, SelfCalibration
 from .servo_state import StateAttributes
@@ -52,6 +53,7 @@ class Snapshot:
     target: NDArray[np.float64] | None = None  # (m,) rad, where an arm is going that is still on its way
     custom_transfer: TransferMethod | None = None  # given to the session itself; settings call it OWN
     custom_servo: ServoMethod | None = None  # given to the session itself; settings call it OWN
+    demo_looks: tuple[Images, ...] = ()  # at the demonstrator since it last moved, in the order of the eyes
     n_rejected: int = 0  # points that all images show and that contradict the epipolar geometry of one rigid head
 
     @property
@@ -185,6 +187,37 @@ class Snapshot:
         """
         one, demo = self.views.demo, other.views.demo
         return one is demo or np.array_equal(one, demo, equal_nan=True)
+
+    def demonstrator_average(self, noise_px: float, fixed_px: float) -> tuple[NDArray[np.float64] | None, float | None]:
+        """Average all looks at the demonstrator since it last moved.
+
+        Parameters
+        ----------
+        noise_px, fixed_px : float
+            As of `average_looks`.
+
+        Returns
+        -------
+        (N, 4) array or None
+            Its points in [l, r] [px], in the order of `views`; NaN where no look shows a point, or it is an outlier.
+            None if there is one look only.
+        float or None
+            Standard deviation of a coordinate [px].
+        """
+        if len(self.demo_looks) < 2:
+            return None, None
+        (points, visible), noise_px = average_looks(self.demo_looks, noise_px, fixed_px)
+        first = self._in_order(self.demo_looks[0][0], self.demo_looks[0][1])
+        rejected = first.visible[:, :2] & ~self.views.visible[:, :2]
+        average = self._in_order(points, visible)
+        return np.where(repeat_xy(average.visible[:, :2] & ~rejected), average.demo, np.nan), noise_px
+
+    def _in_order(self, demo: NDArray[np.float64], visible: NDArray[np.bool_]) -> FourViews:
+        """Put the demonstrator's points, (N, 4) px, in the order of `views`. visible: (N, 2)."""
+        views = FourViews(demo, self.views.own, np.concatenate([visible, self.views.visible[:, 2:]], -1))
+        if not self.settings.matched and self.views.matched and self._state.names is not None:
+            views = views.named(self._state.names)
+        return views.permuted(self.exchanged)
 
     @property
     def is_rehearsing(self) -> bool:
@@ -367,18 +400,24 @@ class CustomMethods(NamedTuple):
             raise ValueError(f"matched: the servo {settings.servo!r} needs points with names; {able} finds the names")
 
 
-def observation(now: Snapshot, workspace: Limits, lower: NDArray[np.float64], noise_px: float) -> Observation:
+def observation(
+    now: Snapshot, workspace: Limits, lower: NDArray[np.float64], noise_px: float, fixed_px: float
+) -> Observation:
     """Select what a servo is given of a snapshot.
 
     workspace: lowest and highest angles that the arm may be sent to, (m,) rad each; lower: (m,) rad, the arm's own
-    limits, from which a calibration counts; noise_px: standard deviation of an image coordinate.
+    limits, from which a calibration counts; noise_px: standard deviation of an image coordinate, fixed_px: the part of
+    it that no averaging reduces.
     """
     start, demo_seen, seen = now.settings.start_rad, now.views.visible[:, :2], now.views.visible[:, 2:]
+    average, demo_noise_px = now.demonstrator_average(noise_px, fixed_px)
     known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
     return Observation(
         own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
         seen=seen,
         demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
+        demo_average=average,
+        demo_noise_px=demo_noise_px,
         E=now.E,
         displacement=now.commanded - start,
         lower=workspace[0] - start,

@@ -17,6 +17,7 @@
  *
  * @typedef {(frame: Frame, data: Data) => Figure} FigureKind
  */
+import {make, track} from "../lessons/dom.js";
 import {draggable} from "../view/drag.js";
 
 export const DEGREE = Math.PI / 180;
@@ -27,11 +28,11 @@ export class Frame {
   /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
-    this.panels = element(box, "div", "panels");
-    this.facts = element(this.panels, "p", "facts");
-    this.facts.setAttribute("aria-live", "polite");
-    this.controls = element(box, "div", "controls");
-    this.hint = element(box, "p", "hint");
+    this.facts = make("p", {class: "facts", "aria-live": "polite"});
+    this.panels = make("div", {class: "panels"}, this.facts);
+    this.controls = make("div", {class: "controls"});
+    this.hint = make("p", {class: "hint"});
+    box.append(this.panels, this.controls, this.hint);
     /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
     this.maps = [];
     /** @type {Figure | null} */
@@ -41,10 +42,8 @@ export class Frame {
 
   /** A box for a drawing, with words below it. @param {string} area its class @param {string} caption */
   panel(area, caption) {
-    const panel = element(this.panels, "div", `panel ${area}`);
-    this.panels.append(this.facts);
-    const box = element(panel, "div", "box");
-    if (caption) element(panel, "p", "below").innerHTML = caption;
+    const box = make("div", {class: "box"});
+    this.facts.before(make("div", {class: `panel ${area}`}, box, caption && make("p", {class: "below", html: caption})));
     return box;
   }
 
@@ -70,13 +69,11 @@ export class Frame {
    * @param {string} [what.kind] whose it is: its class
    */
   slider({label, low, high, step, value, text, moved, kind = ""}) {
-    const row = element(this.controls, "label", `slide ${kind}`), name = element(row, "span", "name");
-    const input = element(row, "input", ""), output = element(row, "b", "value");
-    name.textContent = label;
-    Object.assign(input, {type: "range", min: String(low), max: String(high), step: String(step)});
+    const input = make("input", {type: "range", min: low, max: high, step}), output = make("b", {class: "value"});
+    this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
     const show = (/** @type {number} */ shown) => {
       if (Number(input.value) !== shown) input.value = String(shown);
-      input.style.setProperty("--at", `${100 * (shown - low) / (high - low)}%`);
+      track(input);
       output.textContent = text(shown);
       input.setAttribute("aria-valuetext", text(shown));
     };
@@ -98,40 +95,31 @@ export class Frame {
    * @param {(value: string) => void} chosen
    */
   choice(label, options, value, chosen) {
-    const group = element(this.controls, "fieldset", "choice"), name = `choice-${named++}`;
-    element(group, "legend", "").textContent = label;
-    for (const [key, title] of Object.entries(options)) {
-      const row = element(group, "label", ""), input = row.appendChild(document.createElement("input"));
-      Object.assign(input, {type: "radio", name, value: key, checked: key === value});
-      element(row, "span", "").textContent = title;
-      input.addEventListener("change", () => {
+    const name = `choice-${named++}`, rows = Object.entries(options).map(([key, title]) => make("label", {},
+      make("input", {type: "radio", name, value: key, checked: key === value, onchange: () => {
         chosen(key);
         this.redraw();
-      });
-    }
+      }}), make("span", {}, title)));
+    this.controls.append(make("fieldset", {class: "choice"}, make("legend", {}, label), ...rows));
   }
 
   /** @param {string} label @param {boolean} value @param {(on: boolean) => void} changed */
   check(label, value, changed) {
-    const row = element(this.controls, "label", "check"), input = row.appendChild(document.createElement("input"));
-    Object.assign(input, {type: "checkbox", checked: value});
-    element(row, "span", "").textContent = label;
-    input.addEventListener("change", () => {
+    const input = make("input", {type: "checkbox", checked: value, onchange: () => {
       changed(input.checked);
       this.redraw();
-    });
+    }});
+    this.controls.append(make("label", {class: "check"}, input, make("span", {}, label)));
     return input;
   }
 
   /** @param {string} label @param {() => void} act */
   button(label, act) {
-    const made = /** @type {HTMLButtonElement} */ (element(this.controls, "button", ""));
-    made.type = "button";
-    made.textContent = label;
-    made.addEventListener("click", () => {
+    const made = make("button", {type: "button", onclick: () => {
       act();
       this.redraw();
-    });
+    }}, label);
+    this.controls.append(made);
     return made;
   }
 
@@ -184,17 +172,4 @@ export class Frame {
     this.figure?.measure();
     this.figure?.draw();
   }
-}
-
-/**
- * @template {keyof HTMLElementTagNameMap} K
- * @param {HTMLElement} within
- * @param {K} tag
- * @param {string} name
- * @returns {HTMLElementTagNameMap[K]}
- */
-function element(within, tag, name) {
-  const made = within.appendChild(document.createElement(tag));
-  if (name) made.className = name;
-  return made;
 }

@@ -14,7 +14,7 @@ export class Challenges {
     this.box = make("main", {class: "challenge", hidden: true});
     document.querySelector("main")?.after(this.box);
     this.title = title;
-    this.maker = new Maker(scene, challenge => this.screen.played.add(challenge, 0, 0)); // their own game is practice
+    this.maker = new Maker(scene, challenge => this.screen.played.add(challenge, 0)); // their own game is practice
     this.screen = new Screen(this.box, {scene, hulls}, {
       address: challenge => isPublic() ? addressOf(challenge) : "",
       friend: challenge => this.maker.open(challenge, challenge.level),

@@ -4,6 +4,7 @@ import {make} from "../lessons/dom.js";
 import {copy} from "../view/page.js";
 import {say} from "../view/svg.js";
 import {stepsText} from "../view/words.js";
+import {levelButtons} from "./levels.js";
 import {fromPose, LEVELS, POINTS, robotSteps, toLink} from "./rules.js";
 
 /** @typedef {import("./rules.js").Challenge} Challenge @typedef {import("./rules.js").Level} Level */
@@ -28,10 +29,10 @@ export class Maker {
     /** @type {Challenge | null} */
     this.made = null;
     this.name = make("input", {type: "text", maxlength: 20, autocomplete: "nickname", oninput: () => this.#show()});
-    this.levels = Object.entries(LEVELS).map(([level, {title}]) => make("button", {type: "button", onclick: () => {
-      this.level = /** @type {Level} */ (level);
+    this.levels = levelButtons(level => {
+      this.level = level;
       this.#show();
-    }}, title));
+    });
     this.says = make("p", {class: "says", role: "status"});
     this.link = make("input", {type: "text", readonly: true, "aria-label": "The link"});
     this.copying = make("button", {type: "button", class: "filled", onclick: () => void copy(this.copying, this.link.value, "The link:")},
@@ -48,8 +49,9 @@ export class Maker {
       make("form", {method: "dialog"}, make("button", {class: "close", "aria-label": "Close"}, "×")),
       make("h2", {}, "Challenge a friend"),
       make("p", {}, "A friend copies the orange arm’s pose. The fewer steps, the better."),
-      make("label", {}, "Your name ", this.name), make("div", {class: "levels", role: "group", "aria-label": "Level"}, ...this.levels),
-      this.says, this.sending));
+      make("label", {}, "Your name ", this.name), this.levels.element,
+      this.says, this.sending, make("p", {}, "Or play ",
+        make("a", {href: "#challenge=today", onclick: () => this.dialog.close()}, "the pose of today"), " yourself.")));
   }
 
   /** @param {Pick<Challenge, "demonstrator" | "start">} pose rad @param {Level} [level] */
@@ -62,7 +64,7 @@ export class Maker {
 
   #show() {
     const {world, level, name} = this, made = fromPose(world, {...this.pose, level, by: name.value});
-    this.levels.forEach((one, k) => one.setAttribute("aria-pressed", String(Object.keys(LEVELS)[k] === level)));
+    this.levels.show(level, false);
     this.sending.hidden = typeof made === "string";
     if (typeof made === "string") return say(this.says, made);
     this.made = made;

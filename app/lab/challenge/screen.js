@@ -8,7 +8,8 @@ import {stepsText} from "../view/words.js";
 import {Game, plainName} from "./game.js";
 import {between, Joints, play} from "./joints.js";
 import {Played} from "./played.js";
-import {daily, dealt, fromLink, LEVELS, POINTS, toLink} from "./rules.js";
+import {levelButtons} from "./levels.js";
+import {daily, dealt, fromLink, POINTS, toLink} from "./rules.js";
 
 /**
  * @typedef {import("./rules.js").Challenge} Challenge
@@ -23,7 +24,7 @@ import {daily, dealt, fromLink, LEVELS, POINTS, toLink} from "./rules.js";
 const GLIDE_MS = 450, MAX_SEED = 2 ** 31, FULL_PX = 30; // px at which the meter is full
 const HELD = [6, 12]; // postures of each joint that the windows of L and R hold
 const NOTHING = new Float64Array(4 * POINTS).fill(NaN); // before the end: diamonds and arrows do not show the way
-const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]), NAMES = /** @type {Level[]} */ (Object.keys(LEVELS));
+const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const TIP = "A tip: your eyes look at the two arms from opposite sides. So r is nearly the mirror image of L.";
 
 /** The device's date. */
@@ -54,24 +55,24 @@ export class Screen {
     this.said = make("p", {class: "unseen", role: "status"});
     this.meter = make("i");
     this.tries = make("div", {class: "tries", "aria-hidden": true});
-    this.verdict = make("h2", {class: "verdict", tabindex: -1});
+    this.verdict = make("h2", {class: "verdict"});
     this.line = make("pre", {class: "line"});
-    this.levels = NAMES.map(level => button(LEVELS[level].title, () => this.#choose(level), ""));
+    this.levels = levelButtons(level => this.#choose(level));
     const sliders = make("div", {class: "steered"});
     this.joints = new Joints(sliders, scene.names.map((name, k) => ({name: plainName(name), low: scene.lower[k],
       high: scene.upper[k]})), theta => this.#go(theta), button("Give up", () => this.#end()));
     this.copying = button("Copy result", () => void copy(this.copying, this.line.textContent ?? "", "Your result:"), "filled");
     this.pictures = make("section", {class: "four", "aria-label": "Four pictures"},
-      make("p", {class: "of"}, make("b", {}, "The orange arm"), ", your left and right eye"), views.l, views.r,
-      make("p", {class: "of"}, make("b", {}, "Your blue arm"), ", your left and right eye"), views.L, views.R);
+      make("p", {class: "of"}, make("b", {}, "The orange arm"), make("span", {}, ", your left and right eye")), views.l, views.r,
+      make("p", {class: "of"}, make("b", {}, "Your blue arm"), make("span", {}, ", your left and right eye")), views.L, views.R);
     const {task, rule, E, count, change, fact, best} = this.words;
     box.append(
-      make("section", {class: "brief"}, make("div", {class: "levels", role: "group", "aria-label": "Level"}, ...this.levels), task, rule),
+      make("section", {class: "brief"}, this.levels.element, task, rule),
       this.pictures,
       make("section", {class: "playing", "aria-label": "Play"}, E, make("span", {class: "meter", "aria-hidden": true}, this.meter),
         make("div", {class: "made"}, this.tries, count), change, sliders),
       make("section", {class: "ended", "aria-label": "Result"}, this.verdict, fact, best, this.line, this.copying,
-        make("div", {class: "next"}, button("Another", () => this.#deal(NAMES.indexOf(this.#now.challenge.level))),
+        make("div", {class: "next"}, button("Another", () => this.#deal(this.#now.challenge.level)),
           button("Challenge a friend", () => ways.friend(this.#now.challenge)),
           button("How did the robot do it?", () => ways.robot(this.#now.challenge, this.#now.robot ?? 0)))),
       this.said);
@@ -93,7 +94,7 @@ export class Screen {
 
   /** Play what an address asks for; what it asked for before goes on. @param {string} hash */
   open(hash) {
-    const asked = fromLink(this.world, hash), challenge = asked ?? daily(this.world, today(), "points");
+    const asked = fromLink(this.world, hash.replace(/challenge=today(?=&|$)/, `challenge=${today()}`)), challenge = asked ?? daily(this.world, today(), "points");
     if (!challenge) throw new Error("this robot has no pose that makes a challenge");
     if (this.game && toLink(challenge) === toLink(this.game.challenge)) return;
     this.stop?.();
@@ -112,13 +113,13 @@ export class Screen {
   /** A day has one pose for each level. @param {Level} level */
   #choose(level) {
     const {challenge, isOver} = this.#now;
-    if (!challenge.day || isOver && challenge.level === level) this.#deal(NAMES.indexOf(level));
+    if (!challenge.day || isOver && challenge.level === level) this.#deal(level);
     else location.hash = toLink({...challenge, level});
   }
 
-  /** @param {number} level */
+  /** @param {Level} level */
   #deal(level) {
-    const other = dealt(this.world, Math.floor(Math.random() * MAX_SEED), NAMES[level]);
+    const other = dealt(this.world, Math.floor(Math.random() * MAX_SEED), level);
     if (other) location.hash = toLink(other);
   }
 
@@ -141,19 +142,20 @@ export class Screen {
   }
 
   #end() {
-    const game = this.#now, {challenge, made, isThere, path, verdict, fact} = game;
+    const game = this.#now, {challenge, made, isThere, verdict, fact} = game;
     if (this.isMoving) return;
     game.isOver = true;
     this.lost = isThere ? 0 : this.lost + 1;
-    const {first, best} = this.played.add(challenge, isThere ? made : 0, path[made].off);
+    const {isPractice, best} = this.played.add(challenge, isThere ? made : 0);
     say(this.verdict, verdict);
     say(this.words.fact, fact);
-    say(this.words.best, first !== null ? "This was practice: the first game of a pose counts." : this.lost > 1 ? TIP
+    say(this.words.best, isPractice ? "This was practice: the first game of a pose counts." : this.lost > 1 ? TIP
       : best ? `Best on this device: ${stepsText(best)}.` : "");
-    say(this.line, made ? game.line(this.ways.address(challenge), first !== null) : "");
+    say(this.line, made ? game.line(this.ways.address(challenge), isPractice) : "");
     this.line.hidden = this.copying.hidden = !made;
     say(this.said, `${verdict} ${fact}`);
     this.draw();
+    this.verdict.tabIndex = -1;
     this.verdict.focus();
   }
 
@@ -164,10 +166,7 @@ export class Screen {
     box.dataset.level = level;
     box.dataset.over = String(isOver);
     if (level !== "blindfold" || isOver) this.#drawPictures(game);
-    this.levels.forEach((one, k) => {
-      one.setAttribute("aria-pressed", String(NAMES[k] === level));
-      one.disabled = !isOver && !day && NAMES[k] !== level;
-    });
+    this.levels.show(level, !isOver && !day);
     say(this.words.E, isMoving ? "…" : disagreement);
     this.meter.style.width = `${Math.min(100, 100 * Math.sqrt(moment.E) / FULL_PX)}%`;
     this.tries.replaceChildren(...Array.from({length: tries}, (_, k) => k < made

@@ -15,7 +15,8 @@ from viewimit.drawing.export.replay import bundle, packed, styles, with_policy
 from viewimit.drawing.glossary import glossary
 from viewimit.simulation.scene import load_scene
 
-from ..page import SHIPPED, served_page, served_scenes, with_few_points
+from ...ways import Ways, header
+from ..page import NO_WAYS, SHIPPED, served_page, served_scenes, with_few_points
 from .format import Lesson
 from .source import ORDER, questions, shipped
 from .step_data import Scenes, items_with_facts, lesson_data, situation_of
@@ -24,6 +25,8 @@ HERE = Path(__file__).parent
 ENTRY = "lessons/lesson.js"
 STYLE_FILES = (
     "lessons/lesson.css",
+    "view/ways.css",
+    "lessons/paper.css",
     "lessons/figures/figures.css",
     "lessons/figures/limits.css",
     "challenge/joints.css",
@@ -38,6 +41,7 @@ def lesson_page(
     policy: str = "",
     others: Mapping[str, Lesson] | None = None,
     lab: tuple[str, str | None] = (SHIPPED, None),
+    ways: Ways = NO_WAYS,
 ) -> str:
     """Return lessons as one HTML page.
 
@@ -55,6 +59,8 @@ def lesson_page(
         Lessons that are served beside this page, which then has links to them by name.
     lab
         Scene and robot of the lab beside this page, as settings name them.
+    ways
+        Where the header's verbs lead.
 
     Raises
     ------
@@ -68,6 +74,7 @@ def lesson_page(
         version=html.escape(__version__),
         title=html.escape(title),
         about=html.escape(first.about),
+        ways=header(ways, "learn"),
         policy=html.escape(policy, quote=False),
         styles="\n".join((styles(*STYLE_FILES), more_styles)),
         data=packed(data.encode()),
@@ -90,7 +97,7 @@ def page_data(
     catalogue = [
         {
             **{"name": name, "title": lesson.title, "short": lesson.short, "about": lesson.about},
-            **{"minutes": lesson.minutes, "here": name in lessons},
+            **{"afterwards": lesson.afterwards, "minutes": lesson.minutes, "here": name in lessons},
         }
         for name, lesson in {**(others or {}), **lessons}.items()
     ]
@@ -157,7 +164,7 @@ class LabPages:
     def page(self, name: str) -> str | None:
         """Return the page of a lesson, the lab for "", None for an unknown name."""
         if not name:
-            return served_page(*self._lab)
+            return served_page(*self._lab, Ways.served("./", ORDER[0]))
         if name not in self.lessons:
             return None
         with self._lock:
@@ -166,7 +173,9 @@ class LabPages:
             return self._pages[name]
 
     def _write(self, name: str) -> str:
-        return lesson_page({name: self.lessons[name]}, others=self.lessons, lab=self._lab)
+        return lesson_page(
+            {name: self.lessons[name]}, others=self.lessons, lab=self._lab, ways=Ways.served("../", ORDER[0])
+        )
 
 
 @cache

@@ -75,19 +75,12 @@ export class StepScreen {
     figures.replaceChildren(make("div", {class: "pictures"}, main, side), row, this.legend);
     figures.dataset.main = String(step.main?.length ?? 0);
     figures.dataset.side = String(step.side?.length ?? 0);
-    const places = boxes.map(one => {
-      const kind = FIGURES[one.use.figure], box = make("div", {class: "drawing"}),
-        [title, ...rest] = (kind?.title ?? "").split(", "), caption = inline(title)
-        + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
-      one.within.append(make("figure",
-        {class: `figure figure-${one.use.figure.replace(/\W+/g, "-")}${one === isAsked ? " asked" : ""}`,
-        style: `--aspect:${kind?.aspect ?? 1}`},
-        make("figcaption", {html: caption}), box));
-      if (!kind) box.textContent = `There is no figure “${one.use.figure}” here.`;
-      return {use: one.use, kind, box, isAsked: one === isAsked};
-    });
     /** @type {Mounted[]} */
-    this.mounted = places.filter(({kind}) => kind).map(one => ({...one, figure: one.kind.create(one.box, stage)}));
+    this.mounted = boxes.flatMap(one => {
+      const {use} = one, {element, box, kind} = framed(use, one === isAsked);
+      one.within.append(element);
+      return kind ? [{use, kind, box, isAsked: one === isAsked, figure: kind.create(box, stage)}] : [];
+    });
     const own = this.mounted.find(one => one.isAsked);
     this.marks = own ? new Marks(own.box, own.figure, () => stage, mark => this.mark(mark), () => this.isOpen) : null;
     this.sliders = new SlidersRow(row, stage, (slider, value) => this.slid(slider, value), () => this.released());
@@ -380,6 +373,16 @@ export class StepScreen {
     }
     this.legend.hidden = !html;
   }
+}
+
+/** The box of a figure, and its title. @param {FigureUse} use @param {boolean} isAsked */
+export function framed({figure}, isAsked) {
+  const kind = FIGURES[figure], box = make("div", {class: "drawing"}), [title, ...rest] = (kind?.title ?? "").split(", ");
+  const caption = inline(title) + (rest.length ? `<span class="rest">, ${inline(rest.join(", "))}</span>` : "");
+  if (!kind) box.textContent = `There is no figure “${figure}” here.`;
+  const element = make("figure", {class: `figure figure-${figure.replace(/\W+/g, "-")}${isAsked ? " asked" : ""}`,
+    style: `--aspect:${kind?.aspect ?? 1}`}, make("figcaption", {html: caption}), box);
+  return {element, box, kind};
 }
 
 /** What scrolls can be reached by keys. @param {Element} box */

@@ -32,6 +32,8 @@ export class Lab {
     this.isOpen = true;
     this.isServed = /\/lab$/.test(location.pathname) && location.protocol !== "file:";
     const lesson = this.isServed ? lessonBehind(location.hash) : null;
+    /** The link to the page that has all methods, which opens there in this state. @type {HTMLAnchorElement | null} */
+    this.workbench = document.querySelector(".to-workbench");
     this.announced = "";
     this.announcing = this.remembering = 0;
     const hold = (/** @type {boolean} */ held) => this.hold(held);
@@ -46,12 +48,13 @@ export class Lab {
     dragging(this);
     this.#buttons();
     this.#keys();
+    addEventListener("popstate", () => clearTimeout(this.remembering)); // else it would write over where Back leads
     addEventListener("hashchange", () => {
       if (this.isOpen) this.#entered(() => this.experiment.enterAddress(location.hash), true);
     });
     this.#entered(() => {}, this.isServed || this.experiment.misread.length > 0);
     this.draw();
-    $("open").hidden = !this.isServed;
+    if (!address && !location.hash) this.player.nod();
     $("lesson").hidden = !lesson;
     if (lesson) $("lesson").href = lesson;
   }
@@ -180,7 +183,7 @@ export class Lab {
     const crosses = state.transfer === "epipolar" && moment.usable.includes(chosen);
     const lines = crosses ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const ease = player.still.matches ? 1 : player.isHeld ? HELD_EASE : EASE;
-    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays};
+    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays, isChosen: state.point !== undefined};
     const moves = view.draw(world, shown);
     const visited = session.trace.slice(0, player.glide ? -1 : undefined), {posedAt} = experiment;
     const path = visited.map((one, k) =>
@@ -190,7 +193,8 @@ export class Lab {
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
-    say($("typical"), moment.fitted ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
+    say($("typical"), moment.fitted ? residualText(moment.E) : "–");
+    $("fit").hidden = !view.space?.isTurned();
     $("map").classList.toggle("blank", !moment.fitted);
     document.body.classList.toggle("goalless", !goal);
     document.body.classList.toggle("lineless", state.transfer !== "epipolar");
@@ -239,7 +243,7 @@ export class Lab {
   #write(how) {
     clearTimeout(this.remembering);
     if (!this.isOpen) return;
-    if (this.isServed) $("open").href = `./?${this.experiment.pageLink()}`;
+    if (this.workbench) this.workbench.href = `./?${this.experiment.pageLink()}`;
     try { history[how](null, "", this.experiment.address()); } catch { /* a frame without an address */ }
   }
 

@@ -7,7 +7,7 @@ import pytest
 from turning_body import TurningBody
 
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
-from viewimit.geometry.kinematics.disturbed import Lens, Shortfall, fit_lens, fit_shortfall
+from viewimit.geometry.kinematics.disturbed import fit_lens, fit_shortfall
 
 ON = np.repeat([0, 1, 2], 6)
 NOISE_PX = 0.05
@@ -49,26 +49,6 @@ def test_how_short_an_arm_stops_is_found_and_its_images_predicted_where_it_is(sh
     assert same.share == pytest.approx(shortfall.share, abs=1e-4)
 
 
-def test_an_arm_sent_far_enough_arrives():
-    here, target, short = np.array([0.3, -0.2]), np.array([-0.5, 0.9]), Shortfall(0.25)
-    np.testing.assert_allclose(short.reached(np.array([here, short.to_reach(here, target)]))[-1], target)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_an_arm_that_arrives_does_not_stop_short(seed):
-    rng = np.random.default_rng(seed)
-    body = TurningBody(rng, ON, 2)
-    assert fit_shortfall(seen_at(rng, body, sent_to(rng, body)), NOISE_PX) is None
-
-
-def test_an_arm_that_stops_anywhere_has_no_shortfall():
-    rng = np.random.default_rng(0)
-    body = TurningBody(rng, ON, 2)
-    sent = sent_to(rng, body)
-    seen = seen_at(rng, body, sent + rng.uniform(-0.1, 0.1, sent.shape))
-    assert fit_shortfall(replace(seen, displacement=sent), NOISE_PX) is None
-
-
 def bent(images, k1):
     """By the radial distortion of OpenCV, of either image about its own centre."""
     on_plane = ((images - CENTRE) / FOCAL).reshape(*images.shape[:-1], 2, 2)
@@ -93,15 +73,3 @@ def test_images_that_a_lens_bends_are_straight_where_the_kinematics_predict_them
     for new in rng.uniform(-0.5, 0.5, (5, 2)):
         error = kinematics.predict(new) - lens.straightened(bent(body.images(new), k1)[None])[0]
         assert np.sqrt(np.nanmean(error**2)) < 3 * NOISE_PX
-
-
-def test_a_lens_that_bends_nothing_leaves_images_as_they_are():
-    images = np.random.default_rng(0).normal(size=(3, 5, 4))
-    np.testing.assert_array_equal(Lens(np.zeros(()), np.ones(4), np.zeros(4), 1.0).straightened(images), images)
-
-
-def test_an_arm_that_stands_still_has_no_shortfall():
-    rng = np.random.default_rng(0)
-    body = TurningBody(rng, ON, 2)
-    seen = body.observations(np.zeros((6, 2)))
-    assert fit_shortfall(replace(seen, displacement=sent_to(rng, body)[:6]), 0.0) is None

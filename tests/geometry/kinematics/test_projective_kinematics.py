@@ -51,13 +51,6 @@ def test_fewer_than_four_points_give_no_kinematics(count):
             assert fit_kinematics(body.observations(body.probes(), visible), noise_px) is None
 
 
-def test_too_few_points_or_visits_give_no_kinematics():
-    body = TurningBody(np.random.default_rng(0), [0, 1, 2], 2)
-    assert fit_kinematics(body.observations(body.probes()), 0.0) is None
-    body = TurningBody(np.random.default_rng(0), ON, 2)
-    assert fit_kinematics(body.observations(body.probes()[:2]), 0.0) is None
-
-
 def test_a_point_is_predicted_after_a_single_image_of_it():
     rng = np.random.default_rng(4)
     body = TurningBody(rng, ON, 2)
@@ -73,26 +66,6 @@ def test_a_point_is_predicted_after_a_single_image_of_it():
     found = fit_kinematics(body.observations(np.vstack([body.probes(), [0.7, -0.6]]), visible), 0.0)
     assert found.unknown.tolist() == [k == 7 for k in range(len(ON))]
     assert np.isnan(found.predict(np.zeros(2))[7]).all()
-
-
-def test_a_point_that_moves_like_no_other_is_predicted_once_its_images_show_how():
-    """The only point between both joints is hidden at the first probe. It stays unknown until its images decide which
-    joint moves it, though that joint alone moves no other point."""
-    rng = np.random.default_rng(4)
-    on = [0, 0, 0, 1, 2, 2, 2, 2, 2, 2]
-    body = TurningBody(rng, on, 2)
-    visits = np.vstack([body.probes(), [0.7, -0.6], [-0.5, 0.3]])
-    visible = np.ones((len(visits), len(on)), bool)
-    visible[0, 3] = False
-    open_yet, determined = (fit_kinematics(body.observations(visits[:k], visible[:k]), 0.0) for k in (3, len(visits)))
-    assert open_yet.unknown.tolist() == [k == 3 for k in range(len(on))] and not determined.unknown.any()
-    assert furthest(determined, body, rng.uniform(-1, 1, (20, 2))) < 1e-4
-
-
-def test_kinematics_that_predict_the_last_visit_are_kept():
-    body = TurningBody(np.random.default_rng(5), ON, 2)
-    before = fit_kinematics(body.observations(body.probes()), 0.0)
-    assert fit_kinematics(body.observations(np.vstack([body.probes(), [0.5, 0.5]])), 0.0, previous=before) is before
 
 
 def test_predictions_vary_as_the_covariance_says():

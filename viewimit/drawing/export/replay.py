@@ -98,6 +98,7 @@ TAKEN_OVER = "The run of this replay, gone on with in the lab."
 PLACES = "title", "nav", "said", "panel", "steps", "how", "map", "end"  # of lab.html that only replays fill
 NO_PARTS: Mapping[str, str] = MappingProxyType({})
 PARTS = tuple(f"replay_{place}" for place in PLACES)
+OF_LAB = "ways", "about"  # places of lab.html that replays leave empty
 ASKED = "own_views", "demo_views", "E", "largest_e", "condition", "points_seen", "transfer", "servo"
 
 
@@ -224,13 +225,15 @@ def lab_html(
     more_styles
         CSS besides the lab's own.
     parts
-        HTML of a replay, by the places of lab.html that are empty in the lab.
+        HTML by the places of lab.html: of a replay, and the lab's header and word on its makers.
     """
     page = Template(SCRIPTS.joinpath("view", "lab.html").read_text("utf-8")).substitute(
-        dict.fromkeys((*PARTS, *(f"ask_{key}" for key in ASKED)), ""),
+        dict.fromkeys((*PARTS, *OF_LAB, *(f"ask_{key}" for key in ASKED)), ""),
         title=escape(title),
         version=escape(__version__),
-        styles="\n".join((styles("view/lab.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)),
+        styles="\n".join(
+            (styles("view/lab.css", "view/ways.css", "challenge/joints.css", "challenge/challenge.css"), more_styles)
+        ),
         data=packed(msgspec.json.encode(data)),
         meshes=packed(meshes),
         script=packed(_script().encode()),

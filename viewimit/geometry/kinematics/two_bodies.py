@@ -100,10 +100,9 @@ class BodyPair:
         """The same body and place with the demonstrator in other postures, (..., T, m) rad."""
         at, lead = self.angle_slice, postures.shape[:-2]
         every = lambda values: np.broadcast_to(values, (*lead, *values.shape))
-        angles = postures.reshape(*lead, -1)
-        parameters = [every(self.parameters[: at.start]), angles, every(self.parameters[at.stop :])]
-        parameters, count = np.concatenate(parameters, -1), postures.shape[-2]
-        return replace(self, parameters=parameters, points=every(self.points), n_postures=count)
+        before, after = self.parameters[: at.start], self.parameters[at.stop :]
+        parameters = np.concatenate([every(before), postures.reshape(*lead, -1), every(after)], -1)
+        return replace(self, parameters=parameters, points=every(self.points), n_postures=postures.shape[-2])
 
     def unwound(self, postures: Array) -> "BodyPair":
         """Turn the demonstrator's joints by whole turns to the angles nearest to its postures, (T, m) rad.

@@ -20,7 +20,7 @@ from .hypotheses import Estimate
 from .state import Displacement, EstimatorState, Purpose
 
 MAX_TRAIL = 16  # looks that are remembered
-ON_LINE = 3  # of these, that the line is fitted to
+ON_LINE = 3  # of these, that the line is fitted to; without noise two
 MIN_POINTS = 4  # of an image that tells the angles
 FEW_STEPS = 10  # of an adjustment
 MAX_SIGMAS = 3.09  # by which several images may contradict one place where the demonstrator stands
@@ -36,13 +36,14 @@ def follow(state: EstimatorState, body: OwnBody, see: Observation) -> tuple[Esti
         best = with_place_adjusted(best, body, see, trail)
     best = replace(best, theta=theta)
     state = replace(state, best=best, trail=trail, status=ServoStatus.MOVING, probe=False, purpose=Purpose.FOLLOW)
-    ahead = np.clip(expected([angles for _, angles in trail]), see.lower, see.upper)
+    on_line = trail[-ON_LINE:] if see.noise_px > 0 else trail[-2:]
+    ahead = np.clip(expected([angles for _, angles in on_line]), see.lower, see.upper)
     return state, ahead - see.displacement
 
 
 def expected(angles: list[Displacement]) -> Displacement:
     """The angles at the next look, by a line through the last few, (m,) rad each."""
-    last = np.array(angles[-ON_LINE:])
+    last = np.array(angles)
     if len(last) == 1:
         return last[0]
     steps = np.arange(len(last)) - (len(last) - 1) / 2

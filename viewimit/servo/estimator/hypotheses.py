@@ -43,6 +43,7 @@ GOALS = MisfitKind.ANOTHER_BODY, MisfitKind.LENS, MisfitKind.TWO_HEADS  # of whi
 ANGLES = (*GOALS, MisfitKind.POINT, MisfitKind.LINK_POINTS)  # whose angles are worth imitating
 APART, DISTINCT = np.radians([15.0, 2.0])  # rad: between starts of the search; between its results
 BEYOND = np.radians(3.0)  # rad: outside the limits by more, a posture is only taken if there is no other
+MANY_STEPS, HOPELESS_SIGMAS = 80, 12.0  # steps that end at a minimum; beyond, no other chain of a point helps
 NO_ERROR, MANY_POINTS = 1e-7, 8  # E in squared image units, that is rounding; points from which it says something
 
 
@@ -65,6 +66,10 @@ class Estimate:
             return self.sigmas < options.max_sigmas
         why = self.explanation
         return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, NAMING.clear_criterion)
+
+    def open_joints(self, options: EstimatorOptions, noise_px: float) -> NDArray[np.bool_]:
+        """Which joints the images leave open, (m,) bool. noise_px: of an own image's coordinate."""
+        return ~(self.std < options.max_std_per_px * noise_px)
 
     def is_clear(self, options: EstimatorOptions) -> bool:
         """Whether another hypothesis explains the images, and no third nearly as well."""
@@ -193,9 +198,11 @@ def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate 
 def converged(same: Estimate, evidence: Evidence) -> Estimate:
     """The same hypothesis after as many steps as it takes, with the likeliest chains that the points may have."""
     assert same.fit is not None and same.adjustment is not None
-    found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair), same.minima)]
-    if not found[0].fits(evidence.options) and not evidence.body.slack:
-        found += _other_chains(same, evidence)
+    found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair, MANY_STEPS), same.minima)]
+    options = evidence.options
+    hopeful = options.max_sigmas <= found[0].sigmas < HOPELESS_SIGMAS
+    if hopeful and not evidence.body.slack and not found[0].open_joints(options, evidence.noise_px).any():
+        found += _other_chains(same, evidence, options.few_steps)
     return min(found, key=_cost)
 
 
@@ -204,13 +211,16 @@ def _cost(estimate: Estimate) -> float:
     return estimate.fit.cost
 
 
-def _other_chains(same: Estimate, evidence: Evidence) -> Iterator[Estimate]:
-    """Yield estimates with other chains of the points, which explain the own images nearly as well."""
+def _other_chains(same: Estimate, evidence: Evidence, steps: int) -> Iterator[Estimate]:
+    """Yield estimates with other chains of the points, which explain the own images nearly as well.
+
+    steps: of each adjustment, at most.
+    """
     for likely in likely_kinematics(evidence.body.kinematics, evidence.body.problem):
         other = replace(evidence, body=replace(evidence.body, kinematics=likely.kinematics))
         start, adjustment = other.continued(same), other.adjustment(likely)
         if adjustment is not None and start is not None:
-            yield evidence.estimate(adjustment, adjustment.fit(start), same.minima)
+            yield evidence.estimate(adjustment, adjustment.fit(start, steps), same.minima)
 
 
 def with_rivals(best: Estimate, evidence: Evidence) -> Estimate:
@@ -226,7 +236,7 @@ def with_rivals(best: Estimate, evidence: Evidence) -> Estimate:
     adjustment, found = best.adjustment, [best]
     assert adjustment is not None
     if see.noise_px > 0 and not body.slack:
-        found += _other_chains(best, evidence)
+        found += _other_chains(best, evidence, MANY_STEPS)
     minima = best.minima or evidence.postures()
     for E, theta in minima:
         low = E < options.rival * max(minima[0][0], see.noise_px**2, NO_ERROR)

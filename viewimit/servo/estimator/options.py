@@ -41,4 +41,5 @@ class EstimatorOptions:
     samples: int = 64  # postures, of three joints or more
     starts: int = 5  # of these that are refined
     few_steps: int = 25  # Gauss-Newton steps that show whether a start leads anywhere
+    search_swaps_at: tuple[int, ...] = (1, 3, 8, 16)  # visits, minus the joints, at which swapped points are looked for
     rival: float = 10.0  # times the least E: what a posture may leave that may be the demonstrator's, too

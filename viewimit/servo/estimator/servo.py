@@ -54,8 +54,8 @@ class Estimator:
         """Return the state after the demonstrator moved: the body stays."""
         best = None if state.best is not None and state.best.explanation is not None else state.best
         return replace(
-            state, best=best, n_explored=0, n_moved=0, certificate=None, misfit=None, moved=True, probe=False,
-            status=ServoStatus.MOVING,
+            state, best=best, n_explored=0, n_moved=0, went_nearest=False, certificate=None, misfit=None, moved=True,
+            probe=False, status=ServoStatus.MOVING,
         )  # fmt: skip
 
     def step(self, state: EstimatorState, observation: Observation, residuals: ResidualFunction) -> Outcome:
@@ -104,13 +104,17 @@ class Estimator:
         best = hypotheses.converged(best, evidence)
         if best.fits(options):
             return state.with_estimate(best)
-        if not state.exchanged and (pairs := hypotheses.find_pairs(evidence)):
-            right = replace(see, demo=swapped(see.demonstrator[0], pairs), demo_average=None)
-            right = replace(evidence, see=right, residuals=with_swaps(evidence.residuals, pairs))
+        n, m = len(state.visits), len(see.lower)
+        searches = not state.exchanged and n - m in options.search_swaps_at
+        if searches and (pairs := hypotheses.find_pairs(evidence)):
+            demo = swapped(see.demonstrator[0], pairs)
+            put_right = replace(see, demo=demo, demo_average=None)
+            right = replace(evidence, see=put_right, residuals=with_swaps(evidence.residuals, pairs))
             again = hypotheses.same_body(right)
             if again is not None and again.fits(options):
                 return replace(state, exchanged=pairs).with_estimate(again)
-        n, m = len(state.visits), len(see.lower)
+        if best.open_joints(options, evidence.noise_px).any():  # no other hypothesis, with more unknowns, tells more
+            return state.with_estimate(replace(best, theta=hypotheses.least_E(best)))
         if n >= 2 * m and (before is None or why is None or before.fits(options) or (n - 2 * m) % 2 == 0):
             return state.with_estimate(hypotheses.otherwise(best, state.visits_as_reached, evidence))
         return state.with_estimate(replace(best, explanation=why, theta=hypotheses.least_E(best)))
@@ -121,17 +125,21 @@ class Estimator:
         here, m = body.seen.displacement[-1], len(see.lower)
         best, choice = self._chosen(state, best, evidence)
         noise, fits = evidence.noise_px, best.fits(options)
-        std = np.where(best.std < options.max_std_per_px * noise, best.std, np.inf)
-        error = std if choice.place is not None else np.hypot(std, np.abs(best.theta - here))
+        open_joints = best.open_joints(options, noise)
+        std = np.where(open_joints, np.inf, best.std)
+        lost = fits and self._is_lost(best, evidence)
+        goes = not lost or (choice.explores and not state.went_nearest)
+        place = choice.place if goes and state.n_moved < options.most * m else None
+        error = std if place is not None else np.hypot(std, np.abs(best.theta - here))
         state = replace(state, best=best, certificate=certificate_of(error, noise * state.unit_px))
-        if choice.place is not None and state.n_moved < options.most * m:
+        if place is not None:
             n_explored = state.n_explored + choice.explores
             purpose = Purpose.LOOK if choice.explores else Purpose.ARRIVE
             state = replace(state, n_moved=state.n_moved + 1, n_explored=n_explored, probe=choice.explores)
-            return moved(replace(state, purpose=purpose), body, see, choice.place)
+            return moved(replace(state, purpose=purpose), body, see, place)
         if not fits:
             return rest(state, see, ServoStatus.NO_PROGRESS)
-        if not np.isfinite(std).all():  # as long as points are hidden somewhere, other places may show more
+        if open_joints.any():  # as long as points are hidden somewhere, other places may show more
             left = options.exploring_unexplained * m - state.n_explored
             more_to_see = left > 0 and not body.seen.visible_in_both.all()
             return self._grow(state, see) if more_to_see else self._at_least_E(state, evidence)
@@ -140,6 +148,11 @@ class Estimator:
             return rest(refused, see, ServoStatus.NO_PROGRESS)
         claims = error.max() < options.max_claimed_error
         return rest(state, see, ServoStatus.CONVERGED if claims else ServoStatus.SETTLED)
+
+    def _is_lost(self, best: Estimate, evidence: Evidence) -> bool:
+        """Whether the images leave a joint open, and the estimate is not worth going to."""
+        is_open = best.open_joints(self.options, evidence.noise_px).any()
+        return bool(is_open and best.std.max() > NAMING.max_imitated_std)
 
     def _chosen(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> tuple[Estimate, Choice]:
         """Apply the rule. Before the arm rests, rivals of the estimate are asked for."""
@@ -217,7 +230,10 @@ class Estimator:
         """The images leave a joint open: rest at the least predicted E."""
         best, see = state.best, evidence.see
         minima = best.minima if best is not None and best.minima else evidence.postures()
-        place = minima[0][1] if minima else see.displacement
+        if best is not None and not self._is_lost(best, evidence):
+            place = np.clip(best.theta, see.lower, see.upper)
+        else:
+            place = minima[0][1] if minima else see.displacement
         return nearest(state, evidence.body, see, place, ServoStatus.UNOBSERVABLE)
 
     def _at_least_seen_E(
@@ -234,9 +250,9 @@ def nearest(
 ) -> Outcome:
     """Go to a posture once, and rest there."""
     here = see.displacement if body is None else body.seen.displacement[-1]
-    if state.purpose is Purpose.NEAREST or np.abs(place - here).max() < SAME_PLACE:
+    if state.went_nearest or np.abs(place - here).max() < SAME_PLACE:
         return rest(state, see, status)
-    return moved(replace(state, purpose=Purpose.NEAREST), body, see, place)
+    return moved(replace(state, purpose=Purpose.NEAREST, went_nearest=True), body, see, place)
 
 
 def moved(state: EstimatorState, body: OwnBody | None, see: Observation, target: Displacement) -> Outcome:

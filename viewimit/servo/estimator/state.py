@@ -46,6 +46,7 @@ class EstimatorState:
     best: Estimate | None = None  # the likeliest hypothesis about the demonstrator
     n_explored: int = 0  # exploring motions since the demonstrator moved
     n_moved: int = 0  # all motions since then, but probes
+    went_nearest: bool = False  # whether the arm went to the least E since then, as a joint stays open
     purpose: Purpose = Purpose.PROBE
     exchanged: Pairs = ()  # pairs of the demonstrator's points that were swapped
     naming: Naming | None = None  # of its points, if they came without names

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from browsing import sparing
+from measure_first_view import first_view
 from msgspec.structs import replace
 from viewimit.app.lab.page import lab_address, lab_lacks, lab_page
 from viewimit.app.model.link import read_link
@@ -53,7 +54,7 @@ def opened(browser, path):
     """Opens the file in windows of their own, which must ask nobody and have no fault."""
     contexts, faults, requests = [], [], []
 
-    def open_(address="", width=1000, height=700, ready=True, before=None, **options):
+    def open_(address="", width=1000, height=700, ready=True, before=None, unfolded=True, **options):
         context = sparing(browser.new_context(viewport={"width": width, "height": height}, **options))
         contexts.append(context)
         page = context.new_page()
@@ -65,6 +66,8 @@ def opened(browser, path):
         page.goto(path.as_uri() + address)
         if ready:
             wait_until(lambda: page.evaluate("typeof lab === 'object'"))
+        if ready and unfolded:
+            page.evaluate("document.querySelectorAll('.panel details').forEach(one => { one.open = true; })")
         return page
 
     yield open_
@@ -317,7 +320,9 @@ def test_it_works_in_a_frame_of_any_page_and_without_webgl(opened, lab):
 @pytest.mark.browser
 @pytest.mark.parametrize("width, height", [(390, 844), (820, 1180), (1200, 720), (1440, 900), (2560, 1440)])
 def test_nothing_is_cut_off_at_any_size(opened, width, height):
-    page = opened(width=width, height=height, color_scheme="dark")
+    page = opened(width=width, height=height, color_scheme="dark", unfolded=False)
+    controls, words = first_view(page)
+    assert len(controls) <= 12 and len(words) <= 150, (controls, words)
     assert page.evaluate("document.documentElement.dataset.scheme") == "dark"
     assert page.evaluate("document.documentElement.scrollWidth") == width
     if width >= 1200:

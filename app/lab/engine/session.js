@@ -103,9 +103,9 @@ export class Session {
     return true;
   }
 
-  /** What would be seen of a posture, as of now: nothing moves. @param {number[]} theta */
-  observe(theta) {
-    return this.#observed(theta, this.now.thetaDemo, this.now.look, this.now);
+  /** What would be seen of postures, as of now: nothing moves. @param {number[]} theta @param {number[]} [thetaDemo] */
+  observe(theta, thetaDemo = this.now.thetaDemo) {
+    return this.#observed(theta, thetaDemo, this.now.look, this.now);
   }
 
   /** Move the demonstrator, at any time: the learner looks again, and a servo at rest wakes up. @param {number[]} theta */

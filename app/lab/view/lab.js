@@ -54,6 +54,7 @@ export class Lab {
     });
     this.#entered(() => {}, this.isServed || this.experiment.misread.length > 0);
     this.draw();
+    if (!address && !location.hash) this.player.nod();
     $("lesson").hidden = !lesson;
     if (lesson) $("lesson").href = lesson;
   }
@@ -182,7 +183,7 @@ export class Lab {
     const crosses = state.transfer === "epipolar" && moment.usable.includes(chosen);
     const lines = crosses ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const ease = player.still.matches ? 1 : player.isHeld ? HELD_EASE : EASE;
-    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays};
+    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays, isChosen: state.point !== undefined};
     const moves = view.draw(world, shown);
     const visited = session.trace.slice(0, player.glide ? -1 : undefined), {posedAt} = experiment;
     const path = visited.map((one, k) =>
@@ -192,7 +193,8 @@ export class Lab {
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
-    say($("typical"), moment.fitted ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
+    say($("typical"), moment.fitted ? residualText(moment.E) : "–");
+    $("fit").hidden = !view.space?.isTurned();
     $("map").classList.toggle("blank", !moment.fitted);
     document.body.classList.toggle("goalless", !goal);
     document.body.classList.toggle("lineless", state.transfer !== "epipolar");

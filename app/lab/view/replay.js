@@ -182,7 +182,7 @@ export class Replay {
     say($("truth"), $("goal").checked ? hidden : "The goal is hidden, from you as from the learner.");
     say($("E"), energyText(moment.E));
     const isKnown = Number.isFinite(moment.E), {usable, views: {own}, recovered} = moment;
-    say($("typical"), isKnown ? `a typical arrow: ${residualText(moment.E)}` : "no E: too few points");
+    say($("typical"), isKnown ? residualText(moment.E) : "–");
     say($("by-servo"), method.servoTitle);
     say($("by-transfer"), method.transferTitle + (method.rectified ? ", of rectified images" : ""));
     const lengths = usable.flatMap(i => [0, 2].map(k => ({

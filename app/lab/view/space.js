@@ -19,7 +19,7 @@
  * @typedef {Object} Shown what moves
  * @property {Record<Who, ArrayLike<number>[]>} frames T_world_link of every link, 3 x 4, row by row
  * @property {Record<Who, Vector[]>} points body points
- * @property {ArrayLike<number>[] | null} [ghost] frames of an arm to see through
+ * @property {(project: (p: ArrayLike<number>) => Vector) => void} [painted] draws over the canvas
  * @property {(Vector | null)[][]} plates each point on the four image plates
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
@@ -219,6 +219,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     const labels = stage.labels.map(({text, role, at}) => {
       const label = labelsIn.appendChild(document.createElement("span"));
       label.textContent = text;
+      label.classList.toggle("eye", VIEWS.includes(text));
       label.style.color = `var(--${role === "demonstrator" ? "demonstrator-edge" : role})`;
       return {label, at, view: VIEWS.indexOf(text), place: -1};
     });
@@ -390,16 +391,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     for (const [a, b, role, width, alpha] of shown.lines ?? []) addLine(a, b, colours[role], width, alpha);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    if (shown.ghost) { // its depth first, so that one layer of it is seen and not all
-      gl.useProgram(solid.made);
-      for (const visible of [false, true]) {
-        gl.colorMask(visible, visible, visible, visible);
-        gl.depthFunc(visible ? gl.LEQUAL : gl.LESS);
-        for (const {link, shape: what} of links) draw(solid, what, columns(shown.ghost[link]), colours.secondary, .3);
-      }
-      gl.depthFunc(gl.LESS);
-      gl.useProgram(flat.made);
-    }
     gl.depthMask(false);
     set.plates.forEach(what => draw(flat, what, UNMOVED, colours.plate, .55));
     gl.useProgram(line.made);
@@ -412,6 +403,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
     gl.depthMask(true);
     gl.bindVertexArray(null);
 
+    shown.painted?.(p => project(p, seen));
     const frusta = set.stage.frusta.map(({edges}) => edges.map(ends => ends.map(p => project(p, seen))));
     for (const one of set.labels) {
       const {label, at, view} = one, w = project(at, seen)[2];
@@ -485,7 +477,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes) {
   new ResizeObserver(later).observe(canvas);
   recolour();
   resize();
-  return {setStage, fit, recolour, turn, zoom, project, show: (/** @type {Shown} */ what) => { shown = what; later(); }};
+  return {setStage, fit, recolour, turn, zoom, project, isTurned: () => !untouched, show: (/** @type {Shown} */ what) => { shown = what; later(); }};
 }
 
 /**

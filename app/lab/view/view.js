@@ -4,12 +4,12 @@
  */
 import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
-import {Images} from "./images.js";
+import {Images, outermost, silhouette} from "./images.js";
 import {EnergyMap} from "./map.js";
 import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
-import {fixed, say} from "./svg.js";
+import {fixed, px, say, set} from "./svg.js";
 
 /**
  * @typedef {import("./space.js").Vector} Vector
@@ -19,8 +19,8 @@ import {fixed, say} from "./svg.js";
  * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage,
  *   page?: {scene: string, layouts: string[]}}} Scene page: how the page of viewimit names it
  * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
- * @typedef {import("./images.js").Picture & {rays: boolean}} Shown
- *   rays: whether each point is joined with its images in 3-D
+ * @typedef {import("./images.js").Picture & {rays: boolean, isChosen?: boolean}} Shown
+ *   rays: whether each point is joined with its images in 3-D; isChosen: whether the visitor chose the point
  */
 
 const PLATE_M = 0.17; // from a camera to its image plate, times the size of the scene
@@ -35,6 +35,7 @@ export class View {
    */
   constructor({robot, hulls}, meshes, changed) {
     this.images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, hulls);
+    this.hulls = outermost(hulls);
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
     this.space = opened(robot, meshes);
@@ -75,6 +76,7 @@ export class View {
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
     say($("residual"), residualOf(shown));
+    $("ring").hidden = !shown.isChosen;
     $("unused").hidden = shown.moment.usable.length === world.body.length;
     this.drawSpace(world, shown);
     return moves;
@@ -111,12 +113,24 @@ export class View {
     this.#later(() => space.show({
       points, plates, rays, recovered: found,
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
-      ghost: goal ? learner.linkFrames(thetaDemo) : null,
+      painted: project => this.#outline(project, goal ? learner.linkFrames(thetaDemo) : null),
       lines: N ? [
         ...chosenPoints, ...lines.length ? rayOf(scene, points.demonstrator[chosen]) : [],
         ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
       ] : [],
     }));
+  }
+
+  /**
+   * The goal over the 3-D view, as in the pictures: a dashed outline.
+   *
+   * @param {(p: ArrayLike<number>) => Vector} project to px, the third positive before the camera
+   * @param {ArrayLike<number>[] | null} frames of the links
+   */
+  #outline(project, frames) {
+    const outlines = frames ? this.hulls.map(({link, vertices}) => vertices.map(v => project(transform(frames[link], v)))) : [];
+    const ahead = outlines.filter(corners => corners.every(([, , w]) => w > 0)).map(corners => silhouette(corners));
+    set($("aim").firstElementChild, {d: ahead.map(corners => `M${corners.map(p => p.slice(0, 2).map(px).join(" ")).join("L")}z`).join("")});
   }
 
   /** Draw in 3-D, which may be slow, once the pictures and E are on the screen. @param {() => void} show */

@@ -2,13 +2,13 @@
  * Where lessons begin: a picture of each, in the order to take them.
  *
  * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./step-screen.js").Screen} Screen
  * @typedef {import("./step-screen.js").Button} Button
  * @typedef {{name: string, title: string, about: string, afterwards: string, minutes: number}} Other served beside
  *   this page
  */
 import {inline, make} from "./dom.js";
 import {QUESTION_S} from "./questions.js";
+import {StillScreen} from "./screens.js";
 
 /** @type {Record<string, [number, string]>} the order of the shipped lessons; one's own come first */
 const PLACES = {ray: [1, "Begin here"], tour: [2, "Then"], limits: [3, "Then"], jacobian: [4, "For the curious"],
@@ -31,8 +31,7 @@ draw-of-learner" cx="46" cy="40" rx="24" ry="14"/><circle class="draw-own-dot" c
 <path class="draw-up" d="M36 56q8-12 12 0t12-2t14-4"/>`,
 };
 
-/** @implements {Screen} */
-export class Cover {
+export class Cover extends StillScreen {
   /**
    * @param {HTMLElement} body
    * @param {Lesson[]} lessons
@@ -43,6 +42,7 @@ export class Cover {
    *   beside: (name: string) => string}} acts
    */
   constructor(body, lessons, lesson, stateOf, acts) {
+    super();
     this.start = () => acts.start(lesson);
     this.words = stateOf(lesson).words;
     const rank = (/** @type {{name: string}} */ {name}) => PLACES[name]?.[0] ?? 0;
@@ -55,22 +55,10 @@ export class Cover {
         each.one === lesson))));
   }
 
-  draw() { /* it stands still */ }
-
-  key() {
-    return false;
-  }
-
   /** @returns {Button} */
   primary() {
     return {words: this.words, key: "↵", filled: true, act: this.start};
   }
-
-  skip() {
-    return null;
-  }
-
-  remove() { /* it holds nothing */ }
 }
 
 /** With both rounds of its questions. @param {Lesson} lesson */

@@ -9,8 +9,30 @@
 import {inline, make} from "./dom.js";
 import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
 
-/** @implements {Screen} One of the eight. */
-export class QuestionScreen {
+/** @implements {Screen} What stands still, holds nothing and takes no key. */
+export class StillScreen {
+  draw() { /* nothing changes */ }
+
+  /** @param {KeyboardEvent} _event */
+  key(_event) {
+    return false;
+  }
+
+  /** @returns {Button} */
+  primary() {
+    return {words: "", act: () => {}};
+  }
+
+  /** @returns {Button | null} */
+  skip() {
+    return null;
+  }
+
+  remove() { /* nothing is held */ }
+}
+
+/** One of the eight questions. */
+export class QuestionScreen extends StillScreen {
   /**
    * @param {HTMLElement} body
    * @param {Lesson} lesson
@@ -21,6 +43,7 @@ export class QuestionScreen {
    *   skipAll: () => void, redraw: () => void}} acts
    */
   constructor(body, lesson, phase, k, kept, acts) {
+    super();
     const questions = lesson.questions ?? [], one = questions[k], was = kept[phase][one.id], began = performance.now();
     this.acts = acts;
     this.now = {answer: was ? was.answer : null, sure: was ? was.sure : /** @type {boolean | null} */ (null)};
@@ -57,12 +80,10 @@ export class QuestionScreen {
   skip() {
     return {words: "Skip the questions", act: this.acts.skipAll};
   }
-
-  remove() { /* it holds nothing */ }
 }
 
-/** @implements {Screen} What one can say now, and the review of the questions. */
-export class EndScreen {
+/** What one can say now, and the review of the questions. */
+export class EndScreen extends StillScreen {
   /**
    * @param {HTMLElement} body
    * @param {HTMLElement} figures
@@ -73,6 +94,7 @@ export class EndScreen {
    * @param {() => void} leave
    */
   constructor(body, figures, lesson, kept, link, next, leave) {
+    super();
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;
     this.leave = leave;
     const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) =>
@@ -96,20 +118,8 @@ export class EndScreen {
     figures.dataset.main = figures.dataset.side = "0";
   }
 
-  draw() { /* it stands still */ }
-
-  key() {
-    return false;
-  }
-
   /** @returns {Button} */
   primary() {
     return {words: "All lessons", key: "↵", filled: true, act: this.leave};
   }
-
-  skip() {
-    return null;
-  }
-
-  remove() { /* it holds nothing */ }
 }

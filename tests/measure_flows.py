@@ -91,7 +91,7 @@ def reload() -> set[str]:
     return files.found
 
 
-FLOWS = {"slider -> pose": (slider_to_pose, 10), "Play -> panels": (play_to_panels, 35), "reload": (reload, 30)}
+FLOWS = {"slider -> pose": (slider_to_pose, 8), "Play -> panels": (play_to_panels, 29), "reload": (reload, 18)}
 
 
 def main() -> None:

@@ -9,18 +9,13 @@ from ..model.page_model import PageModel
 from ..model.queue import number, one_of, text
 from .registry import command
 
-CLIENT_REPORTED = {
-    "dark": "prefers_dark",
-    "truth": "truth",
-    "flat": "flat",
-}  # fields of View, by link
+CLIENT_REPORTED = {"dark": "prefers_dark", "truth": "truth", "flat": "flat"}  # fields of View, by link
 NO_FLAG = "{value} is neither 0 nor 1"
 
 
 @command("choose_point", latest=True)
 def choose_point(
-    model: PageModel,
-    point: Annotated[int | None, lambda value: None if value == NO_POINT else round(number(value))],
+    model: PageModel, point: Annotated[int | None, lambda value: None if value == NO_POINT else round(number(value))]
 ) -> None:
     """Choose a body point, or none."""
     count = len(model.session.world.body)

@@ -12,7 +12,7 @@ from viewimit.loop.settings import given
 from viewimit.simulation.world import pose_for_hand
 
 from ..model.choices import SPEEDS, Preset, modified
-from ..model.displayed import rehearsal_of
+from ..model.editing import rehearsal_of
 from ..model.following import Played
 from ..model.keeping import become
 from ..model.link import read_link

@@ -187,15 +187,7 @@ class Presets:
 LARGE = ("images", "figures", "l", "r", "L", "R")  # the panels, one of the images
 CLIENT_REPORTED = ("prefers_dark", "flat", "truth", "unseen")  # fields that the browser reports
 WINDOW = "window"  # instead of all tabs' names
-SWITCHES = (
-    "goal",
-    "rays",
-    "residuals",
-    "gizmo",
-    "whole_frames",
-    "rectified",
-    "shadows",
-)  # kept by their names
+SWITCHES = ("goal", "rays", "residuals", "gizmo", "whole_frames", "rectified", "shadows")  # kept by their names
 SWITCHED = {name: name for name in (*SWITCHES, "flat", "dark", "look_only")}  # that the visitor sets
 
 

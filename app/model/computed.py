@@ -7,13 +7,7 @@ import msgspec
 
 from viewimit.analysis.minima import study_transfer
 from viewimit.analysis.observability import joint_uncertainty
-from viewimit.drawing.export.panels import (
-    COARSE_DEG,
-    MadeLandscape,
-    compute_landscape,
-    landscape_key,
-    make_landscape,
-)
+from viewimit.drawing.export.panels import COARSE_DEG, MadeLandscape, compute_landscape, landscape_key, make_landscape
 from viewimit.drawing.landscape import LandscapePicture
 from viewimit.estimation.equations import with_minus
 from viewimit.estimation.transfers import TRANSFERS

@@ -14,15 +14,12 @@ from viewimit.analysis.trajectory import Imitation
 from viewimit.drawing.export.panels import Appearance
 from viewimit.drawing.images.panel import SPARK_MOTIONS, draw_images
 from viewimit.drawing.images.planes import Windows, last_stage
-from viewimit.drawing.svg import count_motions
 from viewimit.estimation.transfers import TRANSFERS
-from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus
 from viewimit.simulation.appearance import Bodies
 from viewimit.simulation.camera import triangulate
-from viewimit.wording import either
 
 from ..jobs.camera_images import RemoteEyes
 from .choices import View
@@ -338,69 +335,3 @@ class Display:
         if self._appearance is None:
             self._appearance = Appearance(self._session.world)
         return self._appearance.of(moment)
-
-
-# The self-observations of a learner before it imitates, in words
-
-
-@dataclass(frozen=True)
-class Rehearsal:
-    """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
-    holds: whether the servo uses the observations, None before it was asked; motions: of the imitation; rests:
-    whether that has come to its end."""
-
-    seen: int
-    to_go: int
-    servo: str
-    holds: bool | None
-    motions: int
-    rests: bool
-
-    @property
-    def held(self) -> bool:
-        """Whether there is something to forget."""
-        return self.to_go > 0 or self.seen >= MIN_POSTURES
-
-    @property
-    def offered(self) -> bool:
-        """Whether a rehearsal can begin, or its observations can be discarded."""
-        return self.held or SERVOS[self.servo].predicts
-
-    @property
-    def words(self) -> str:
-        """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
-        if self.to_go:
-            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
-        able, one = SERVOS[self.servo].predicts, self.seen == 1
-        if not self.held:
-            return "" if able else f"Only for {_able()}."
-        remembers = f"Remembers {self.seen} posture{'' if one else 's'}"
-        if not able:
-            return f"{remembers}; only for {_able()}."
-        if self.holds is False:
-            return f"{remembers}, which {'does' if one else 'do'} not hold here: it probes."
-        if self.holds is None:
-            return f"{remembers}; Play imitates with {'it' if one else 'them'}."
-        imitates = f"{'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
-        return f"{remembers}, which {'holds' if one else 'hold'}. {imitates}"
-
-
-def rehearsal_of(session: Session) -> Rehearsal:
-    """At the moment that is shown."""
-    now = session.snapshot
-    seen = 0 if now.calibration is None else len(now.calibration)
-    to_go = 0 if now.pending_postures is None else len(now.pending_postures)
-    made, rests = session.history.imitation_motions, now.status.is_at_rest
-    return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
-
-
-def require_use(servo: str) -> None:
-    """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
-    if not SERVOS[servo].predicts:
-        refusal = "{servo} makes no use of a rehearsal; choose {others}"
-        raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
-
-
-def _able() -> str:
-    """The servos that make use of it, by their titles."""
-    return either([servo.title for servo in SERVOS.values() if servo.predicts])

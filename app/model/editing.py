@@ -9,15 +9,17 @@ from dataclasses import dataclass, replace
 import msgspec
 from numpy.typing import NDArray
 
+from viewimit.drawing.svg import count_motions
 from viewimit.loop.script import Log
-from viewimit.loop.self_calibration import DEFAULT_POSTURES
+from viewimit.loop.self_calibration import DEFAULT_POSTURES, MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import BodyPoint, Settings
 from viewimit.loop.snapshot import Snapshot
+from viewimit.servo import SERVOS
+from viewimit.wording import either
 
 from ..jobs.camera_images import CameraProcess, SessionEyes
 from .choices import Preset, Presets
-from .displayed import require_use
 from .player import DENSE, Duel, Player
 
 METHOD = {"transfer", "servo"}
@@ -220,3 +222,69 @@ class UndoStack:
 
 def _run(session: Session) -> Run:
     return tuple(session.history), session.cursor, session.log.copy()
+
+
+# The self-observations of a learner before it imitates, in words
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """seen: postures that are remembered; to_go: in which the learner is still to watch itself; servo: by its name;
+    holds: whether the servo uses the observations, None before it was asked; motions: of the imitation; rests:
+    whether that has come to its end."""
+
+    seen: int
+    to_go: int
+    servo: str
+    holds: bool | None
+    motions: int
+    rests: bool
+
+    @property
+    def held(self) -> bool:
+        """Whether there is something to forget."""
+        return self.to_go > 0 or self.seen >= MIN_POSTURES
+
+    @property
+    def offered(self) -> bool:
+        """Whether a rehearsal can begin, or its observations can be discarded."""
+        return self.held or SERVOS[self.servo].predicts
+
+    @property
+    def words(self) -> str:
+        """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
+        if self.to_go:
+            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
+        able, one = SERVOS[self.servo].predicts, self.seen == 1
+        if not self.held:
+            return "" if able else f"Only for {_able()}."
+        remembers = f"Remembers {self.seen} posture{'' if one else 's'}"
+        if not able:
+            return f"{remembers}; only for {_able()}."
+        if self.holds is False:
+            return f"{remembers}, which {'does' if one else 'do'} not hold here: it probes."
+        if self.holds is None:
+            return f"{remembers}; Play imitates with {'it' if one else 'them'}."
+        imitates = f"{'Imitated in' if self.rests else 'Imitates:'} {count_motions(self.motions)}."
+        return f"{remembers}, which {'holds' if one else 'hold'}. {imitates}"
+
+
+def rehearsal_of(session: Session) -> Rehearsal:
+    """At the moment that is shown."""
+    now = session.snapshot
+    seen = 0 if now.calibration is None else len(now.calibration)
+    to_go = 0 if now.pending_postures is None else len(now.pending_postures)
+    made, rests = session.history.imitation_motions, now.status.is_at_rest
+    return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
+
+
+def require_use(servo: str) -> None:
+    """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
+    if not SERVOS[servo].predicts:
+        refusal = "{servo} makes no use of a rehearsal; choose {others}"
+        raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
+
+
+def _able() -> str:
+    """The servos that make use of it, by their titles."""
+    return either([servo.title for servo in SERVOS.values() if servo.predicts])

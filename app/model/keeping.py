@@ -17,8 +17,7 @@ from viewimit.loop.settings import Settings
 from .choices import SWITCHES, Preset, View, presets_from, switched
 from .following import Played
 from .link import VERSUS, described, nearest, usual
-from .page_model import PageModel
-from .redraw import Redraw
+from .page_model import PageModel, Redraw
 
 MAX_READABLE = 6_000  # characters of a query, above which its script is packed
 FOR_PAGE = 200  # characters that the page's own fields may take

@@ -15,10 +15,9 @@ from ..commands import COMMANDS
 from ..jobs.camera_images import CameraLost, RemoteEyes
 from ..model.choices import WINDOW, Message
 from ..model.keeping import Keeper
-from ..model.page_model import PageModel
+from ..model.page_model import PageModel, Redraw
 from ..model.player import BUDGET
 from ..model.queue import CommandQueue, JobResult, Queued
-from ..model.redraw import Redraw
 from ..model.services import Services
 from ..panels import PANELS
 from ..panels.actions import Actions
@@ -38,13 +37,7 @@ class Page:
     """tick(now) takes what the visitor did, moves the loop on and poses the arms; draw() shows all else that changed.
     What changes is sent to the visitor's tab, which keeps it."""
 
-    def __init__(
-        self,
-        client: ClientHandle,
-        services: Services,
-        settings: Settings,
-        info: ClientInfo | None = None,
-    ):
+    def __init__(self, client: ClientHandle, services: Services, settings: Settings, info: ClientInfo | None = None):
         self._client = client
         self._clock, self.queue, self._redraw = services.clock, CommandQueue(COMMANDS), Redraw()
         self._now, self._is_new = -np.inf, True  # s, of the last tick; whether nothing of the world is drawn yet

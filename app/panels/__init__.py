@@ -10,10 +10,9 @@ from .actions import actions
 from .display import display, enlarge, offer_of_the_lab, points, still, views
 from .experiments import experiments, motions
 from .guide import glossary, keys, lessons
-from .images import images
 from .left import copy, demonstrator, disturbances, history, learner, method, situation, start
 from .panel import Layout
-from .plots import curves, duel, equations, landscape
+from .plots import curves, duel, equations, images, landscape
 from .share import save, share
 from .status import status
 

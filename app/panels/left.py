@@ -26,7 +26,7 @@ from ..model.choices import (
     servo_names,
     transfer_names,
 )
-from ..model.displayed import rehearsal_of
+from ..model.editing import rehearsal_of
 from ..model.page_model import PageModel
 from .panel import SLOW, JointSliders, Layout, Look, put, put_html, put_max
 

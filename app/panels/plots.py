@@ -1,4 +1,4 @@
-"""Plots in the lower panel: E over the postures with the learner's path, or of all transfers; curves;
+"""The four images, and the plots below: E over the postures with the learner's path, or of all transfers; curves;
 equations; a duel."""
 
 from functools import partial
@@ -10,11 +10,20 @@ from viewimit.drawing.curves import axis_end, draw_curves
 from viewimit.drawing.equations import draw_equations
 from viewimit.drawing.export.panels import MadeLandscape
 from viewimit.drawing.glossary import ask
+from viewimit.drawing.images.rectified import draw_rectified
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.servo import SERVOS
 
 from ..drawing import duel as drawing
-from ..drawing.overlays import asks, draw_see_through, motion_field, posture_field
+from ..drawing.overlays import (
+    asks,
+    draw_see_through,
+    motion_field,
+    point_links,
+    point_places,
+    posture_field,
+    proposed_marks,
+)
 from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
 from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
@@ -26,6 +35,47 @@ CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
 STARTS = "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
 WAITING = '<div class="vi-basin">Twenty learners set out …</div>'
 LOOK_ONLY = "Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there."
+
+
+def images(layout: Layout, model: PageModel) -> None:
+    with layout.upper_tab("Images"):
+        shown, links, proposed = (layout.gui.add_html("") for k in range(3))
+        layout.named["images"] = shown
+        layout.drawing(_images_key, partial(_draw_images, shown, proposed))
+        layout.drawing(_links_key, partial(_draw_point_links, links))
+
+
+def _images_key(model: PageModel) -> tuple:
+    view, displayed = model.view, model.displayed
+    switches = view.goal, view.truth, view.chosen, view.whole_frames, view.rectified, displayed.stage
+    snapshots = displayed.image_snapshot, displayed.preview
+    return model.generation, *snapshots, model.points.shown, *switches, *displayed.pictures.values()
+
+
+def _draw_images(shown: Any, proposed: Any, model: PageModel) -> None:
+    view, displayed = model.view, model.displayed
+    (bodies, windows), now = displayed.arms_in_images, displayed.image_snapshot
+    if view.rectified:
+        put_html(shown, draw_rectified(now, bodies))
+        put_html(proposed, "")
+        return
+    marks = model.points.shown.proposed_in
+    put_html(proposed, "" if marks is None else proposed_marks(marks, windows, view.whole_frames))
+    standing = None if displayed.preview is None else displayed.look_at(model.snapshot)[0]
+    seen = now.views
+    places = point_places(seen.demo, seen.own, seen.visible, windows, view.whole_frames)
+    put_html(shown, displayed.draw_images(displayed.stage, standing) + places)
+
+
+def _links_key(model: PageModel) -> tuple:
+    points = len(model.displayed.image_snapshot.views.demo)
+    return None if model.view.rectified else points, model.view.whole_frames
+
+
+def _draw_point_links(links: Any, model: PageModel) -> None:
+    """Draw the links again only when they change: a click on one is not lost while the arm moves."""
+    points, whole_frames = _links_key(model)
+    put_html(links, "" if points is None else point_links(points, whole_frames))
 
 
 def landscape(layout: Layout, model: PageModel) -> None:

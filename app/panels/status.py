@@ -6,14 +6,7 @@ as the images do.
 """
 
 from viewimit.drawing.curves import describe_errors
-from viewimit.drawing.status import (
-    BY_PAGE,
-    StatusMessage,
-    describe,
-    describe_outcome,
-    describe_truth,
-    draw_status,
-)
+from viewimit.drawing.status import BY_PAGE, StatusMessage, describe, describe_outcome, describe_truth, draw_status
 
 from ..drawing.joint_bars import describe_body_points
 from ..drawing.overlays import describe_see_through, link
@@ -27,12 +20,7 @@ RESTORES = "Press Esc to begin again: the page computes this tab’s session."
 UNSAVED = "This browser’s storage for the page is full or forbidden: a reload would lose this session."
 CHOICES = {  # by state: where a link leads, and its words
     "see-through": (("start/0", "Start here"), ("dismiss/0", "Let go")),
-    "editing": (
-        ("best/0", "Best next"),
-        ("remove/0", "Remove"),
-        ("scene/0", "Save scene"),
-        ("dismiss/0", "Done"),
-    ),
+    "editing": (("best/0", "Best next"), ("remove/0", "Remove"), ("scene/0", "Save scene"), ("dismiss/0", "Done")),
     "proposed": (("best/0", "Take it"), ("dismiss/0", "Not this one")),
 }
 

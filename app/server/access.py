@@ -30,8 +30,7 @@ log = logging.getLogger(__name__)
 of_websockets = logging.getLogger("viewimit.websockets")
 of_websockets.addFilter(lambda record: record.getMessage() != OF_CLIENTS)
 
-NO_SEAT = "All seats are taken. {why} This page tries again every few seconds; close a tab elsewhere to make room.\n"
-AGAIN = {"Refresh": "5"}  # s, as browsers take it
+NO_SEAT = "All seats are taken ({why}). This page tries again every few seconds; close a tab elsewhere to make room.\n"
 
 
 class AccessControl:
@@ -39,12 +38,7 @@ class AccessControl:
     of the lab, itself "", lessons by name.
     """
 
-    def __init__(
-        self,
-        limits: Limits,
-        origins: Iterable[str],
-        lab: Callable[[str], str | None] = lambda lesson: None,
-    ):
+    def __init__(self, limits: Limits, origins: Iterable[str], lab: Callable[[str], str | None] = lambda lesson: None):
         self._lab = lab
         self.limits, self._origins = limits, frozenset(origins)
         self._server: ViserServer | None = None
@@ -104,14 +98,14 @@ class AccessControl:
         clients = {} if self._server is None else self._server.get_clients()
         return any(uuid in viser_private.own(client).widgets for client in clients.values())
 
-    @property
-    def full(self) -> bool:
-        """Whether there are as many tabs as there may be."""
-        return len(self.seats) >= self.limits.seats
-
-    def full_for(self, address: int) -> bool:
-        """Whether as many tabs are open from there as one address may have."""
-        return sum(seat.network == address for seat in self.seats) >= self.limits.seats_of_one
+    def _no_seat(self, connection: GuardedConnection) -> tuple[http.HTTPStatus, str] | None:
+        """Return why there is no seat for a connection; None if there is one."""
+        if len(self.seats) >= self.limits.seats:
+            return http.HTTPStatus.SERVICE_UNAVAILABLE, f"all {self.limits.seats} are taken"
+        most = self.limits.seats_of_one
+        if sum(seat.network == connection.network for seat in self.seats) >= most:
+            return http.HTTPStatus.TOO_MANY_REQUESTS, f"its address has {most} already; --max-per-address allows more"
+        return None
 
     async def _answer(self, connection: GuardedConnection, request: Request, viser_answers: Callable):
         """Return a response, or None to take the websocket; a fault of its own is a line of the log, and a status."""
@@ -143,17 +137,11 @@ class AccessControl:
             return self._refuse_seat(connection, host, origin)
         if answer.status_code == http.HTTPStatus.NOT_FOUND:
             answer = plain_response(http.HTTPStatus.NOT_FOUND, "not found")
-        is_page = answer.headers.get("Content-Type", "").startswith("text/html")
-        if is_page and self.full:
-            why = f"{len(self.seats)} tabs are open here, which is as many as there is room for."
-            answer = plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, NO_SEAT.format(why=why), **AGAIN)
-        elif is_page and self.full_for(connection.network):
-            why = (
-                f"{self.limits.seats_of_one} tabs are open from your address, which is as many as one address may have."
-            )
-            answer = plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, NO_SEAT.format(why=why), **AGAIN)
-        elif is_page:
-            with_own_head(answer)
+        if answer.headers.get("Content-Type", "").startswith("text/html"):
+            if no_seat := self._no_seat(connection):
+                answer = plain_response(no_seat[0], NO_SEAT.format(why=no_seat[1]), Refresh="5")
+            else:
+                with_own_head(answer)
         _describe(answer.headers, host)
         return answer
 
@@ -168,13 +156,9 @@ class AccessControl:
         if origin is not None and not is_own_page(Origin(origin), host, self._origins):
             self.note(connection, f"a page of {origin} on {host}; --origin {origin} would let it in")
             return plain_response(http.HTTPStatus.FORBIDDEN, "not from there")
-        if self.full:
-            self.note(connection, f"a seat: all {self.limits.seats} are taken")
-            return plain_response(http.HTTPStatus.SERVICE_UNAVAILABLE, "all seats are taken")
-        if self.full_for(connection.network):
-            most = self.limits.seats_of_one
-            self.note(connection, f"a seat: its address has {most} already; --max-per-address allows more")
-            return plain_response(http.HTTPStatus.TOO_MANY_REQUESTS, "all seats of one address are taken")
+        if no_seat := self._no_seat(connection):
+            self.note(connection, f"a seat: {no_seat[1]}")
+            return plain_response(no_seat[0], no_seat[1])
         self.pending.discard(connection)
         self.seats.add(connection)
         connection.take_seat()

@@ -99,26 +99,10 @@ def lan_address(family: socket.AddressFamily = socket.AF_INET) -> str | None:
 
 PORTS_TO_TRY = 100
 EVERYWHERE = {"0.0.0.0": socket.AF_INET, "::": socket.AF_INET6}  # hosts, and the addresses that they listen on
-BACKLOG = 100  # connections that wait to be accepted
 
 
 class PortInUse(OSError):
     """The port is taken; the message names the next free one."""
-
-
-def listen(host: str, port: int) -> list[socket.socket]:
-    """Listening sockets on all addresses of a name. port 0 takes a free one. Raises OSError."""
-    listeners: list[socket.socket] = []
-    for family, *_, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE):
-        listener = socket.socket(family, socket.SOCK_STREAM)
-        _claim(listener)
-        if family == socket.AF_INET6:
-            listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
-        chosen = listeners[0].getsockname()[1] if listeners else port
-        listener.bind((place[0], chosen, *place[2:]))
-        listener.listen(BACKLOG)
-        listeners.append(listener)
-    return listeners
 
 
 def require_free(host: str, port: int) -> None:

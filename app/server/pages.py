@@ -66,11 +66,7 @@ class App:
     """Pages by client id, all of which come, are drawn and go in viser's event loop. lessons: of the lab, by name."""
 
     def __init__(
-        self,
-        server: viser.ViserServer,
-        options: ServerOptions,
-        scheduler: Scheduler,
-        lessons: Mapping[str, Lesson],
+        self, server: viser.ViserServer, options: ServerOptions, scheduler: Scheduler, lessons: Mapping[str, Lesson]
     ):
         self._server, self._settings, self._scheduler = server, options.settings, scheduler
         self._host, self._lessons = options.host, lessons

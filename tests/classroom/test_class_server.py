@@ -169,18 +169,6 @@ def test_the_lecturer_opens_a_copy_of_a_students_screen(lecturer, students):
     assert "gone" in lecturer.wait("done")["what"]
 
 
-def test_of_two_pages_of_the_lecturer_the_newest_leads(server, lecturer, students):
-    other = Lecturer(server, session=lecturer.session)
-    assert not lecturer.wait("leader", lambda m: not m["here"])["here"] and other.wait("leader")["here"]
-    other.send("lead", on=True)
-    students[0].orders(lambda o: o["lead"])
-    lecturer.send("state", state={"of": "the other"})
-    other.send("state", state=STATE)
-    assert students[0].wait("screen")["state"] == STATE
-    other.close()
-    lecturer.wait("leader", lambda m: m["here"])
-
-
 def test_only_who_types_the_code_is_the_lecturer_and_leaves_with_one_message(server, lecturer, students):
     guess = Student(server)
     guess.send("login", code=CODE[:-1])
@@ -253,38 +241,6 @@ def test_without_a_lecturer_students_are_let_go():
         student.orders(lambda o: not o["frozen"] and not o["hidden"] and not o["asked"])
 
 
-def test_a_truth_that_is_hidden_alone_is_released_too():
-    with ClassServer() as server:
-        lecturer, student = Lecturer(server), Student(server)
-        lecturer.send("hide", on=True)
-        student.orders(lambda o: o["hidden"])
-        lecturer.close()
-        student.orders(lambda o: not o["hidden"])
-
-
-def test_a_new_class_shows_the_truth_and_uses_no_number_of_an_order_again():
-    with ClassServer() as server:
-        lecturer, student = Lecturer(server), Student(server)
-        lecturer.send("hide", on=True)
-        lecturer.send("gather", lesson="tour", step="line")
-        gathered = student.orders(lambda o: o["gather"])["gather"]["number"]
-        round = lecturer.ask()
-        assert student.vote(round, 1)["kind"] == "ack"
-        lecturer.send("new")
-        student.orders(lambda o: not o["hidden"] and not o["asked"] and not o["gather"])
-        again = lecturer.ask()
-        assert again > round and lecturer.last("orders")["asked"]["times"] == 1
-        assert student.vote(round, 1)["kind"] == "refused", "a late answer to the earlier class"
-        lecturer.send("new")
-        lecturer.orders(lambda o: not o["asked"])
-        assert exported(lecturer) == []
-        server.restart()
-        lecturer = Lecturer(server, lecturer.token, lecturer.session)
-        assert lecturer.ask() > again
-        lecturer.send("gather", lesson="tour", step="line")
-        assert lecturer.orders(lambda o: o["gather"])["gather"]["number"] > gathered
-
-
 def exported(lecturer):
     before = lecturer.last("csv")
     lecturer.send("export")
@@ -342,28 +298,6 @@ def test_the_numbers_of_the_table_are_not_sent_with_names(lecturer, students):
                 assert not numbers & numbers_in(message), message
 
 
-def test_who_asks_for_it_while_offline_is_not_linked_from_the_next_connection_on():
-    with ClassServer() as server:
-        lecturer, student = Lecturer(server), Student(server)
-        round = lecturer.ask()
-        assert student.vote(round, 1)["kind"] == "ack"
-        assert student.reply(student.answer("tour", "line", {"choice": 0}))["kind"] == "ack"
-        linked = {row["person"] for row in exported(lecturer)}
-        assert len(linked) == 1 and "unlinked" not in linked
-        student.close()
-        wait_until(lambda: not people(lecturer))
-        again = Student(server, student.token, linked=False)
-        assert [row["person"] for row in exported(lecturer)] == ["unlinked"] * 2
-        with sqlite3.connect(server.data) as file:
-            assert file.execute("select count(*) from persons").fetchone() == (0,)
-        assert again.vote(round, 2)["kind"] == "ack"
-        lecturer.counted(total=1, counts=[0, 0, 1])  # still one vote
-        again.send("self", linked=True)
-        assert again.reply(again.answer("tour", "line", {"choice": 1}))["kind"] == "ack"
-        numbers = {row["person"] for row in exported(lecturer)} - {"unlinked"}
-        assert len(numbers) == 1 and not numbers & linked, "another number than in an earlier table"
-
-
 def test_the_gain_is_of_those_who_answered_both_times_and_of_no_few(server, lecturer, students):
     more = [*students, *(Student(server) for _ in range(4))]
     for k, student in enumerate(more):
@@ -394,32 +328,6 @@ def test_an_answer_that_cannot_be_saved_is_not_acknowledged_until_it_is():
         assert student.reply(seq)["kind"] == "ack"
         lecturer.wait("count", lambda m: m["problem"] is None)
         assert server.log.count("answers are not saved") == 1
-
-
-def test_while_answers_cannot_be_saved_the_lecturer_has_the_others_and_the_server_ends():
-    with ClassServer() as server:
-        lecturer, students = Lecturer(server), [Student(server) for _ in range(2)]
-        round = lecturer.ask()
-        for student in students:
-            assert student.vote(round, 1)["kind"] == "ack"
-        other = sqlite3.connect(server.data, isolation_level=None)
-        other.execute("begin exclusive")
-        students[0].answer("tour", "line", {"choice": 0})
-        students[1].send("self", linked=False)
-        begun = time.monotonic()
-        rows = exported(lecturer)
-        assert [(row["item"], row["person"] == "unlinked") for row in rows] == [("eyes", True), ("eyes", False)]
-        assert "missing here: 1, as answers are not saved" in lecturer.wait("done")["what"]
-        lecturer.send("gain")
-        assert not lecturer.wait("gain")["learned"]["enough"]
-        lecturer.send("reveal")
-        lecturer.orders(lambda o: o["asked"]["revealed"])
-        assert time.monotonic() - begun < 4
-        begun = time.monotonic()
-        server.stop()
-        assert time.monotonic() - begun < 8
-        assert "answers that could not be saved: 1:" in server.log and "Traceback" not in server.log
-        other.close()
 
 
 HOSTILE = {
@@ -565,33 +473,6 @@ def test_the_page_has_a_policy_with_hashes_and_is_kept_by_browsers(server):
     assert asked(server.url, **{"Accept-Encoding": "gzip"})[1]["Content-Encoding"] == "gzip"
     with pytest.raises(urllib.error.HTTPError, match="304"):
         asked(server.url, **{"If-None-Match": headers["ETag"]})
-
-
-def test_it_is_embedded_and_served_under_a_path():
-    with ClassServer("--embed", "https://moodle.example.org", "--root-path", "/x") as server:
-        for path in ("/", "/x/", "/x"):
-            status, headers, body = asked(server.url + path)
-            assert status == 200 and "frame-ancestors 'self' https://moodle.example.org" in str(headers)
-        for path in ("/socket", "/x/socket"):
-            Student(server, path=path).close()
-
-
-def test_silent_connections_are_closed(server):
-    host, port = server.url.removeprefix("http://").split(":")
-    silent = socket.create_connection((host, int(port)))
-    half = socket.create_connection((host, int(port)))
-    half.send(b"GET / HTTP/1.1\r\nHost:")
-    mute = Student(server, hello=False)
-    begun = time.monotonic()
-    for one in (silent, half):
-        one.settimeout(20)
-        try:
-            assert one.recv(1) == b""
-        except ConnectionResetError:
-            pass
-    assert 5 < time.monotonic() - begun < 15
-    wait_until(lambda: mute.closed)
-    wait_until(lambda: "says nothing" in server.log)
 
 
 def damaged(folder):

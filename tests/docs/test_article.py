@@ -164,27 +164,9 @@ def test_hands_and_keys_change_what_is_computed(opened):
 
 
 @pytest.mark.browser
-def test_a_tap_places_the_arm_and_a_swipe_scrolls(opened):
-    page = opened(width=390, height=800, has_touch=True, is_mobile=True)
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    page.locator("[data-live=bowl] .live-now .map .box").scroll_into_view_if_needed()
-    theta, (x, y) = page.evaluate(STATE, "bowl")["theta"], centre(page, "[data-live=bowl] .live-now .map .box")
-    page.touchscreen.tap(x - 40, y)
-    placed = waits_for(page, "bowl", lambda now: now["theta"] != theta)["theta"]
-    devtools, top = page.context.new_cdp_session(page), page.evaluate("scrollY")
-    touch = lambda kind, points: devtools.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    touch("touchStart", [{"x": x + 60, "y": y}])
-    for k in range(1, 7):
-        touch("touchMove", [{"x": x + 60, "y": y - 25 * k}])
-        page.wait_for_timeout(25)
-    touch("touchEnd", [])
-    wait_until(lambda: page.evaluate("scrollY") > top + 50)
-    assert page.evaluate(STATE, "bowl")["theta"] == placed
-
-
-@pytest.mark.browser
 def test_print_and_browsers_without_script_show_the_stills(opened, browser, path):
-    page = opened()
+    page = opened(width=390)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     shown = "kind => [...document.querySelectorAll(kind)].map(e => getComputedStyle(e).display !== 'none')"
     assert not any(page.evaluate(shown, ".still")) and all(page.evaluate(shown, ".live-now"))
     page.emulate_media(media="print")

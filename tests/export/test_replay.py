@@ -215,7 +215,6 @@ def test_it_opens_from_a_file_slides_and_plays_and_asks_nobody(session, replay, 
         assert page.evaluate("replay.chosen") == digit
     page.keyboard.press("n")
     assert page.evaluate("replay.chosen") == 5
-    page.wait_for_timeout(300)  # until the pictures stand
     page.mouse.click(*place_of(page, "R", 8))
     wait_until(lambda: "point 8" in page.locator("#residual").inner_text())
     page.keyboard.press("ArrowRight")  # it stays chosen
@@ -255,8 +254,8 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     moment = session.history[2]
     np.testing.assert_allclose(page.evaluate(state), [moment.theta, moment.theta_demo], atol=2e-6)
     assert "after motion 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
-    assert "rectified pictures" in page.locator("#says").inner_text()  # the lab has none
-    page.keyboard.press("ArrowRight")
+    assert "rectified images" in page.locator("#says").inner_text()  # the lab has none
+    page.locator("#step").click()
     wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)
     wait_until(lambda: page.evaluate("location.hash").endswith("steps=1"))
     address = page.evaluate("location.hash")

@@ -253,6 +253,8 @@ def test_a_challenge_made_here_is_played_there_by_touch_and_by_keys(browser, add
     assert keys.evaluate("lab.session().now.motion") == robot
     keys.go_back()
     assert keys.inner_text(".verdict").startswith("You gave up")
+    keys.goto(address + "#challenge=today")
+    wait_until(lambda: keys.inner_text(".task").startswith("The pose of today. Copy it"))
     assert faults == []
     for page in pages:
         page.context.close()

@@ -1,19 +1,14 @@
 """Facts and records of the lessons against other ways to compute them."""
 
-import dataclasses
-
 import numpy as np
 import oracles
 import pytest
-from viewimit.app.lab.lessons import facts, records, samples, sign, step_data
-from viewimit.app.lab.lessons.checks import HERE
+from viewimit.app.lab.lessons import facts, records, sign
 from viewimit.app.lab.lessons.circle import follow_circle
 from viewimit.app.lab.lessons.situation import Situation, move_eyes
-from viewimit.app.lab.lessons.source import shipped
 
 from viewimit import Session, Settings
 from viewimit.analysis.landscape import conflict_at
-from viewimit.sensing.files import parse_toml
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World
 
@@ -23,11 +18,6 @@ SIGMAS = 4.0  # of a sample's scatter
 def situation(demonstrator=(62, -118), start=(25, -45), **fields):
     settings = {"demonstrator_deg": demonstrator, "start_deg": start, **fields}
     return Situation(Settings.paper(**settings))
-
-
-def sampling(lesson, step_id):
-    step = next(step for step in shipped()[lesson].step if step.id == step_id)
-    return step_data.situation_of(shipped()[lesson], step)
 
 
 def test_situations_are_equal_if_what_they_show_is():
@@ -167,38 +157,6 @@ def test_a_hand_that_copies_the_circle_draws_it():
     assert np.linalg.norm(hand, axis=1) == pytest.approx(made.early.run.hand_m, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.5, "half"),
-        (0.1, "a tenth"),
-        (1 / 11, "an 11th"),
-        (0.0209, "a 48th"),
-        (1 / 23, "a 23rd"),
-        (1 / 800, "an 800th"),
-        (3.0, "3 times"),
-    ],
-)
-def test_shares_are_written_as_fractions(value, text):
-    assert facts.share(value) == text
-
-
-@pytest.mark.parametrize(("lesson", "step"), [("tour", "servo"), ("jacobian", "knobs"), ("jacobian", "forty")])
-def test_dealt_postures_are_off_the_middle_and_can_be_reached(lesson, step):
-    one = sampling(lesson, step)
-    sampled = samples.sample_postures(one, step_data.SAMPLES, step_data.SAMPLE_SEED)
-    assert len({other.digest for other in sampled}) == step_data.SAMPLES
-    for other in sampled:
-        demo, start = np.array(other.settings.demonstrator_deg), np.array(other.settings.start_deg)
-        assert any(all(low <= angle <= high for angle, (low, high) in zip(demo, region)) for region in samples.REGIONS)
-        assert np.abs(demo - start).min() >= 20 and np.abs(demo - [45, -90]).max() >= 20
-        found = records.landscape(other, 1.0)
-        assert np.nanmin(found.E) < 2.0 and len(records.minima(other)) == 1
-        assert other.start.E > 8 and found.E[45, 90] > (one.goal or 2)
-    again = samples.sample_postures(one, 3, step_data.SAMPLE_SEED)
-    assert [other.settings for other in again] == [other.settings for other in sampled[:3]]
-
-
 def test_ten_runs_of_which_five_are_right():
     made = sign.runs_record()
     assert len(made) == 10 and sum(one["holds"] for one in made) == 5
@@ -221,16 +179,3 @@ def test_the_learner_s_certificate_bets_better_than_half_always():
     assert oracles.brier([0.5] * 10, holds) == 0.25
     assert oracles.brier(bets, holds) < 0.25
     assert oracles.brier(holds, holds) == 0.0
-
-
-def test_facts_are_the_measures_of_the_library_and_have_their_units():
-    measures = parse_toml(HERE.joinpath("measures.toml").read_bytes())["library"]
-    assert {name: fact.unit for name, fact in facts.FACTS.items()} == measures
-
-
-def test_dealing_ends_where_hardly_any_start_is_far_above_the_goal():
-    lesson = shipped()["tour"]
-    step = next(step for step in lesson.step if step.id == "servo")
-    hopeless = dataclasses.replace(step_data.situation_of(lesson, step), goal=500.0)
-    with pytest.raises(ValueError, match="choose another goal"):
-        samples.sample_postures(hopeless, 1, 3)

@@ -1,13 +1,10 @@
 """A lesson file: each fault is named with file, line and field, and with the names that exist."""
 
-from pathlib import Path
-
 import pytest
 from viewimit.app.lab.lessons import source
 
 from viewimit.commands.cli import main
 
-ROOT = Path(__file__).parents[2]
 LESSON = """title = "One"
 short = "One"
 about = "About."

@@ -14,9 +14,6 @@ import pytest
 import typescript
 from serving import Server
 from viewimit.app.lab.lessons import page, source, step_data
-from viewimit.app.lab.lessons.checks import figure_kinds, measure_table, measure_units
-from viewimit.app.lab.lessons.facts import FACTS
-from viewimit.app.lab.lessons.format import measures_of
 from viewimit.app.lab.page import lab_page
 
 from viewimit.commands.cli import main
@@ -24,7 +21,6 @@ from viewimit.commands.cli import main
 HERE = Path(__file__).parent
 LAB = HERE.parent.parent / "app" / "lab"
 LESSONS = source.shipped()
-LIBRARY_MEASURES = measure_table()["library"]
 
 
 @pytest.fixture(scope="module")
@@ -53,58 +49,11 @@ def test_a_page_is_one_small_file_that_asks_nobody(name):
     assert [one["name"] for one in found["catalogue"]] == [name]
 
 
-def test_a_step_has_its_state_in_a_scene_of_the_page(data):
-    for name, step in steps_of(data):
-        for state in (step["state"], *(sample["state"] for sample in step.get("samples", []))):
-            scene = data[name]["scenes"][state["scene"]]
-            assert str(state["points"]) in scene["layouts"]
-            for posture in (state["demonstrator"], state["start"]):
-                assert np.all(np.array(scene["lower"]) - 1e-9 <= posture)
-                assert np.all(posture <= np.array(scene["upper"]) + 1e-9)
-
-
-def test_what_only_the_library_computes_is_in_the_page(data):
-    for name, step in steps_of(data):
-        lesson = LESSONS[name]
-        own = next(one for one in lesson.step if one.id == step["id"])
-        wanted = {measure for measure in measures_of(own) if measure in LIBRARY_MEASURES}
-        for facts in (step["facts"], *(sample["facts"] for sample in step.get("samples", []))):
-            assert wanted <= facts.keys(), step["id"]
-            assert all(fact["text"] for fact in facts.values())
-
-
-def test_measures_and_their_places_of_computation_are_one_table():
-    units = measure_units()
-    assert not set(LIBRARY_MEASURES) - set(FACTS)
-    assert {name: unit for name, unit in LIBRARY_MEASURES.items() if FACTS[name].unit != unit} == {}
-    named = {measure for lesson in LESSONS.values() for step in lesson.step for measure in measures_of(step)}
-    items = {
-        name
-        for item in source.questions().item
-        for answer in item.answers
-        for name in re.findall(r"{([^{}]*)}", answer.because)
-    }
-    assert named | items <= set(units)
-
-
 def test_a_computed_right_answer_is_one_of_the_answers(data):
     for name, step in steps_of(data):
         ask = step["ask"]
         if ask["kind"] == "choice" and ask["right"] in step["facts"]:
             assert step["facts"][ask["right"]]["value"] in range(1, len(ask["answers"]) + 1), (name, step["id"])
-
-
-def test_eyes_move_with_their_sliders(data):
-    found = {(name, slider): values for name, step in steps_of(data) for slider, values in step["variants"].items()}
-    assert set(found) == {("ray", "camera distance"), ("limits", "distance"), ("limits", "baseline")}
-    for values in found.values():
-        numbers = [one["value"] for one in values]
-        assert numbers == sorted(numbers) and all(len(one["cameras"]) == 4 for one in values)
-    apart = [np.array(one["cameras"][0]["centre"]) - one["cameras"][1]["centre"] for one in found["limits", "baseline"]]
-    assert np.linalg.norm(apart, axis=1) == pytest.approx([one["value"] / 100 for one in found["limits", "baseline"]])
-    focal = {one["value"]: one["cameras"][0]["focal"][0] for one in found["ray", "camera distance"]}
-    assert focal[10.0] == pytest.approx(10 * focal[1.0]) and {1.0, 10.0} <= focal.keys()
-    assert {1.0, 10.0, 30.0} <= {one["value"] for one in found["limits", "distance"]}
 
 
 def test_dealt_poses_are_off_the_centre_and_apart(data):
@@ -119,15 +68,6 @@ def test_dealt_poses_are_off_the_centre_and_apart(data):
         )
         apart = np.degrees(np.abs(np.subtract(sample["state"]["start"], sample["state"]["demonstrator"])))
         assert apart.min() >= 20 - 1e-6
-
-
-def test_a_step_that_carries_on_has_the_deals_of_the_one_before(data):
-    steps = {step["id"]: step for step in data["tour"]["lessons"][0]["steps"]}
-    for name in ("claim", "bowl", "feel"):
-        states = [[sample["state"][key] for key in ("demonstrator", "start")] for sample in steps[name]["samples"]]
-        assert states == [
-            [sample["state"][key] for key in ("demonstrator", "start")] for sample in steps["servo"]["samples"]
-        ]
 
 
 def test_a_step_links_to_the_lab_and_to_viewimit_only_where_they_have_its_scene(data):
@@ -159,12 +99,6 @@ def test_a_lesson_beside_a_lab_of_another_scene_links_to_that_scene_only():
     scenes = page.page_data(lesson, lab=("panda-toed", None))["scenes"]
     presets = {key.rsplit("-", 1)[0]: scene["page"]["preset"] for key, scene in scenes.items()}
     assert presets == {"panda": None, "panda-toed": "paper", "panda-forearm": None}
-
-
-def test_the_eight_questions_come_with_the_tour(data):
-    asked = data["tour"]["lessons"][0]["questions"]
-    assert len(asked) == 8 and all(data[name]["lessons"][0]["questions"] is None for name in LESSONS if name != "tour")
-    assert "{" not in json.dumps([answer["because"] for item in asked for answer in item["answers"]])
 
 
 def test_the_data_of_the_shipped_lessons_are_in_the_package():
@@ -218,11 +152,6 @@ def test_a_command_writes_several_lessons_into_one_file(tmp_path, capsys):
     assert main(["lab", "--lesson", "ray", "--lesson", "motion", "--out", str(out)]) == 0
     assert [one["name"] for one in data_in(out.read_text("utf-8"))["lessons"]] == ["ray", "motion"]
     assert f"written to {out}" in capsys.readouterr().err
-
-
-def test_figures_of_the_table_are_all_used():
-    used = {figure.figure for lesson in LESSONS.values() for step in lesson.step for figure in (*step.main, *step.side)}
-    assert used == set(figure_kinds())
 
 
 def test_viewimit_serves_each_lesson(tmp_path):

@@ -6,21 +6,12 @@ from page_fakes import Hands, QuietExperiments, call, link, quiet_model
 from quiet_page import QuietPage
 from viewimit.app.commands import COMMANDS
 from viewimit.app.jobs.experiments import Run
-from viewimit.app.model.choices import (
-    AS_STARTED,
-    OF_ARMS,
-    OF_IMAGES,
-    PRESETS,
-    joint_choices,
-    presets_from,
-)
+from viewimit.app.model.choices import AS_STARTED, OF_ARMS, OF_IMAGES, PRESETS, joint_choices, presets_from
 from viewimit.app.model.keeping import tab_link
 from viewimit.app.model.queue import PENDING_LIMIT, CommandQueue, JobResult, Rejected
 
-from viewimit.analysis.trajectory import make_motion
 from viewimit.experiments import EXPERIMENTS
 from viewimit.loop.settings import Settings
-from viewimit.simulation.world import hand_position
 
 AMOUNTS = {amount.name: amount for amount in (*OF_IMAGES, *OF_ARMS)}
 
@@ -116,15 +107,6 @@ def test_a_resting_loop_wakes_when_the_demonstrator_moves(page):
     assert np.abs(np.degrees(session.snapshot.theta - session.snapshot.theta_demo)).max() < 5
 
 
-def test_the_hand_is_followed_to_where_the_joints_can_bring_it(page):
-    session, _, _, visitor = page
-    world = session.world
-    posture = np.radians([62.0, -71.0])
-    target = hand_position(world, posture, world.T_world_demo)
-    visitor.set("hand", target)
-    assert np.allclose(np.degrees(session.snapshot.theta_demo), [62, -71], atol=0.1)
-
-
 def said(taken):
     return [(one.command.name, *one.arguments) for one in taken]
 
@@ -211,20 +193,6 @@ def test_of_what_a_worker_makes_of_a_kind_the_newest_arrives():
     assert arrived == [2, 3]
 
 
-@pytest.mark.parametrize("speed", [0.5, 4.0])
-def test_motions_keep_their_distance_in_time(page, speed):
-    session, player, _, _ = page
-    player.toggle()
-    player.speed = speed
-    motions = []
-    for tick in range(100):
-        before = session.snapshot.motion
-        player.advance(0.05 * tick + 7.0)
-        if session.snapshot.motion > before:
-            motions.append(0.05 * tick)
-    assert len(motions) >= 3 and np.diff(motions) == pytest.approx(1 / speed, abs=0.051)
-
-
 @pytest.fixture
 def experimenting():
     """A visitor with experiments and motions: session, worker, experiments, motions, visitor, what was sent."""
@@ -266,20 +234,6 @@ def test_run_becomes_cancel_while_an_experiment_goes_on(experimenting):
     assert sent == [("viewimit-fig7.zip", b"zip")] and not experiments.going_on
     visitor.act("run", 0.0)
     assert len(worker.asked) == 2
-
-
-def test_a_recorded_motion_that_does_not_fit_is_refused_before_anything_runs(experimenting):
-    session, worker, _, motions, visitor, _ = experimenting
-    visitor.set("experiment", EXPERIMENTS["fig10"].title)
-    motions.recorded = make_motion("mine", session.scene, np.radians([[45.0, -170.0], [50.0, -175.0]]))
-    visitor.set("motion", "recorded")
-    visitor.act("run", 0.0)
-    assert worker.asked.pop().options == {"motion": motions.recorded}
-    session.change(scene="iiwa", demonstrator_deg=None)
-    motions.tick()
-    with pytest.raises(ValueError, match="outside its limits"):
-        visitor.act("run", 0.0)
-    assert not worker.asked
 
 
 def test_what_the_browser_prefers_holds_until_the_visitor_chooses():

@@ -6,8 +6,6 @@ import pytest
 from page_fakes import Hands, quiet_model
 from viewimit.app.model.player import ARRIVED_DEG, Duel, Player
 
-from viewimit.analysis.convergence import ErrorTrace, recent_errors_deg
-from viewimit.drawing.curves import describe_errors
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 
@@ -120,24 +118,6 @@ def test_arrival_is_the_first_motion_within_a_degree_of_where_the_demonstrator_i
     for _ in range(12):
         visitor.act("step", 0.0)
     assert duel.standings[0].arrived > own.arrived
-
-
-def test_errors_are_those_of_the_history_however_that_changes():
-    session, trace, rng = Session(Settings.paper()), ErrorTrace(), np.random.default_rng(0)
-    for _ in range(60):
-        change = rng.integers(5)
-        if change < 3:
-            session.step()
-        elif change == 3:
-            session.scrub(int(rng.integers(len(session.history))))
-        else:
-            session.pose(rng.uniform(session.scene.lower, session.scene.upper))
-        direct = [np.degrees(np.abs(moment.theta - moment.theta_demo)).max() for moment in session.history]
-        assert list(trace.of(session.history)) == pytest.approx(direct)
-        last = direct[: session.cursor + 1]
-        assert describe_errors(recent_errors_deg(session.history, session.cursor)) == describe_errors(last)
-    session.reset()
-    assert len(trace.of(session.history)) == 1
 
 
 def test_nobody_races_against_the_same_method():

@@ -67,10 +67,3 @@ def test_a_coarse_one_has_a_sixteenth_of_the_postures_and_the_same_E_there(sessi
     assert coarse.E.size < fine.E.size / 12
     corners = np.ix_([0, -1], [0, -1])
     np.testing.assert_allclose(coarse.E[corners], fine.E[corners], rtol=1e-9)
-
-
-def test_without_two_joints_nothing_is_made_twice(own, worker):
-    session = Session(Settings.paper(joints=(2, 3, 4), transfer="projective"))
-    own.ask(session.world, session.snapshot)
-    own.take(worker.makes[-1]())
-    assert len(worker.makes) == 1

@@ -3,7 +3,7 @@
 import pytest
 from page_fakes import Hands, quiet_model
 from quiet_page import QuietPage
-from viewimit.app.model.choices import AS_STARTED, PRESETS, modified
+from viewimit.app.model.choices import AS_STARTED, PRESETS
 from viewimit.app.model.editing import MAX_ENTRIES
 
 from viewimit.loop.settings import Settings
@@ -116,23 +116,6 @@ def test_a_reset_in_a_duel_brings_back_both(visit):
     visitor.act("reset")
     visitor.act("duel")  # ends it: what was left had two learners
     assert model.past.here is None
-
-
-def test_a_changed_preset_says_so_and_choosing_it_again_restores_it():
-    page = QuietPage(SETTINGS)
-    page.tick(1.0)
-    shown = lambda: page.widget("Preset").value
-    assert shown() == AS_STARTED
-    page.choose("Transfer", "Projective combination")
-    page.tick(1.0)
-    assert shown() == modified(AS_STARTED) and AS_STARTED in page.widget("Preset").options
-    page.choose("Preset", modified(AS_STARTED))
-    page.tick(1.0)
-    assert shown() == modified(AS_STARTED) and "no preset" not in page.shown
-    page.choose("Preset", AS_STARTED)
-    page.tick(1.0)
-    assert shown() == AS_STARTED and modified(AS_STARTED) not in page.widget("Preset").options
-    assert page.page.model.session.settings.transfer == "epipolar"
 
 
 def test_what_is_chosen_and_taken_back_between_two_looks_is_not_shown_on():

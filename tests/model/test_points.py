@@ -5,7 +5,6 @@ import pytest
 from page_fakes import Hands, call, link, quiet_model
 from quiet_page import QuietPage
 
-from viewimit.analysis.observability import point_information
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -97,17 +96,6 @@ def test_nothing_is_edited_unless_editing_is_on(visit):
         with pytest.raises(ValueError, match="not being edited"):
             edit()
     assert model.session.snapshot is before and model.points.shown.information is None
-
-
-def test_what_the_points_tell_is_said_at_once(visit):
-    model, visitor = visit
-    for edit in (lambda: None, lambda: PLACE.apply(model, 0.0), lambda: visitor.set("joint0", 20.0)):
-        edit()
-        shown, now = model.points.shown, model.session.snapshot
-        true = point_information(model.session.world, now)
-        np.testing.assert_array_equal(shown.information.std_per_px, true.std_per_px)
-        assert (shown.information.count, shown.information.flatness) == (true.count, true.flatness)
-        assert model.points.shown is shown
 
 
 def test_the_best_next_is_proposed_then_taken(visit, worker):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from viewimit.app.model.motions import FILE, MOST_BYTES, Motions, Playback, Recorder
 
-from viewimit.analysis.trajectory import MAX_FRAMES, MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
+from viewimit.analysis.trajectory import MOTIONS, STEP_S, decode_motion, encode_motion, make_motion
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.simulation.scene import load_scene
@@ -51,12 +51,6 @@ class TestRecorder:
     def test_a_demonstrator_that_never_moved_makes_no_motion(self):
         with pytest.raises(ValueError, match="did not move"):
             recorded([0.0, 0.1, 0.2], [(45, -90)] * 3).finish()
-
-    def test_it_is_full_with_as_many_frames_as_a_motion_may_have(self):
-        count = MAX_FRAMES + 50
-        swing = np.stack([45 + 10 * np.sin(np.arange(count)), np.full(count, -90.0)], -1)
-        recorder = recorded(STEP_S * np.arange(count) * 1.003, swing)
-        assert recorder.full and len(recorder.finish().theta_deg) == MAX_FRAMES
 
 
 class TestPlayback:
@@ -144,15 +138,6 @@ class TestMotions:
         other.motions.load(data)
         assert other.motions.recorded == made == decode_motion(data, SCENE) and other.motions.name == "recorded"
         assert other.motions.asked_for() == made
-
-    def test_scrubbing_shows_a_moment_and_ends_the_replay(self, desk):
-        desk.record(WAVE)
-        desk.motions.replay()
-        desk.motions.scrub(0.35)
-        assert desk.demonstrator == pytest.approx(WAVE[6], abs=1e-4) and not desk.motions.replaying
-        desk.motions.replay()  # from there
-        desk.tick(2)
-        assert desk.demonstrator == pytest.approx(WAVE[8], abs=1e-4)
 
     @pytest.mark.parametrize("name", MOTIONS)
     def test_made_up_motions_are_made_aside_about_the_present_posture(self, desk, name):

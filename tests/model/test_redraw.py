@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from quiet_page import QuietPage
-from viewimit.app.model.redraw import EARLY, Redraw
+from viewimit.app.model.page_model import EARLY, Redraw
 
 from viewimit.loop.settings import Settings
 

@@ -58,18 +58,6 @@ def test_it_is_cancelled_when_what_it_depends_on_changes_and_what_comes_late_is_
     assert model.basins.run.figure == ""
 
 
-def test_the_button_cancels_and_then_hides_it(visit):
-    model, visitor, worker = visit
-    toggle(model)
-    toggle(model)
-    assert worker.cancelled == 1 and model.basins.run is None
-    toggle(model)
-    worker.tell(Run(worker.asked[1].name, "done", figure="all"))
-    visitor.arrive()
-    toggle(model)
-    assert worker.cancelled == 1 and model.basins.run is None
-
-
 def test_what_cannot_be_is_said(visit):
     model, visitor, worker = visit
     toggle(model)

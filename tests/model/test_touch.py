@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from drawn import SEE_THROUGH
-from page_fakes import Hands, call, link, quiet_model
-from quiet_page import QuietPage
+from page_fakes import Hands, link, quiet_model
 from sameness import assert_same
 from viewimit.app.model.choices import NO_POINT
-from viewimit.app.model.displayed import STAYS, STEP
 
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
@@ -34,20 +31,6 @@ def test_a_point_is_chosen_and_chosen_again_is_none(visit):
         assert model.view.chosen == chosen
     with pytest.raises(ValueError, match="no point 10"):
         touch(model, "point", "10")
-
-
-def test_a_construction_is_built_up_stage_by_stage_and_ends_by_itself(visit):
-    model, visitor = visit
-    visitor.set("transfer", "Epipolar (paper)")
-    visitor.set("chosen", NO_POINT)
-    call("construction").apply(model, 10.0)
-    assert model.view.chosen is not None
-    stages = [model.refresh(10.0 + STEP * (k + 0.5)).stage for k in range(6)]
-    end = 10.0 + 6 * STEP + STAYS
-    assert stages == [0, 1, 2, 3, 4, 5] and model.refresh(end - 0.1).stage == 5 and model.refresh(end).stage is None
-    call("construction").apply(model, 50.0)
-    call("construction").apply(model, 50.1)
-    assert model.refresh(50.2).stage is None
 
 
 def test_the_learner_starts_where_the_landscape_is_touched(visit):
@@ -112,27 +95,3 @@ def test_the_learner_starts_where_the_see_through_arm_is(visit):
     touch(model, "posture", "20,-60")
     touch(model, "start", "0")
     assert np.allclose(np.degrees(model.session.snapshot.theta), [20, -60]) and model.display.preview.moment is None
-
-
-def test_the_page_says_that_nothing_has_moved_and_offers_to_start_there():
-    page = QuietPage(Settings.paper(start_deg=(25, -45)))
-    page.choose("Preview the posture", True)
-    page.act("posture", "20,-60")
-    page.tick(0.5)
-    assert "The arm has not moved" in page.shown and 'data-do="start/0"' in page.shown
-    assert "Ghost arm</b> · At (20.0°, −60.0°)" in page.shown and SEE_THROUGH in page.shown
-    page.act("start", "0")
-    page.tick(1.0)
-    assert "The arm has not moved" not in page.shown and page.widget("Start θ₂").value == 20
-
-
-def test_who_asks_for_less_motion_sees_the_arm_where_it_arrives(visit):
-    model, visitor = visit
-    for value, seen_moving in (("1", False), ("0", True)):
-        touch(model, "still", value)
-        for motion in ("step", "undo"):
-            visitor.act(motion, now=5.0)
-            theta, moving = model.player.theta(5.1)
-            assert moving == seen_moving
-            assert seen_moving or theta is model.session.snapshot.theta
-        model.player.settle()

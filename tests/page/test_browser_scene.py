@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from browsing import LESSON, choose, chosen_point, fold, open_page, press, switch, wait
+from browsing import LESSON, choose, chosen_point, open_page, press, wait
 from viewimit.app.model.choices import PRESETS
-
-from viewimit.drawing.theme import ROLES
 
 pytestmark = pytest.mark.browser
 
@@ -14,9 +12,6 @@ POSES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRef
   .map(([name, node]) => [name, [...node.quaternion.toArray(), ...node.position.toArray()]]))"""
 CAMERA = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() =>
   done(window.__viserMutable.camera.position.toArray()))))"""  # after another frame
-COLOURS = """name => { const found = []; window.__viserMutable.nodeRefFromName[name].traverse(part => {
-  if (part.material?.color) found.push('#' + part.material.color.getHexString()) }); return found }"""
-HAND = "/panda/learner/j1/j2/j3/j4/j5/j6/j7"
 
 
 @pytest.fixture(scope="module")
@@ -25,11 +20,6 @@ def page(browser, server):
     yield page
     page.close()
     assert page.problems == []
-
-
-def a_point(page):
-    """Name of a node."""
-    return next(name for name in page.evaluate(POSES) if name.startswith(f"{HAND}/p"))
 
 
 def same(poses, others):
@@ -49,32 +39,6 @@ def test_after_other_worlds_all_stands_where_it_stood_at_first(page):
         wait(page, lambda: not same(page.evaluate(POSES), before))
     begin(page, first)
     wait(page, lambda: same(page.evaluate(POSES), before), 20)
-
-
-def test_the_page_has_the_browsers_scheme_until_the_visitor_chooses_one(page):
-    name = a_point(page)
-    fold(page, "Display")
-
-    def prefer(scheme):
-        page.emulate_media(color_scheme=scheme)
-
-    def becomes(dark):
-        page.wait_for_selector(f":root[data-mantine-color-scheme={'dark' if dark else 'light'}]")
-        wait(page, lambda: ROLES["learner"][dark] in page.evaluate(COLOURS, name), 20)
-
-    for scheme in ("dark", "light", "dark"):
-        prefer(scheme)
-        becomes(scheme == "dark")
-    switch(page, "Dark")
-    becomes(False)
-    told = page.evaluate("acted")
-    prefer("light")
-    wait(page, lambda: page.evaluate("acted") > told and page.evaluate("unsaid.length === 0"))
-    switch(page, "Dark")
-    becomes(True)
-    switch(page, "Dark")
-    becomes(False)
-    fold(page, "Display")
 
 
 def camera_at_rest(page):

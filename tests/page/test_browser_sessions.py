@@ -3,17 +3,7 @@
 import contextlib
 
 import pytest
-from browsing import (
-    SIZES,
-    posture,
-    press,
-    sparing,
-    stands,
-    status,
-    wait,
-    wait_for_status,
-    wait_until_complete,
-)
+from browsing import SIZES, posture, press, sparing, stands, status, wait, wait_for_status, wait_until_complete
 from serving import Relay, Server
 
 from viewimit.loop.session import Session

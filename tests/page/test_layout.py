@@ -16,8 +16,6 @@ from browsing import (
     press,
     status,
     switch,
-    wait,
-    wait_for_count,
     wait_for_status,
 )
 
@@ -122,12 +120,6 @@ def test_all_that_the_learner_says_and_what_is_true_is_read(page):
         assert_seen(page, f"{STATUS}, .vi-truth p", 2, str(size))
 
 
-APART = """() => ["L", "R", "l", "r"].flatMap(view => {
-  const [drawn, links] = [".vi-four:not(.vi-above *)", ".vi-links .vi-four"].map(
-    panel => document.querySelector(`${panel} svg.vi-at-${view}`).getBoundingClientRect());
-  return ["left", "top", "right", "bottom"].map(side => Math.abs(drawn[side] - links[side])) })"""
-
-
 def test_a_small_window_shows_one_view_at_a_time(page):
     for width, height in SMALL:
         where = f"{width} x {height}"
@@ -148,17 +140,6 @@ def test_a_small_window_shows_one_view_at_a_time(page):
         assert_seen(page, METRICS, where=where)
 
 
-def test_a_small_window_offers_the_lab_in_the_same_state(page):
-    resize(page, 820, 1180)
-    page.evaluate("document.documentElement.classList.remove('vi-anyway')")
-    link = page.get_by_role("link", name="Open the lab")
-    wait(page, link.is_visible)
-    assert "demo=45%2C-90" in link.get_attribute("href") or "demo=45,-90" in link.get_attribute("href")
-    page.get_by_role("button", name="Open the instrument anyway").click()
-    wait(page, lambda: not link.is_visible())
-    resize(page, 1280, 720)
-
-
 def test_the_views_of_a_small_window_can_be_chosen_by_keys(page):
     resize(page, 390, 844)
     show(page, "images")
@@ -166,14 +147,3 @@ def test_the_views_of_a_small_window_can_be_chosen_by_keys(page):
     page.keyboard.press("ArrowRight")
     assert page.locator("#vi-view-landscape").is_checked()
     assert_seen(page, f"svg:has({LEVELS})")
-
-
-def test_links_lie_over_whole_frames_where_their_points_are(page):
-    resize(page, 1280, 720)
-    fold(page, "Display")
-    switch(page, "Whole frames")
-    wait_for_count(page, ".vi-four .vi-whole", 2, exactly=True)
-    for size in ((1024, 620), (1280, 720), (1920, 1080), (853, 480), (390, 844), (360, 640)):
-        resize(page, *size)
-        show(page, "images")
-        wait(page, lambda: max(page.evaluate(APART)) < 0.5, 10)

@@ -48,19 +48,6 @@ def test_nothing_is_looked_at_in_the_thread_that_ticks(camera, visit):
     assert len(camera.asked) > 20 and threading.get_ident() not in {thread for _, thread in camera.asked}
 
 
-def test_a_page_that_waits_for_its_pictures_holds_no_other_up(camera, visit):
-    other = Visit(Camera())
-    camera.gate.clear()
-    visit.act("step")
-    other.act("step")
-    visit.tick()
-    other.tick()
-    assert visit.page.busy and visit.session.snapshot.motion == 0 and other.session.snapshot.motion == 1
-    camera.gate.set()
-    visit.rest()
-    assert visit.session.snapshot.motion == 1
-
-
 def test_on_its_way_an_arm_is_shown_in_3d_and_no_picture_changes(camera, visit):
     before = visit.images
     visit.act("step")
@@ -88,17 +75,6 @@ def test_a_lost_process_costs_the_pictures_and_nothing_else(camera, visit):
     visit.act("step")
     visit.tick()
     assert visit.session.snapshot.motion == 1
-
-
-def test_too_many_is_said_and_the_page_stays_on_points(camera):
-    visit = Visit(camera)
-    visit.act("step")
-    visit.tick()
-    camera.refusal = "camera images are in use by 8 others"
-    visit.put("camera", True)
-    visit.arrive()
-    assert camera.refusal in visit.said and visit.camera_on is False
-    assert visit.session.snapshot.motion == 1 and visit.session.settings.sensor == "projected"
 
 
 def test_any_other_fault_reaches_the_scheduler(camera, visit, monkeypatch):
@@ -156,15 +132,3 @@ def test_a_panel_is_one_function_and_is_drawn_only_when_what_it_depends_on_chang
     visit.act("step")
     visit.tick(40)
     assert drawn == [0, 1]
-
-
-def test_what_is_refused_is_said_and_the_widgets_are_written_again():
-    visit = Visit(Camera(), settings=Settings.paper())
-    visit.tick(10)
-    model = visit.page.model
-    before = model.inputs, model.settings
-    visit.put("joint0", 1e9)
-    visit.put("noise_px", "much")
-    visit.tick(10)
-    assert (model.inputs, model.settings) == (before[0] + 2, before[1])
-    assert "&#x27;much&#x27; is not a number" in visit.said or "'much' is not a number" in visit.said

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from viewimit.app.scene.interaction import REACH, picked
+from viewimit.app.scene.scene3d import REACH, picked
 
 FOV = np.radians(36.0)
 AHEAD = np.array([0.0, 1.0, 0.0])
@@ -37,7 +37,3 @@ def test_what_a_surface_hides_is_not_meant_but_what_is_on_it_is():
     assert clicked(points[:1], surface=3.0) is None
     assert clicked(points, surface=3.0) == 1 == clicked(points, surface=3.0 - 0.9 * SIZE)
     assert clicked(points, surface=3.0 - 1.1 * SIZE) is None
-
-
-def test_nothing_behind_the_eye_is_meant():
-    assert clicked([(0, -5, 0)]) is None

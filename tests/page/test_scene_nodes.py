@@ -112,18 +112,6 @@ def test_every_world_after_every_other_is_seen_as_in_a_fresh_page(server, models
         assert_same(stage.show(models[k]), fresh[k])
 
 
-def test_an_opponent_is_seen_in_a_duel_alone_and_where_it_stands(server, models):
-    first, second, opponent = models[0], models[1], np.radians((10.0, -20.0))
-    arm = lambda nodes: {name: node for name, node in nodes.items() if "/opponent" in name}
-    fresh, stage = Stage(server).show(first, opponent), Stage(server)
-    assert arm(stage.show(first)) == {}
-    for model in (first, second, first):
-        assert arm(stage.show(model)) == {}
-        seen = arm(stage.show(first, opponent))
-        assert "/panda/opponent/j1/mesh" in seen
-        assert_same(seen, arm(fresh))
-
-
 def test_points_on_the_plates_follow_a_demonstrator_that_moves():
     session = Session(Settings.paper(servo="gradient-retuned"))
     moment = Moment(quiet_client(1), SimpleNamespace(keep=lambda handle: handle), session.world, dark=False)

@@ -1,24 +1,12 @@
 """Tabs that are not open, and windows that another hides, are not drawn; once they are seen they show what is. What is
 drawn leaves the style of all else as it is."""
 
-import json
-import re
-import statistics
-
 import pytest
-from browsing import PATIENCE_MS, open_page, press, wait, wait_for_status, wait_for_text
+from browsing import open_page, press, wait, wait_for_status, wait_for_text
 from page_fakes import QuietLandscapes
 from quiet_page import QuietPage
 
 # In how many frames something on the page was another than before
-COUNT_DRAWINGS = """() => {
-  let due = false;
-  window.drawings = 0;
-  new MutationObserver(() => {
-    if (!due) requestAnimationFrame(() => { due = false; window.drawings++; });
-    due = true;
-  }).observe(document.body, {subtree: true, childList: true, characterData: true, attributes: true});
-}"""
 
 
 @pytest.fixture
@@ -66,15 +54,6 @@ def test_a_tab_that_is_not_open_is_not_drawn_until_it_is(page, tab):
     assert written(page) == written(drawn)
 
 
-def test_every_tab_can_be_told_and_all_of_them_at_once(page):
-    """By names of letters alone, as page.js tells no others."""
-    tabs = {drawing.tab for drawing in page.page.layout.drawings} - {""}
-    assert tabs > {"Images", "Landscape", "Curves"} and all(re.fullmatch(r"\w+", tab) for tab in tabs)
-    page.act("unseen", ",".join(tabs))
-    ticks(page, 1)
-    assert page.page.model.view.unseen == tabs
-
-
 def test_of_a_window_that_nobody_sees_nothing_is_drawn_until_somebody_does(page):
     drawn = QuietPage(landscapes=QuietLandscapes())
     ticks(drawn, 40)
@@ -108,20 +87,6 @@ const send = wire.postMessage.bind(wire);
 window.sent = 0;
 wire.postMessage = (data, ...rest) => data.type === "send" && window.sent++ === 0 ? undefined : send(data, ...rest);
 }"""
-
-
-@pytest.mark.browser
-def test_while_the_loop_runs_little_of_the_page_is_styled_anew(browser, at_the_start):
-    page = at_the_start
-    press(page, " ")
-    wait_for_status(page, "Moving")
-    browser.start_tracing(page=page, categories=["devtools.timeline"])
-    page.evaluate(COUNT_DRAWINGS)
-    page.wait_for_function("window.drawings > 10", polling=100, timeout=PATIENCE_MS)
-    trace = json.loads(browser.stop_tracing())["traceEvents"]
-    styled = [event["args"]["elementCount"] for event in trace if "elementCount" in event.get("args", {})]
-    elements = page.evaluate("document.querySelectorAll('*').length")
-    assert len(styled) > 5 and statistics.median(styled) < elements / 4
 
 
 @pytest.mark.browser

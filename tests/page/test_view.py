@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from viewimit.app.scene.scene3d import BEFORE, DefaultView
 
-from viewimit.simulation.scene_geometry import (
-    BELOW,
-    FOV,
-    default_view,
-    fit_view,
-)
+from viewimit.simulation.scene_geometry import BELOW, FOV, default_view, fit_view
 
 LANDMARKS = np.random.default_rng(0).uniform((-0.5, -1.0, 0.0), (1.5, 1.0, 1.5), (50, 3))
 
@@ -37,18 +32,6 @@ def test_all_landmarks_are_in_sight_above_what_is_covered(aspect):
     assert (np.abs(x) <= aspect).all() and (y >= -1).all() and (y <= 1 - 2 * BELOW).all()
 
 
-def test_the_pixel_ratio_does_not_matter_and_another_shape_does(view, camera):
-    put = camera.position
-    for ratio in (0.75, 1.25, 1.5, 2):
-        camera.image_width, camera.image_height = int(552 * ratio), int(720 * ratio)
-        view.follow(lambda: LANDMARKS)
-        assert camera.position is put
-    for size in ((300, 720), (1060, 1080)):
-        camera.image_width, camera.image_height = size
-        view.follow(lambda: LANDMARKS)
-        np.testing.assert_allclose(camera.position, fit_view(LANDMARKS, size[0] / size[1], BELOW)[0])
-
-
 def test_a_camera_that_the_visitor_has_moved_stays(view, camera):
     camera.position = camera.position + 0.1
     moved = camera.position
@@ -57,28 +40,6 @@ def test_a_camera_that_the_visitor_has_moved_stays(view, camera):
     assert camera.position is moved
     view.fit(LANDMARKS)
     assert camera.position is not moved
-
-
-def test_a_browser_that_tells_late_where_the_page_had_put_it_is_followed_on(view, camera):
-    earlier = camera.position
-    for width in (500, 400, 300):
-        camera.image_width = width
-        view.follow(lambda: LANDMARKS)
-        camera.position = earlier
-    camera.image_width = 250
-    view.follow(lambda: LANDMARKS)
-    np.testing.assert_allclose(camera.position, fit_view(LANDMARKS, 250 / 720, BELOW)[0])
-
-
-def test_a_canvas_without_a_size_is_waited_for(camera):
-    camera.image_width = 0
-    found = camera.position
-    view = DefaultView(SimpleNamespace(camera=camera))
-    view.follow(lambda: LANDMARKS)
-    assert camera.position is found
-    camera.image_width = 552
-    view.follow(lambda: LANDMARKS)
-    assert camera.position is not found
 
 
 @pytest.mark.parametrize("before", BEFORE)

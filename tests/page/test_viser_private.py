@@ -7,11 +7,10 @@ import io
 from types import SimpleNamespace
 from typing import get_type_hints
 
-import numpy as np
 import pytest
 import viser
 from protocol import Client
-from viewimit.app.viser_private import LoopEvent, push_array, send_at_once, serving_with
+from viewimit.app.viser_private import LoopEvent, send_at_once, serving_with
 from viser._messages import (
     GuiHtmlProps,
     GuiSliderProps,
@@ -19,7 +18,6 @@ from viser._messages import (
     SceneNodeUpdateMessage,
     SetOrientationMessage,
 )
-from viser.infra._async_message_buffer import AsyncMessageBuffer
 from waiting import wait_until
 
 
@@ -29,15 +27,6 @@ def test_the_private_messages_are_as_relied_upon():
     assert names(SceneNodeUpdateMessage) == ["name", "updates", "owner"]
     assert names(GuiUpdateMessage) == ["uuid", "updates"]
     assert "content" in get_type_hints(GuiHtmlProps) and "max" in get_type_hints(GuiSliderProps)
-
-
-def test_an_array_is_sent_in_the_order_of_its_rows():
-    sent = []
-    node = SimpleNamespace(name="/a", _impl=SimpleNamespace(api=SimpleNamespace(_queue_scene_message=sent.append)))
-    push_array(node, "points", np.arange(6.0).reshape(3, 2).T)
-    buffers: list[memoryview] = []
-    assert sent[0].as_serializable_dict(buffers)["updates"] == {"points": {"__binary_index": 0, "dtype": "<f4"}}
-    assert np.frombuffer(buffers[0], np.float32).tolist() == [0, 2, 4, 1, 3, 5]
 
 
 def test_an_event_is_set_in_its_loop_alone_and_not_while_its_buffer_is_held(event_loop):
@@ -86,21 +75,3 @@ def test_what_another_thread_pushes_wakes_every_page():
 def test_a_viser_that_opens_its_port_otherwise_is_not_left_unguarded():
     with pytest.raises(RuntimeError, match="opens its port in a way"), serving_with(lambda plain, *_, **__: None):
         pass
-
-
-def test_what_is_pushed_is_sent_at_once_and_all_that_one_tick_pushes_in_one_window(event_loop):
-    async def windows():
-        buffer = AsyncMessageBuffer(asyncio.get_running_loop(), persistent_messages=False, window_duration_sec=60.0)
-        send_at_once(SimpleNamespace(_websock_connection=SimpleNamespace(get_message_buffer=lambda: buffer)))
-        generator = buffer.window_generator(0)
-        sent = []
-        for tick in range(3):
-            coming = asyncio.ensure_future(anext(generator))
-            await asyncio.sleep(0)  # it waits for something to come
-            for joint in "ab":
-                buffer.push(SetOrientationMessage(joint, (1.0, 0.0, 0.0, float(tick))))
-            sent.append([(message.name, message.wxyz[3]) for message in await asyncio.wait_for(coming, 5.0)])
-        await generator.aclose()
-        return sent
-
-    assert in_loop(event_loop, windows()) == [[("a", tick), ("b", tick)] for tick in range(3)]

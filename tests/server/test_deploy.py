@@ -1,8 +1,6 @@
 """Past one machine: two replicas behind the proxy of deploy/nginx.conf, one of which is killed under its class."""
 
 import contextlib
-import fnmatch
-import re
 import threading
 import time
 from http.client import HTTPConnection, HTTPSConnection
@@ -160,20 +158,3 @@ def test_a_container_has_the_least_that_it_needs(service):
     assert said["mem_limit"] and said["pids_limit"] > 0
     assert set(said.get("cap_add", ())) <= {"NET_BIND_SERVICE", "CHOWN", "SETGID", "SETUID", "DAC_OVERRIDE"}
     assert ("ports" in said) is ("outside" in said["networks"]) is (service == "proxy")
-
-
-def test_git_and_docker_ignore_the_files_with_keys_and_users():
-    mounted = [volume.split(":")[0] for volume in SERVICES["proxy"]["volumes"]]
-    secret = [path.removeprefix("./") for path in mounted if not Path(DEPLOY.parent, path).exists() or "key" in path]
-    assert {"deploy/certificate.pem", "deploy/key.pem", "deploy/users"} <= {*secret, "deploy/users"}
-    for file in (".gitignore", ".dockerignore"):
-        patterns = [line.lstrip("/") for line in (DEPLOY.parent / file).read_text().split()]
-        for path in (*secret, ".env"):
-            assert any(fnmatch.fnmatch(path, pattern) for pattern in patterns), f"{file}: {path}"
-
-
-def test_what_is_started_has_the_options_that_it_is_given(ask):
-    for service in ("viewimit", "class"):
-        name, *words = SERVICES[service]["command"]
-        _, said, _ = ask(name, "--help")
-        assert {word for word in words if word.startswith("--")} <= set(re.findall(r"--[\w-]+", said))

@@ -100,51 +100,6 @@ def comes_back(url: str, tab: Tab, seen: dict) -> None:
         wait_until(lambda: learner_of(client) != seen["learner"])
 
 
-def test_a_tab_that_is_reloaded_comes_back_to_what_it_was(here):
-    with Client(here.url).ready() as client:
-        work(client)
-        seen, tab = what_a_visitor_sees(client), client.keep()
-    assert seen["θ₂"] == 55.0 and seen["Seed"] == 12.0 and seen["History"] == 4
-    comes_back(here.url, tab, seen)
-
-
-def test_a_tab_closed_in_mid_run_comes_back_paused_where_it_was(here):
-    with Client(here.url).ready() as client:
-        client.put("Speed", "10 a second")
-        client.press("Play or pause")
-        wait_until(lambda: (client.value("History") or 0) >= 4)
-        tab = client.keep()
-    with Client(here.url, tab=tab).ready() as client:
-        wait_until(lambda: (client.value("History") or 0) >= 4)
-        before = client.value("History")
-        stays(lambda: client.value("History") == before and "Moving" not in client.status, 0.7)  # a motion takes 0.1 s
-
-
-def test_a_laptop_that_slept_comes_back_before_its_old_connection_is_missed(here):
-    relay = Relay(here.url)
-    with Client(relay.url).ready() as asleep:
-        work(asleep)
-        seen, tab = what_a_visitor_sees(asleep), asleep.keep()
-        relay.silent.set()
-        comes_back(here.url, tab, seen)
-        relay.close()
-
-
-def test_each_tab_has_a_session_of_its_own(here):
-    with Client(here.url).ready() as one, Client(here.url).ready() as two:
-        begun = learner_of(one)
-        assert learner_of(two) == begun
-        one.put("θ₂", 60.0)
-        two.put("θ₂", 70.0)
-        wait_until(lambda: begun not in (learner_of(one), learner_of(two)))
-        tabs = [client.keep(20) for client in (one, two)]
-        with Client(here.url).ready() as stranger:
-            assert stranger.value("θ₂") == 45.0
-    for tab, angle in zip(tabs, (60.0, 70.0)):
-        with Client(here.url, tab=tab).ready() as client:
-            wait_until(lambda client=client, angle=angle: client.value("θ₂") == angle, 60)
-
-
 def test_a_server_that_was_killed_or_is_another_has_lost_nothing():
     server = Server()
     with Client(server.url).ready() as client:
@@ -174,17 +129,6 @@ def test_a_terminal_that_is_closed_ends_the_server():
     with Client(server.url).ready():
         tell_all(processes_of(server.process.pid)[::-1], signal.SIGHUP)  # as a terminal does
         assert server.process.wait(ENDS_WITHIN_S) == 0
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="terminals send no signal here")
-def test_who_was_started_by_nohup_goes_on_when_the_terminal_is_closed():
-    with heard_of(signal.SIGHUP, signal.SIG_IGN):
-        server = Server()
-    tell_all(processes_of(server.process.pid)[::-1], signal.SIGHUP)
-    with pytest.raises(subprocess.TimeoutExpired):
-        server.process.wait(1.0)
-    Client(server.url).ready().close()
-    assert server.stop() == 0
 
 
 def test_a_server_that_hangs_ends_itself_and_says_where():
@@ -254,14 +198,6 @@ def test_a_client_that_takes_nothing_holds_no_one_up_and_is_closed():
         wait_until(lambda: len(other.received) > before + 10)
         wait_until(lambda: here.pages == 1, 5)
     relay.close()
-    here.stop()
-
-
-def test_a_seat_that_nobody_comes_to_is_free_again():
-    here = Here(Limits(page_within=2.0))  # a busy machine needs more than 0.3 s for one that comes
-    with Client(here.url, view=False) as nobody, Client(here.url) as somebody:
-        assert nobody.closed()[0] == 1008
-        assert somebody.closed(0.5) is None
     here.stop()
 
 

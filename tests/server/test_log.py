@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from protocol import Client
 from serving import Server
-from test_seats import HANDSHAKE, connected, framed, place_of
+from test_seats import place_of
 from waiting import stays, wait_until
 
 LONGEST = 450  # characters of a line
@@ -52,39 +52,6 @@ def test_nesting_of_any_depth_is_a_line(logging_server, depth):
         head = msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": uuid})[1:]
         with few_lines(logging_server, 1, 1, client.socket.socket):
             client.send(b"\x83" + head + b"\xa7updates\x81\xa5value" + nested(depth))
-
-
-@pytest.mark.parametrize(
-    "frame", [framed(b"\x81\xa4type\xa1\xff"), framed(b"\x81\xa1\xff\x00"), b"\x81\x81" + bytes(4) + b"\xff"]
-)
-def test_bytes_that_are_no_text_are_a_line_at_most(logging_server, frame):
-    with connected(logging_server.url, unread=1 << 20) as client, few_lines(logging_server, 0, 1, client):
-        client.sendall(HANDSHAKE.format(host=logging_server.url[7:]).encode() + frame)
-        while client.recv(1 << 16):
-            pass
-
-
-def test_a_long_version_is_not_written_whole(logging_server):
-    head = HANDSHAKE.format(host=logging_server.url[7:]).replace("viser-v", "viser-v" + 4000 * "9")
-    with connected(logging_server.url, unread=1 << 16) as client, few_lines(logging_server, 1, 1, client):
-        client.sendall(head.encode())
-        received = b""
-        while data := client.recv(1 << 16):
-            received += data
-        assert b"Version mismatch. Client: 999" in received
-
-
-def test_two_hosts_are_a_line(logging_server):
-    with connected(logging_server.url) as client, few_lines(logging_server, 1, 1, client):
-        client.sendall(b"GET /health HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n")
-        assert client.recv(1 << 16).startswith(b"HTTP/1.1 400 ")
-
-
-def test_who_asks_for_nothing_is_no_line(logging_server):
-    clients = [connected(logging_server.url) for _ in range(20)]
-    with few_lines(logging_server, 0, 0, *clients):
-        for client in clients:
-            client.close()
 
 
 @pytest.mark.skipif(not hasattr(resource, "prlimit"), reason="needs prlimit")

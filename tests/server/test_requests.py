@@ -80,11 +80,3 @@ def test_a_request_is_answered(serving, what):
 def test_what_is_no_request_brings_nothing_and_harms_nobody(serving, what):
     assert b" 200 " not in received(serving.url, NO_REQUEST[what].encode() + b"\r\n")[:20]
     assert answer_to(serving.url, f"GET /health HTTP/1.1\r\n{HOST}\r\n".encode())[0] == 200
-
-
-def test_the_head_of_an_answer_tells_of_what_the_answer_would_have(serving):
-    sizes = {
-        int(answer_to(serving.url, f"{method} / HTTP/1.1\r\n{HOST}\r\n".encode())[1]["Content-Length"])
-        for method in ("GET", "HEAD")
-    }
-    assert len(sizes) == 1

@@ -9,8 +9,7 @@ import viser
 from protocol import VIEW, Client
 from serving import Here, Server
 from viewimit.app.server import connection
-from viewimit.app.server.limits import PENDING, Limits, PendingConnections, ServerOptions, network_of
-from viewimit.app.server.serve import usual_per_address
+from viewimit.app.server.limits import PENDING, Limits, PendingConnections, network_of
 from waiting import stays, wait_until
 from websockets.exceptions import InvalidStatus
 
@@ -70,14 +69,6 @@ def test_seats_of_clients_that_send_nothing_and_read_nothing_are_free_again(here
         wait_until(lambda: not server.access.seats, 15)
         with Client(server.url).ready() as newcomer:
             assert newcomer.closed(0) is None
-
-
-@pytest.mark.parametrize("seats, status", [(1, 503), (2, 200)])
-def test_a_page_is_refused_when_all_seats_are_taken(here, seats, status):
-    server = here(Limits(seats=seats))
-    with Client(server.url).ready(), connected(server.url) as newcomer:
-        newcomer.sendall(f"GET / HTTP/1.1\r\nHost: {server.url.removeprefix('http://')}\r\n\r\n".encode())
-        assert newcomer.recv(12) == f"HTTP/1.1 {status}".encode()
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_USER_TIMEOUT"), reason="the system has no such limit")
@@ -150,17 +141,6 @@ def test_an_address_has_so_many_seats_and_others_have_the_rest():
     for client in clients:
         client.close()
     assert server.stop() == 0
-
-
-def test_a_class_behind_one_address_has_room_by_default_and_elsewhere_too():
-    most = ServerOptions().max_clients
-    options = ServerOptions(max_per_address=usual_per_address("0.0.0.0", most))
-    assert 30 < options.seats_of_one < most
-    assert 4 * 30 <= options.limits.pending_of_one < PENDING
-    alone = ServerOptions(max_per_address=usual_per_address("127.0.0.1", most))
-    assert alone.seats_of_one == most and alone.limits.pending_of_one == PENDING
-    each = ServerOptions(max_per_address=2)
-    assert each.limits.seats_of_one == 2 and each.limits.pending_of_one == 12
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from protocol import Client
 from viewimit.app.server import address as address_module
 from viewimit.app.server.address import (
     PortInUse,
-    address,
     address_for_others,
     invite,
     is_loopback,
@@ -37,18 +36,6 @@ def test_a_taken_port_is_named_with_the_next_free_one():
 def test_bad_settings_fail_before_a_port_is_taken():
     with pytest.raises(ValueError, match="no scene 'moon'"):
         serve(port=0, options=ServerOptions(Settings.paper(scene="moon")))
-
-
-def test_an_address_of_another_machine_is_not_a_port_in_use():
-    with pytest.raises(OSError, match="cannot listen on 192.0.2.1") as refused:
-        require_free("192.0.2.1", 8080)
-    assert not isinstance(refused.value, PortInUse)
-
-
-def test_addresses_are_as_a_browser_takes_them():
-    assert address("127.0.0.1", 80) == "http://127.0.0.1:80"
-    assert address("0.0.0.0", 8080) == "http://localhost:8080"
-    assert address("::1", 8080) == "http://[::1]:8080"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from ..analysis.landscape import grid_axes
 from ..estimation.transfers import TRANSFERS
-from ..experiments.bench import engine, pictures, report, speed, tracks
+from ..experiments.bench import detection, engine, report, speed, tracks
 from ..experiments.bench.cases import GROUPS, PAPER_LAW
 from ..experiments.executors import Study, StudyError, StudyFile, code_version
 from ..geometry.affine import require_points
@@ -41,20 +41,25 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     titles = {
         ALL: "Speed and success; what `viewimit bench` does alone.",
         "speed": "Speed of E over the range, at one pose, and of one step.",
+        "detection": "How well markers are detected in rendered pictures.",
         "tracks": "Tracks of stereo rigs: whether `evaluate` rectifies them, and the errors of transfers.",
     }
     for name, title in {**titles, **{name: group.title for name, group in GROUPS.items()}}.items():
         one = benchmarks.add_parser(name, help=title, description=title, allow_abbrev=False)
         group = GROUPS["success"] if name == ALL else GROUPS.get(name)
         one.add_argument("--seed", type=between(int, 0, MAX_SEED), default=0, metavar="N", help="seed of the draws (0)")
-        if name in (ALL, "speed") or (group and group.in_scene):
+        if name in (ALL, "speed", "detection") or (group and group.in_scene):
             one.add_argument("--scene", default=Settings().scene, metavar="NAME", help=FIELDS["scene"].description)
             one.add_argument(
                 "--n-points", dest="points", type=int, metavar="N", help="layout of the scene's body points"
             )
         if name in (ALL, "speed"):
             one.add_argument("--full-loop", action="store_true", help="time plain loops on every posture, not a tenth")
-        if name != "speed":
+        if name == "detection":
+            one.add_argument(
+                "--runs", type=between(int, 1, MAX_RUNS), default=200, metavar="N", help="pairs of poses (200)"
+            )
+        elif name != "speed":
             _add_study_options(one, name, group)
         add_json_option(one)
 
@@ -140,39 +145,35 @@ def _in_scene(args: argparse.Namespace) -> dict[str, Any]:
 
 def _run(part: str, args: argparse.Namespace, in_scene: dict[str, Any], study: Study) -> tuple[Any, str]:
     """Run a benchmark. Return its result as JSON has it, and as a text for people."""
+    if part in GROUPS:
+        return _study(part, args, in_scene, study)
     if part == "speed":
         with _progress(part) as progress:
             found = speed.run(**in_scene, full_loop=args.full_loop, seed=args.seed, progress=progress)
         return dataclasses.asdict(found), speed.speed_table(found)
-    if part == "tracks":
-        with naming("--case"):
-            cases = engine.chosen(tracks.CASES, args.case)
-        study.file = _file(args)
-        with _progress(part) as progress:
-            outcomes = tracks.run(args.runs, args.seed, cases, study, progress)
-        heading = f"{args.runs} random tracks of a stereo rig a case, seed {args.seed}"
-        return [dataclasses.asdict(one) for one in outcomes], f"{heading}\n{tracks.tracks_table(outcomes)}"
-    group = GROUPS[part]
-    before, told = [], {}
-    if part == "pictures":
-        with naming("--scene"), _progress("detection") as progress:
-            detected = pictures.detect(args.scene, args.runs, args.seed, progress)
-        before, told = [pictures.detection_table(detected)], {"detection": dataclasses.asdict(detected)}
-    refused: list[str] = []
+    if part == "detection":
+        with naming("--scene"), _progress(part) as progress:
+            detected = detection.detect(args.scene, args.runs, args.seed, progress)
+        return dataclasses.asdict(detected), detection.detection_table(detected)
+    with naming("--case"):
+        cases = engine.chosen(tracks.CASES, args.case)
+    study.file = _file(args)
+    with _progress(part) as progress:
+        outcomes = tracks.run(args.runs, args.seed, cases, study, progress)
+    heading = f"{args.runs} random tracks of a stereo rig a case, seed {args.seed}"
+    return [dataclasses.asdict(one) for one in outcomes], f"{heading}\n{tracks.tracks_table(outcomes)}"
+
+
+def _study(part: str, args: argparse.Namespace, in_scene: dict[str, Any], study: Study) -> tuple[Any, str]:
+    """Make or read the runs of a group of cases, and judge them."""
+    group, refused = GROUPS[part], []
+    with naming("FOLDER" if group.of_folder else "--case"):
+        cases = group.of_folder(args.path) if group.of_folder else engine.chosen(group.cases, args.case)
     if group.of_folder:
-        with naming("FOLDER"):
-            cases, refused = _usable(group.of_folder(args.path))
-    else:
-        with naming("--case"):
-            cases = engine.chosen(group.cases, args.case)
-    if not group.of_folder and vars(args).get("path"):
-        with naming("PATH"):
-            runs = report.read_runs(args.path)
-        heading = str(args.path)
-    else:
-        runs = _runs(part, cases, args, in_scene, study) if cases else []
-        heading = f"{args.runs} random runs a case, seed {args.seed}"
+        cases, refused = _usable(cases)
+    path = None if group.of_folder else vars(args).get("path")
     with naming("PATH"):
+        runs = report.read_runs(path) if path else _runs(part, cases, args, in_scene, study)
         found = engine.summarise(runs, group.measures)
     if args.csv:
         with naming("--csv"):
@@ -180,12 +181,16 @@ def _run(part: str, args: argparse.Namespace, in_scene: dict[str, Any], study: S
     table = report.lay_out(found) if found else ""
     if vars(args).get("docs"):
         with naming("--docs"):
-            report.write_runs(runs, args.docs / COMPARISON)
+            if path != args.docs / COMPARISON:
+                report.write_runs(runs, args.docs / COMPARISON)
             report.write_between_marks(f"```text\n{table}\n```", args.docs / PAGE)
-    rows: Any = [dataclasses.asdict(row) for row in found]
-    if refused or told:
-        rows = {**told, "rows": rows, **({"refused": refused} if group.of_folder else {})}
-    return rows, "\n".join([*before, heading, table, *refused])
+    heading = str(path) if path else f"{args.runs} random runs a case, seed {args.seed}"
+    methods = {f"{row.transfer}, {row.servo}" for row in found}
+    if len(methods) == 1 and not path:
+        heading += f", {methods.pop()}"
+    rows = [dataclasses.asdict(row) for row in found]
+    told = {"rows": rows, "refused": refused} if group.of_folder else rows
+    return told, "\n".join([heading, table, *refused])
 
 
 def _usable(cases: Sequence[engine.Case]) -> tuple[list[engine.Case], list[str]]:
@@ -196,7 +201,7 @@ def _usable(cases: Sequence[engine.Case]) -> tuple[list[engine.Case], list[str]]
             load_scene(case.name)
             usable.append(case)
         except ValueError as error:
-            refused.append(f"refused  {case.name}: {str(error).removeprefix(f'{case.name}: ')}")
+            refused.append(f"refused  {error}")
     return usable, refused
 
 

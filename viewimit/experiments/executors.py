@@ -11,6 +11,7 @@ import importlib.util
 import json
 import multiprocessing
 import os
+import pickle
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor, as_completed
@@ -24,6 +25,7 @@ import numpy as np
 
 from .. import __version__
 from ..assets import ROOT
+from ..loop.settings import UnknownMethod
 from ..processes import end_with_parent, ignore_interrupts, interrupts_withheld
 
 CONNECT_S = 30.0  # time to find a scheduler, and then to find its first worker
@@ -37,9 +39,9 @@ class StudyError(Exception):
 
 
 @contextlib.contextmanager
-def processes(count: int | None) -> Iterator[Executor | None]:
+def processes(count: int | None, tasks: int) -> Iterator[Executor | None]:
     """Open processes on this machine, by default one a processor; None for a single one, which is this one."""
-    count = count or os.cpu_count() or 1
+    count = min(count or os.cpu_count() or 1, tasks)
     if count == 1:
         yield None
         return
@@ -94,74 +96,69 @@ def code_version() -> str:
     return f"viewimit {__version__} ({found.hexdigest()[:12]}), numpy {np.__version__}"
 
 
-def carry_out(work: Callable[..., Any], task: Task, code: str) -> tuple[Any, float]:
-    """Call work(*task), and return its result and CPU time [s]. Raises StudyError if a worker has other code."""
-    if code and code_version() != code:
-        raise StudyError(f"a worker has {code_version()}, and the study is of {code}: install the same there")
+def carry_out(work: Callable[..., Any], task: Task) -> tuple[Any, float]:
+    """Call work(*task), and return its result and CPU time [s]."""
     began = time.thread_time()
     return work(*task), time.thread_time() - began
+
+
+def carry_out_elsewhere(packed: bytes, code: str) -> tuple[Any, float]:
+    """Carry out a pickled (work, task) in a worker. Raises StudyError if it has other code, or lacks what is asked."""
+    if code_version() != code:
+        raise StudyError(f"a worker has {code_version()}, and the study is of {code}: install the same there")
+    try:
+        return carry_out(*pickle.loads(packed))
+    except (UnknownMethod, ImportError, AttributeError) as error:
+        remedy = "start it with --preload FILE, the .py file that has it, or install that there"
+        raise StudyError(f"a worker lacks what the study needs ({error}): {remedy}") from None
 
 
 class StudyFile:
     """The file to which the results of a study are appended, a line of JSON each, so that it can go on.
 
-    The first line says what the study is. A last line that was interrupted is cut off.
-
-    Parameters
-    ----------
-    path : Path
-        Made if need be.
-    study : dict
-        Everything that the results depend on, as JSON has it.
-
-    Raises
-    ------
-    StudyError
-        For a file of another study (the message says what differs), or that cannot be written.
+    The first line says all that the results depend on. A last line that was interrupted is cut off. Raises StudyError
+    for a file of another study, and names what differs, or one that cannot be written.
     """
 
     def __init__(self, path: Path, study: dict[str, Any]):
-        self.path, self.kept = path, dict[int, tuple[Any, float]]()
-        study = json.loads(json.dumps(study))
-        try:
+        self.path, study = path, json.loads(json.dumps(study))
+        with self._naming():
             path.parent.mkdir(parents=True, exist_ok=True)
             content = path.read_bytes() if path.exists() else b""
-            whole = content[: content.rfind(b"\n") + 1]
-            if whole != content:
-                os.truncate(path, len(whole))
-        except OSError as error:
-            raise StudyError(f"{path}: {error.strerror or error}") from None
-        first, *lines = whole.splitlines() or [b""]
-        if first:
-            self._require_same(first, study)
-            self.kept = {number: (result, cpu_s) for number, result, cpu_s in map(json.loads, lines)}
-        elif content:
-            self._require_same(content, study)
-        else:
-            self._append(study)
+        first, *lines = content.split(b"\n")
+        try:
+            there = json.loads(first) if content else study
+        except ValueError:
+            there = None
+        if not isinstance(there, dict):
+            raise StudyError(f"{path}: holds no study: take another file")
+        for name in dict.fromkeys([*study, *there]):
+            if there.get(name) != study.get(name):
+                differs = f"{name} {there.get(name)} and not {study.get(name)}"
+                raise StudyError(f"{path}: holds another study, {differs}: take another file")
+        self.kept = {number: (result, cpu_s) for number, result, cpu_s in map(json.loads, lines[:-1])}
+        with self._naming():
+            if not lines:
+                self._append(study)
+            elif lines[-1]:
+                os.truncate(path, len(content) - len(lines[-1]))
 
     def keep(self, number: int, result: Any, cpu_s: float) -> None:
         """Append the result of a task. Raises StudyError."""
-        self._append([number, msgspec.to_builtins(result), cpu_s])
+        with self._naming("; finished runs are kept"):
+            self._append([number, msgspec.to_builtins(result), cpu_s])
 
     def _append(self, line: Any) -> None:
-        try:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(line, ensure_ascii=False) + "\n")
-        except OSError as error:
-            raise StudyError(f"{self.path}: {error.strerror or error}; finished runs are kept") from None
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(line, ensure_ascii=False) + "\n")
 
-    def _require_same(self, first: bytes, study: dict[str, Any]) -> None:
+    @contextlib.contextmanager
+    def _naming(self, more: str = "") -> Iterator[None]:
+        """Name this file in errors of the system."""
         try:
-            other = json.loads(first)
-        except ValueError:
-            other = None
-        if not isinstance(other, dict):
-            raise StudyError(f"{self.path}: holds no study: take another file")
-        for name in dict.fromkeys([*study, *other]):
-            there, here = other.get(name), study.get(name)
-            if there != here:
-                raise StudyError(f"{self.path}: holds another study, {name} {there} and not {here}: take another file")
+            yield
+        except OSError as error:
+            raise StudyError(f"{self.path}: {error.strerror or error}{more}") from None
 
 
 @dataclass
@@ -182,14 +179,13 @@ class Study:
         self, work: Callable[..., Any], tasks: Sequence[Task], progress: Callable[[float], None] = lambda share: None
     ) -> list[Any]:
         """Return work(*task) for every task, in their order. `work` declares the type of its result."""
-        kind, found = get_type_hints(work)["return"], dict[int, Any]()
-        for number, (result, cpu_s) in ({} if self.file is None else self.file.kept).items():
-            found[number] = msgspec.convert(result, kind)
-            self.runs, self.kept, self.cpu_s = self.runs + 1, self.kept + 1, self.cpu_s + cpu_s
-        left = [number for number in range(len(tasks)) if number not in found]
+        kept, kind = self.file.kept if self.file else {}, get_type_hints(work)["return"]
+        found = {number: msgspec.convert(result, kind) for number, (result, _) in kept.items()}
+        self.runs, self.kept, self.cpu_s = len(kept), len(kept), sum(cpu_s for _, cpu_s in kept.values())
+        left = {number: task for number, task in enumerate(tasks) if number not in found}
         with contextlib.ExitStack() as stack:
-            for number, (result, cpu_s) in self._made(work, {k: tasks[k] for k in left}, stack):
-                if self.file is not None:
+            for number, (result, cpu_s) in self._made(work, left, stack) if left else ():
+                if self.file:
                     self.file.keep(number, result, cpu_s)
                 found[number] = result
                 self.runs, self.cpu_s = self.runs + 1, self.cpu_s + cpu_s
@@ -200,15 +196,12 @@ class Study:
         self, work: Callable[..., Any], tasks: dict[int, Task], stack: contextlib.ExitStack
     ) -> Iterator[tuple[int, tuple[Any, float]]]:
         """Yield each result with its number when it is there, in any order."""
-        if not tasks:
-            return
-        jobs = min(self.jobs or os.cpu_count() or 1, len(tasks))
-        executor = stack.enter_context(cluster(self.dask) if self.dask else processes(jobs))
+        executor = stack.enter_context(cluster(self.dask) if self.dask else processes(self.jobs, len(tasks)))
         if executor is None:
-            yield from ((number, carry_out(work, task, "")) for number, task in tasks.items())
+            yield from ((number, carry_out(work, task)) for number, task in tasks.items())
             return
-        code = code_version()
         with interrupts_withheld():  # processes start
-            made = {executor.submit(carry_out, work, task, code): number for number, task in tasks.items()}
+            packed = ((number, pickle.dumps((work, task))) for number, task in tasks.items())
+            made = {executor.submit(carry_out_elsewhere, one, code_version()): number for number, one in packed}
         for future in as_completed(made):
             yield made.pop(future), future.result()

@@ -50,7 +50,8 @@ export class Maker {
       make("h2", {}, "Challenge a friend"),
       make("p", {}, "A friend copies the orange arm’s pose. The fewer steps, the better."),
       make("label", {}, "Your name ", this.name), this.levels.element,
-      this.says, this.sending));
+      this.says, this.sending, make("p", {}, "Or play ",
+        make("a", {href: "#challenge=today", onclick: () => this.dialog.close()}, "the pose of today"), " yourself.")));
   }
 
   /** @param {Pick<Challenge, "demonstrator" | "start">} pose rad @param {Level} [level] */

@@ -28,7 +28,7 @@ const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const TIP = "A tip: your eyes look at the two arms from opposite sides. So r is nearly the mirror image of L.";
 
 /** The device's date. */
-const today = () => {
+export const today = () => {
   const now = new Date();
   return [now.getFullYear(), now.getMonth() + 1, now.getDate()].map(part => String(part).padStart(2, "0")).join("-");
 };
@@ -94,7 +94,7 @@ export class Screen {
 
   /** Play what an address asks for; what it asked for before goes on. @param {string} hash */
   open(hash) {
-    const asked = fromLink(this.world, hash), challenge = asked ?? daily(this.world, today(), "points");
+    const asked = fromLink(this.world, hash.replace(/challenge=today(?=&|$)/, `challenge=${today()}`)), challenge = asked ?? daily(this.world, today(), "points");
     if (!challenge) throw new Error("this robot has no pose that makes a challenge");
     if (this.game && toLink(challenge) === toLink(this.game.challenge)) return;
     this.stop?.();

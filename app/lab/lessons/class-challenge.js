@@ -9,6 +9,7 @@ import {World} from "../engine/engine.js";
 import {squares} from "../challenge/game.js";
 import {dealt, degreesOff, LEVELS, POINTS, robotSteps, toLink} from "../challenge/rules.js";
 import {Screen} from "../challenge/screen.js";
+import {stepsText} from "../view/words.js";
 import {make} from "./dom.js";
 
 export const CHALLENGE = "challenge"; // in place of a lesson's name; its steps are the levels
@@ -78,8 +79,8 @@ export class ClassChallenge {
     return make("div", {class: "class-inside"},
       make("table", {class: "class-standings"}, make("tbody", {}, ...shown.map(({name, steps, way}) => make("tr", {class: way ? "" : "robot"},
         make("td", {}, String(1 + rows.filter(one => one.steps < steps).length)), make("th", {scope: "row"}, name), make("td", {}, way),
-        make("td", {}, String(steps)))))),
-      make("p", {class: "text"}, `${more ? `${more} more are there. ` : ""}${here.filter(({at}) => !at?.answered).length} play, ${this.ended.size - there.length} did not find it.`),
+        make("td", {}, stepsText(steps)))))),
+      make("p", {class: "text"}, `${more ? `${more} more are there. ` : ""}${here.filter(({at}) => !at?.answered).length} still playing, ${this.ended.size - there.length} did not find it.`),
       make("p", {class: "hint"}, "A game: each device counts its own steps, so give no marks for it. “Gather here” ends it."));
   }
 }

@@ -34,7 +34,7 @@ export function resultsOf(results, about) {
     if (results.moved_since_first) said.append(movedOf(results.moved_since_first, "Since the first round"));
   }
   if (ask.kind === "choice") {
-    if (about.question || rounds.length > 1 || !about.isNarrow) drawn.append(bars(rounds, about));
+    if (about.question || rounds.length > 1 || !about.isNarrow) drawn.append(bars(rounds, about)); // else they stand in the card
   } else if (ask.kind === "pose") drawn.append(cloud(now.values, about));
   else if (ask.kind === "place") said.append(make("p", {class: "hint"}, "Each cross in the picture is one answer."));
   else if (ask.kind === "predict") drawn.append(histogram(now.values.map(one => one.length), {unit: " rounds", truth: null}));

@@ -305,7 +305,8 @@ class Classroom {
   showResults(results) {
     const {now} = results ?? {}, {stage} = this.lesson, kind = stage()?.step.ask.kind;
     const marks = kind === "pose" ? now?.values.map(([u, v]) => [u * DEGREE, v * DEGREE]) : now?.values;
-    this.lesson.showOthers(!now ? null : kind === "choice" ? {counts: now.counts}
+    const inCard = this.isNarrow.matches && !results?.before && !results?.first; // else the bars stand in the dock
+    this.lesson.showOthers(!now ? null : kind === "choice" ? inCard ? {counts: now.counts} : null
       : kind === "place" || kind === "pose" ? {marks} : null);
   }
 
@@ -393,7 +394,10 @@ class Classroom {
     }
     if (asked) return [];
     if (orders.lead) return [make("p", {class: "class-note"}, make("b", {}, "The lecturer leads."), " This page follows.")];
-    return orders.frozen ? [make("p", {class: "class-note"}, make("b", {}, "The lecturer has frozen this page."))] : [];
+    if (orders.frozen) return [make("p", {class: "class-note"}, make("b", {}, "The lecturer has frozen this page."))];
+    if (this.lesson.state().step !== "home" || !this.link.isOpen) return [];
+    return [make("p", {class: "class-note"}, make("b", {}, "You are in the class. "), "Wait for the lecturer, or begin a lesson. ",
+      make("button", {type: "button", class: "link", onclick: () => this.dialog.showModal()}, "Lecturer: enter the code"))];
   }
 
   /** The answers, once they may be seen here. @param {Asked} asked */

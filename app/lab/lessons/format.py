@@ -182,6 +182,7 @@ class Lesson(msgspec.Struct, **FIELDS):
     title: str
     short: str  # its name in a list
     about: str  # one sentence
+    afterwards: str = ""  # what one can say then, one sentence
     minutes: int
     step: tuple[Step, ...]
     settings: dict[str, Any] = {}

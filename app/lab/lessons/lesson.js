@@ -6,7 +6,8 @@ import {FIGURES} from "./figures/registry.js";
 import {grade} from "./measures.js";
 import {printable} from "./paper.js";
 import {QUESTION_S} from "./questions.js";
-import {EndScreen, HomeScreen, QuestionScreen} from "./screens.js";
+import {Cover} from "./cover.js";
+import {EndScreen, QuestionScreen} from "./screens.js";
 import {Stage} from "./stage.js";
 import {StepScreen} from "./step-screen.js";
 import {Store} from "./store.js";
@@ -20,7 +21,7 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @typedef {import("./stage.js").Answer} Answer
  * @typedef {import("./step-screen.js").Screen} Screen
  * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
- *   catalogue?: {name: string, title: string, short: string, about: string, minutes: number,
+ *   catalogue?: {name: string, title: string, short: string, about: string, afterwards: string, minutes: number,
  *   here: boolean}[]}} Data catalogue: all
  *   lessons that are served, those here and others
  * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
@@ -254,7 +255,7 @@ function begin(data) {
       });
     } else if (place.kind === "end") screen = new EndScreen($("body"), $("figures"), lesson, kept(), linkTo,
       following(), () => enter(lesson, {kind: "home"}));
-    else screen = new HomeScreen($("body"), data.lessons, lesson, progressOf, {
+    else screen = new Cover($("body"), data.lessons, lesson, progressOf, {
       start: one => enter(one, nextOf(one)), steps: one => enter(one, placeOf(one, one.steps[0].id)),
         step: (one, id) => enter(one, {kind: "step", id}),
       end: one => enter(one, {kind: "end"}),

@@ -97,7 +97,7 @@ def page_data(
     catalogue = [
         {
             **{"name": name, "title": lesson.title, "short": lesson.short, "about": lesson.about},
-            **{"minutes": lesson.minutes, "here": name in lessons},
+            **{"afterwards": lesson.afterwards, "minutes": lesson.minutes, "here": name in lessons},
         }
         for name, lesson in {**(others or {}), **lessons}.items()
     ]

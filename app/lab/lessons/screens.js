@@ -1,5 +1,5 @@
 /**
- * The screens that are no step: where a lesson begins, one of the eight questions, and its end.
+ * The screens of the eight questions, and of a lesson's end.
  *
  * @typedef {import("./stage.js").Lesson} Lesson
  * @typedef {import("./store.js").Kept} Kept
@@ -7,69 +7,32 @@
  * @typedef {import("./step-screen.js").Button} Button
  */
 import {inline, make} from "./dom.js";
-import {linked, orderOf, outcome, questionOf, QUESTION_S, reviewOf} from "./questions.js";
+import {linked, orderOf, outcome, questionOf, reviewOf} from "./questions.js";
 
-/** @implements {Screen} Where lessons begin. */
-export class HomeScreen {
-  /**
-   * @param {HTMLElement} body
-   * @param {Lesson[]} lessons
-   * @param {Lesson} lesson
-   * @param {(lesson: Lesson) => {words: string, done: number, isAsked: boolean}} stateOf
-   * @param {{start: (lesson: Lesson) => void, steps: (lesson: Lesson) => void, step: (lesson: Lesson, id: string) =>
-   *   void, end: (lesson: Lesson) => void, forget: (lesson: Lesson) => void,
-   *   catalogue: {name: string, title: string, about: string, minutes: number}[], beside: (name: string) => string}} acts
-   */
-  constructor(body, lessons, lesson, stateOf, acts) {
-    this.start = () => acts.start(lesson);
-    this.words = stateOf(lesson).words;
-    const cards = lessons.map(one => {
-      const {words, done, isAsked} = stateOf(one), count = one.steps.length, questions = one.questions?.length ?? 0,
-        hasQuestions = questions > 0, round = Math.max(1, Math.round(QUESTION_S * questions / 60));
-      const times = `${one.minutes} minutes${hasQuestions ? `, and ${round} for each round of ${questions} questions` : ""}`;
-      return make("article", {class: `lesson-card${one === lesson ? " this" : ""}`},
-        make("h2", {tabindex: -1, html: inline(one.title)}), make("p", {html: inline(one.about)}),
-        make("p", {class: "hint"},
-          `${count} ${count === 1 ? "step" : "steps"}, ${times}${done ? `. ${done} done.` : "."}`),
-        make("p", {class: "starts"}, make("button", {type: "button", class: "filled", onclick: () => acts.start(one)},
-          words),
-          hasQuestions && !done ? make("button", {type: "button", class: "plain", onclick: () => acts.steps(one)},
-            "Without the questions before it") : null,
-          isAsked ? make("button", {type: "button", class: "plain", onclick: () => acts.end(one)}, "See the end")
-            : null,
-          done ? make("button", {type: "button", class: "plain", onclick: () => acts.forget(one)}, "Start again")
-            : null),
-        make("ol", {class: "contents"}, ...one.steps.map(step =>
-          make("li", {}, make("button", {type: "button", class: "link", onclick: () => acts.step(one, step.id)},
-          step.title)))));
-    });
-    const others = acts.catalogue.map(({name, title, about, minutes}) =>
-      make("a", {class: "other-lesson", href: acts.beside(name)}, make("b", {}, title), make("span", {html: inline(about)}),
-      make("small", {}, `${minutes} minutes`)));
-    body.replaceChildren(...cards, others.length ? make("h3", {}, "Other lessons") : "",
-      make("div", {class: "others"}, ...others));
-  }
+/** @implements {Screen} What stands still, holds nothing and takes no key. */
+export class StillScreen {
+  draw() { /* nothing changes */ }
 
-  draw() { /* it stands still */ }
-
-  key() {
+  /** @param {KeyboardEvent} _event */
+  key(_event) {
     return false;
   }
 
   /** @returns {Button} */
   primary() {
-    return {words: this.words, key: "↵", filled: true, act: this.start};
+    return {words: "", act: () => {}};
   }
 
+  /** @returns {Button | null} */
   skip() {
     return null;
   }
 
-  remove() { /* it holds nothing */ }
+  remove() { /* nothing is held */ }
 }
 
-/** @implements {Screen} One of the eight. */
-export class QuestionScreen {
+/** One of the eight questions. */
+export class QuestionScreen extends StillScreen {
   /**
    * @param {HTMLElement} body
    * @param {Lesson} lesson
@@ -80,6 +43,7 @@ export class QuestionScreen {
    *   skipAll: () => void, redraw: () => void}} acts
    */
   constructor(body, lesson, phase, k, kept, acts) {
+    super();
     const questions = lesson.questions ?? [], one = questions[k], was = kept[phase][one.id], began = performance.now();
     this.acts = acts;
     this.now = {answer: was ? was.answer : null, sure: was ? was.sure : /** @type {boolean | null} */ (null)};
@@ -116,12 +80,10 @@ export class QuestionScreen {
   skip() {
     return {words: "Skip the questions", act: this.acts.skipAll};
   }
-
-  remove() { /* it holds nothing */ }
 }
 
-/** @implements {Screen} What one can say now, and the review of the questions. */
-export class EndScreen {
+/** What one can say now, and the review of the questions. */
+export class EndScreen extends StillScreen {
   /**
    * @param {HTMLElement} body
    * @param {HTMLElement} figures
@@ -132,6 +94,7 @@ export class EndScreen {
    * @param {() => void} leave
    */
   constructor(body, figures, lesson, kept, link, next, leave) {
+    super();
     const questions = lesson.questions ?? [], wasAsked = Object.keys(kept.after).length > 0;
     this.leave = leave;
     const says = make("ul", {class: "says"}, ...lesson.steps.map(({say, id}) =>
@@ -155,20 +118,8 @@ export class EndScreen {
     figures.dataset.main = figures.dataset.side = "0";
   }
 
-  draw() { /* it stands still */ }
-
-  key() {
-    return false;
-  }
-
   /** @returns {Button} */
   primary() {
     return {words: "All lessons", key: "↵", filled: true, act: this.leave};
   }
-
-  skip() {
-    return null;
-  }
-
-  remove() { /* it holds nothing */ }
 }

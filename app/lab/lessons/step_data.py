@@ -59,7 +59,8 @@ def lesson_data(name: str, lesson: Lesson, scenes: Scenes) -> dict[str, Any]:
         own_scenes, computed = step_data(lesson, step)
         scenes.update(own_scenes)
         steps.append({**plain, **computed})
-    return {"name": name, **{key: fields[key] for key in ("title", "short", "about", "minutes")}, "steps": steps}
+    told = {key: fields[key] for key in ("title", "short", "about", "afterwards", "minutes")}
+    return {"name": name, **told, "steps": steps}
 
 
 def step_data(lesson: Lesson, step: Step) -> tuple[Scenes, dict[str, Any]]:

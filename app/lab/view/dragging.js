@@ -31,8 +31,8 @@ export function dragging(lab) {
     lab.place(now.theta.map((v, k) => Math.min(upper[k], Math.max(lower[k], v + turns[k] * by))));
   });
   for (const box of [$("space"), $("still")]) draggable(box, event => gripArm(lab, event), hold);
-  $("space").parentElement.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-    if (!event.buttons) $("space").parentElement.classList.toggle("over", lab.isOpen && Boolean(nearestGrip(lab, event)));
+  $("space").addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+    if (!event.buttons) $("space").classList.toggle("over", lab.isOpen && Boolean(nearestGrip(lab, event)));
   });
 }
 

@@ -54,6 +54,7 @@ export class Lab {
     });
     this.#entered(() => {}, this.isServed || this.experiment.misread.length > 0);
     this.draw();
+    if (!address && !location.hash) this.player.nod();
     $("lesson").hidden = !lesson;
     if (lesson) $("lesson").href = lesson;
   }
@@ -182,7 +183,7 @@ export class Lab {
     const crosses = state.transfer === "epipolar" && moment.usable.includes(chosen);
     const lines = crosses ? geometry(moment)?.lines(at(views.demo), at(views.own)) ?? [] : [];
     const ease = player.still.matches ? 1 : player.isHeld ? HELD_EASE : EASE;
-    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays};
+    const rays = $("rays").checked, shown = {moment, recovered: recovered(moment), lines, chosen, goal, ease, rays, isChosen: state.point !== undefined};
     const moves = view.draw(world, shown);
     const visited = session.trace.slice(0, player.glide ? -1 : undefined), {posedAt} = experiment;
     const path = visited.map((one, k) =>
@@ -192,13 +193,11 @@ export class Lab {
     view.map.marks({demonstrator: goal ? thetaDemo : null, learner: theta, minimum, path});
     view.curve.draw(session.trace);
     say($("E"), energyText(moment.E));
-    say($("typical"), moment.fitted ? `The pictures disagree by ${residualText(moment.E)}` : "Too few points");
+    say($("typical"), moment.fitted ? residualText(moment.E) : "–");
+    $("fit").hidden = !view.space?.isTurned();
     $("map").classList.toggle("blank", !moment.fitted);
-    const {classList} = document.body;
-    classList.toggle("goalless", !goal);
-    classList.toggle("unmoved", !now.motion);
-    classList.toggle("unchosen", state.point === undefined);
-    classList.toggle("lineless", state.transfer !== "epipolar");
+    document.body.classList.toggle("goalless", !goal);
+    document.body.classList.toggle("lineless", state.transfer !== "epipolar");
     $("draw-of-noise").hidden = !state.noisePx;
     sliders.demo.show(thetaDemo, thetaDemo);
     sliders.own.show(theta, thetaDemo);
@@ -251,7 +250,7 @@ export class Lab {
   /** Copy what opens elsewhere: of a page that is a file, what stands behind the file's address. */
   #copyLink() {
     const state = this.experiment.address(), hasAddress = location.protocol.startsWith("http");
-    if (!hasAddress) say($("linked"),
+    if (!hasAddress) say($("says"),
       "This page is a file, so no link opens it elsewhere. Send the file, and add what was copied to its address.");
     void copy($("link"), hasAddress ? location.href.split("#")[0] + state : state, "The link to this:");
   }
@@ -267,7 +266,7 @@ export class Lab {
       play: () => this.play(), step: () => this.step(),
       undo: () => this.undo(), reset: () => this.reset(),
       help: () => $("keys").showModal(), fit: () => this.view.space?.fit(), scheme: () => this.#recolour(),
-      link: () => this.#copyLink(), dark: () => this.#recolour(),
+      link: () => this.#copyLink(),
     };
     for (const [id, act] of Object.entries(buttons)) $(id).addEventListener("click", () => { if (this.isOpen) act(); });
   }

@@ -7,7 +7,6 @@
  * @typedef {{camera: import("../engine/camera.js").Camera, kind: string, name: string}} Eye
  * @typedef {Object} Seen
  * @property {Body[]} bodies the farthest first
- * @property {Vector[][] | null} [goal] corners of links in the world, around which a dashed line is drawn
  * @property {Eye[]} eyes
  * @property {[ArrayLike<number>, ArrayLike<number>, string][]} lines from, to, class
  * @property {[ArrayLike<number>, string][]} dots place, class
@@ -22,14 +21,6 @@ const LENS_M = 0.16, LENS_SHARE = 0.42; // from a camera to its image plate, and
 
 /** @param {number[]} a @param {ArrayLike<number>} b */
 const along = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-
-/** A dashed line around links, as one shape. @param {number[][][]} links corners of each, as they are drawn @param {string} id of its mask */
-export function outlined(links, id) {
-  const d = links.map(corners => `M${silhouette(corners).map(p => p.map(px).join(" ")).join("L")}z`).join("");
-  return `<mask id="${id}" maskUnits="userSpaceOnUse" x="-4000" y="-4000" width="12000" height="12000">`
-    + `<rect x="-4000" y="-4000" width="12000" height="12000" fill="#fff"/><path class="vi-outline-inside" d="${d}"/></mask>`
-    + `<path class="vi-outline" mask="url(#${id})" d="${d}"/>`;
-}
 
 export class Outside {
   /** @param {HTMLElement} box @param {Record<string, number[][]>} hulls outermost vertices of links */
@@ -103,9 +94,9 @@ export class Outside {
   }
 
   /** @param {Seen} seen @param {string} label what a screen reader says */
-  draw({bodies, goal, eyes, lines, dots, labels}, label) {
+  draw({bodies, eyes, lines, dots, labels}, label) {
     const at = (/** @type {ArrayLike<number>} */ p) => this.place(p).map(px).join(" ");
-    const html = [...bodies.map(body => this.#arm(body)), goal ? outlined(goal.map(corners => corners.map(p => this.place(p))), "goal-flat") : "", ...eyes.map(eye => this.#eye(eye)),
+    const html = [...bodies.map(body => this.#arm(body)), ...eyes.map(eye => this.#eye(eye)),
       ...lines.map(([a, b, kind]) => `<path class="${kind}" d="M${at(a)}L${at(b)}"/>`),
       ...dots.map(([p, kind]) => `<path class="${kind}" d="M${at(p)}h0"/>`),
       ...labels.map(([p, text, kind]) => {

@@ -5,7 +5,7 @@ import {SERVO_WORDS} from "./words.js";
 const PROBE_MS = 1100; // of a test move
 const MAX_BEHIND_MS = 400, ADVANCE_MS = 10; // that slow drawing puts steps off for, and that steps take in a frame
 const GLIDE = 0.75, MIN_GLIDE_MS = 100; // share of a period in which the arm moves
-const NOD_MS = 1600, NOD = .16; // of the demonstrator when the page opens: how long, and rad
+const NOD_WAIT_MS = 900, NOD_MS = 1500, NOD_RAD = .16;
 const HELD = .25; // share of a period while something is dragged
 
 export class Player {
@@ -25,11 +25,11 @@ export class Player {
     this.isAsleep = false;
     this.isTicking = false;
     this.isDue = false;
-    /** When the demonstrator began to nod; it does not while this is -Infinity. */
-    this.nodBegan = -Infinity;
     this.due = 0;
     /** @type {{from: number[], began: number, lasts: number} | null} */
     this.glide = null;
+    /** When the demonstrator begins to nod; 0 once it has. */
+    this.nodsAt = 0;
     /** At which the servo had no motion to make. @type {import("../engine/session.js").Moment | null} */
     this.restedAt = null;
   }
@@ -41,18 +41,6 @@ export class Player {
   get isAtRest() {
     const {now} = this.experiment;
     return now === this.restedAt && Boolean(now.fitted);
-  }
-
-  /** Show once how the demonstrator's last joint moves: it stays where it is. */
-  nod() {
-    if (this.still.matches) return;
-    this.nodBegan = performance.now();
-    for (const name of ["pointerdown", "keydown"]) addEventListener(name, () => { this.nodBegan = -Infinity; }, {capture: true, once: true});
-    this.wake();
-  }
-
-  get #nodded() {
-    return (performance.now() - this.nodBegan) / NOD_MS;
   }
 
   /** Draw in the next frame, once. */
@@ -82,8 +70,17 @@ export class Player {
     requestAnimationFrame(now => this.#tick(now));
   }
 
+  /** The demonstrator nods once on the page, so that it is seen what its sliders move. The experiment has no part in it. */
+  nod() {
+    if (this.still.matches) return;
+    this.nodsAt = performance.now() + NOD_WAIT_MS;
+    addEventListener("pointerdown", () => { this.nodsAt = 0; }, {once: true, capture: true});
+    this.wake();
+  }
+
   /** Something else is shown from here. */
   interrupt() {
+    this.nodsAt = 0;
     this.glide = null;
     if (this.isPlaying) this.wake();
     this.redraw();
@@ -105,10 +102,10 @@ export class Player {
 
   /** The moment on display: the present one, or one on the way there. */
   shown() {
-    const {now, session} = this.experiment;
-    if (this.#nodded < 1) {
-      const by = NOD * Math.sin(2 * Math.PI * smoothstep(this.#nodded)), last = now.thetaDemo.length - 1, {lower, upper} = this.experiment.scene;
-      return session.observe(now.theta, now.thetaDemo.map((v, k) => k < last ? v : Math.min(upper[k], Math.max(lower[k], v + by))));
+    const {now, session} = this.experiment, nodded = (performance.now() - this.nodsAt) / NOD_MS;
+    if (this.nodsAt && nodded > 0 && nodded < 1) {
+      const by = NOD_RAD * Math.sin(2 * Math.PI * nodded);
+      return session.observe(now.theta, now.thetaDemo.map((v, k) => k ? v + by : v - by / 2));
     }
     if (!this.glide) return now;
     const {from, began, lasts} = this.glide, share = Math.min(1, (performance.now() - began) / lasts);
@@ -133,6 +130,7 @@ export class Player {
   /** @param {number} now */
   #tick(now) {
     if (this.glide && now - this.glide.began >= this.glide.lasts) this.glide = null;
+    if (this.isPlaying || this.isHeld || this.experiment.now.motion || now > this.nodsAt + NOD_MS) this.nodsAt = 0;
     const until = performance.now() + ADVANCE_MS;
     while (this.isPlaying && !this.isAsleep && !this.glide && now >= this.due && performance.now() < until)
       if (!this.#advance()) {
@@ -140,7 +138,7 @@ export class Player {
         if (!this.experiment.now.fitted) this.play(false);
       }
     this.drawNow();
-    if (this.glide || this.#nodded < 1 || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
+    if (this.nodsAt || this.glide || this.isPlaying && !this.isAsleep) requestAnimationFrame(later => this.#tick(later));
     else this.isTicking = false;
   }
 }

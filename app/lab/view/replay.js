@@ -60,7 +60,6 @@ export class Replay {
     this.isOpen = true;
     document.body.classList.remove("lineless");
     document.body.classList.add("replay");
-    $("method").open = true;
     this.view.setScene(this.scene);
     this.sliders.build(names, lower, upper);
     this.sliders.lock();
@@ -183,7 +182,7 @@ export class Replay {
     say($("truth"), $("goal").checked ? hidden : "The goal is hidden, from you as from the learner.");
     say($("E"), energyText(moment.E));
     const isKnown = Number.isFinite(moment.E), {usable, views: {own}, recovered} = moment;
-    say($("typical"), isKnown ? `The pictures disagree by ${residualText(moment.E)}` : "Too few points");
+    say($("typical"), isKnown ? residualText(moment.E) : "–");
     say($("by-servo"), method.servoTitle);
     say($("by-transfer"), method.transferTitle + (method.rectified ? ", of rectified images" : ""));
     const lengths = usable.flatMap(i => [0, 2].map(k => ({

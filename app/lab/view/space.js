@@ -19,13 +19,12 @@
  * @typedef {Object} Shown what moves
  * @property {Record<Who, ArrayLike<number>[]>} frames T_world_link of every link, 3 x 4, row by row
  * @property {Record<Who, Vector[]>} points body points
- * @property {Vector[][] | null} [goal] corners of the links of an arm, around which a dashed line is drawn
+ * @property {(project: (p: ArrayLike<number>) => Vector) => void} [painted] draws over the canvas
  * @property {(Vector | null)[][]} plates each point on the four image plates
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
  * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity
  */
-import {outlined} from "./outside.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
@@ -201,9 +200,6 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   const sun = unit([-2, -3, 5]), sunRight = unit(cross([0, 0, 1], sun)), sunUp = cross(sun, sunRight);
 
-  const outline = labelsIn.appendChild(document.createElementNS("http://www.w3.org/2000/svg", "svg"));
-  outline.setAttribute("class", "vi outline");
-
   // What stands still
   /**
    * @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[],
@@ -214,7 +210,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   const setStage = stage => {
     if (set) {
       [...set.solids.map(({shape: what}) => what), ...set.plates, set.ground].forEach(what => what.free());
-      labelsIn.replaceChildren(outline);
+      labelsIn.replaceChildren();
     }
     const {landmarks} = stage;
     /** @type {Vector} */
@@ -258,16 +254,10 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   };
 
   // The camera: azimuth and elevation about a target
-  const {fov, margin} = common.view, fitting = document.getElementById("fit");
+  const {fov, margin} = common.view;
   let {azimuth, elevation} = common.view, distance = 1, untouched = true;
   /** @type {Vector} */
   let target = [0, 0, 0];
-  /** Draw again; a view that somebody has turned can be fitted. @param {boolean} by */
-  const touched = by => {
-    untouched = !by;
-    if (fitting) fitting.hidden = !by;
-    later();
-  };
   /** @returns {[Vector, Vector, Vector]} right, up, back */
   const axes = () => {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
@@ -291,7 +281,8 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     const depth = eye - place.reduce((total, p) => total + p[2], 0) / place.length;
     distance = depth;
     target = sum(sum(sum([0, 0, 0], right, at[0]), up, at[1]), back, eye - depth);
-    touched(false);
+    untouched = true;
+    later();
   };
   const seenBy = () => {
     const [right, up, back] = axes();
@@ -416,7 +407,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     gl.depthMask(true);
     gl.bindVertexArray(null);
 
-    outline.innerHTML = shown.goal ? outlined(shown.goal.map(corners => corners.map(p => project(p, seen).slice(0, 2))), "goal-deep") : "";
+    shown.painted?.(p => project(p, seen));
     const frusta = set.stage.frusta.map(({edges}) => edges.map(ends => ends.map(p => project(p, seen))));
     for (const one of set.labels) {
       const {label, at, view} = one, w = project(at, seen)[2];
@@ -450,16 +441,19 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   const turn = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     azimuth -= .008 * dx;
     elevation = Math.min(1.5, Math.max(-.15, elevation + .008 * dy));
-    touched(true);
+    untouched = false;
+    later();
   };
   const shift = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     const [right, up] = axes(), px = 2 * distance * Math.tan(fov / 2) / canvas.clientHeight;
     target = sum(sum(target, right, -dx * px), up, dy * px);
-    touched(true);
+    untouched = false;
+    later();
   };
   const zoom = (/** @type {number} */ by) => {
     distance = Math.min(30 * set.size, Math.max(.2 * set.size, distance * by));
-    touched(true);
+    untouched = false;
+    later();
   };
   const spread = () => {
     const [a, b] = [...hands.values()];
@@ -500,7 +494,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   new ResizeObserver(later).observe(canvas);
   recolour();
   resize();
-  return {setStage, fit, recolour, turn, zoom, project, show: (/** @type {Shown | null} */ what) => { shown = what; later(); }};
+  return {setStage, fit, recolour, turn, zoom, project, isTurned: () => !untouched, show: (/** @type {Shown | null} */ what) => { shown = what; later(); }};
 }
 
 /**

@@ -4,12 +4,12 @@
  */
 import {backProject, transform, triangulate} from "../engine/engine.js";
 import {Curve} from "./curve.js";
-import {Images, outermost} from "./images.js";
+import {Images, outermost, silhouette} from "./images.js";
 import {EnergyMap} from "./map.js";
 import {byId as $} from "./page.js";
 import {Outside} from "./outside.js";
 import {openSpace} from "./space.js";
-import {drawingUnit, fixed, say} from "./svg.js";
+import {drawingUnit, fixed, px, say, set} from "./svg.js";
 
 /**
  * @typedef {import("./space.js").Vector} Vector
@@ -19,8 +19,8 @@ import {drawingUnit, fixed, say} from "./svg.js";
  * @typedef {import("../engine/world.js").Scene & {stage: import("./space.js").Stage,
  *   page?: {scene: string, layouts: string[]}}} Scene page: how the page of viewimit names it
  * @typedef {{robot: import("./space.js").Common, hulls: Record<string, number[][]>}} Common of all scenes of a robot
- * @typedef {import("./images.js").Picture & {rays: boolean}} Shown
- *   rays: whether each point is joined with its images in 3-D
+ * @typedef {import("./images.js").Picture & {rays: boolean, isChosen?: boolean}} Shown
+ *   rays: whether each point is joined with its images in 3-D; isChosen: whether the visitor chose the point
  */
 
 const IN_3D = "viewimit-in-3d"; // what the browser keeps of a visitor who wants 3-D though it is slow
@@ -36,9 +36,9 @@ export class View {
    */
   constructor({robot, hulls}, meshes, changed) {
     this.images = new Images({L: $("L"), R: $("R"), l: $("l"), r: $("r")}, hulls);
+    this.hulls = outermost(hulls);
     this.map = new EnergyMap($("map"));
     this.curve = new Curve($("curve"));
-    this.hulls = outermost(hulls);
     this.space = opened(robot, meshes, () => this.flatten(true, changed));
     /** In place of the 3-D view, where WebGL is missing or slow. */
     this.still = new Outside($("still"), hulls);
@@ -98,6 +98,7 @@ export class View {
   draw(world, shown) {
     const moves = this.images.draw(world, shown);
     say($("residual"), residualOf(shown));
+    $("ring").hidden = !shown.isChosen;
     $("unused").hidden = shown.moment.usable.length === world.body.length;
     this.drawSpace(world, shown);
     return moves;
@@ -114,8 +115,7 @@ export class View {
   drawSpace(world, {moment: {views, theta, thetaDemo}, recovered, lines, chosen, goal, rays}) {
     const {space, scene} = this;
     if (!scene) return;
-    const around = goal ? this.#around(world.arms.learner.linkFrames(thetaDemo)) : null;
-    if (this.isFlat || !space) return this.#drawStill(world, theta, thetaDemo, around);
+    if (this.isFlat || !space) return this.#drawStill(world, theta, thetaDemo, goal);
     const {demonstrator, learner} = world.arms, N = world.body.length, each = Array.from({length: N}, (_, i) => i);
     const points = {
       demonstrator: triples(demonstrator.points(thetaDemo, world.body)),
@@ -135,7 +135,7 @@ export class View {
     this.#later(() => space.show({
       points, plates, rays, recovered: found,
       frames: {demonstrator: demonstrator.linkFrames(thetaDemo), learner: learner.linkFrames(theta)},
-      goal: around,
+      painted: project => this.#outline(project, goal ? learner.linkFrames(thetaDemo) : null),
       lines: N ? [
         ...chosenPoints, ...lines.length ? rayOf(scene, points.demonstrator[chosen]) : [],
         ...lines.filter(({from}) => from === 0).flatMap(line => plated(scene, line)),
@@ -143,9 +143,16 @@ export class View {
     }));
   }
 
-  /** The corners of an arm's links in the world. @param {ArrayLike<number>[]} frames */
-  #around(frames) {
-    return this.hulls.map(({link, vertices}) => vertices.map(v => transform(frames[link], v)));
+  /**
+   * The goal over the 3-D view, as in the pictures: a dashed outline.
+   *
+   * @param {(p: ArrayLike<number>) => Vector} project to px, the third positive before the camera
+   * @param {ArrayLike<number>[] | null} frames of the links
+   */
+  #outline(project, frames) {
+    const outlines = frames ? this.hulls.map(({link, vertices}) => vertices.map(v => project(transform(frames[link], v)))) : [];
+    const ahead = outlines.filter(corners => corners.every(([, , w]) => w > 0)).map(corners => silhouette(corners));
+    set($("aim").firstElementChild, {d: ahead.map(corners => `M${corners.map(p => p.slice(0, 2).map(px).join(" ")).join("L")}z`).join("")});
   }
 
   /** Draw in 3-D, which may be slow, once the pictures and E are on the screen. @param {() => void} show */
@@ -155,18 +162,19 @@ export class View {
     this.isSpaceDue = true;
     setTimeout(() => {
       this.isSpaceDue = false;
-      this.show();
+      if (!this.isFlat) this.show();
     });
   }
 
-  /** @param {World} world @param {number[]} theta @param {number[]} thetaDemo @param {Vector[][] | null} goal */
+  /** @param {World} world @param {number[]} theta @param {number[]} thetaDemo @param {boolean} goal */
   #drawStill({arms, scene: {cameras}}, theta, thetaDemo, goal) {
     const {still} = this, frames = [arms.demonstrator.linkFrames(thetaDemo), arms.learner.linkFrames(theta)];
     still.measure();
     const landmarks = this.scene?.stage.landmarks ?? [];
     still.aim(this.azimuth, this.elevation, [...landmarks, ...cameras.map(({centre}) => centre)]);
+    const ghost = goal ? [{frames: arms.learner.linkFrames(thetaDemo), kind: "draw-guess"}] : [];
     still.draw({
-      bodies: [{frames: frames[0], kind: "vi-demo"}, {frames: frames[1], kind: ""}], goal,
+      bodies: [{frames: frames[0], kind: "vi-demo"}, ...ghost, {frames: frames[1], kind: ""}],
       eyes: cameras.map((camera, k) => ({camera, kind: k < 2 ? "vi-demo" : "", name: ""})), lines: [], dots: [],
       labels: (this.scene?.stage.labels ?? []).map(({text, role, at}) => [at, text, text.length > 1 ? `vi-b vi-${role}` : "vi-name"]),
     }, "Both robots: the orange demonstrator, the blue learner, and the cameras that look at both.");

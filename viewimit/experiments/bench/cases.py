@@ -376,7 +376,7 @@ COMPARE = Group(
 # Rendered pictures, and robots of a folder
 
 PICTURES = Group(
-    "Rendered pictures: how well markers are detected in them, and how the servos do on them and on points.",
+    "Rendered pictures: how the servos do on them and on points.",
     tuple(Case(sensor, partial(posed, sensor=sensor)) for sensor in SENSORS),
     Settings.paper(),
     quick_methods,

@@ -34,9 +34,9 @@ def lay_out(found: Sequence[Summary]) -> str:
             f"beside {found[0].servo}, from the same draws: difference of shares, medians of differences",
             _table(names, [_differences(row) for row in found]),
         ]
-    if any(row.measures or row.reasons for row in found):
-        blocks.append(_table(names, [_measures(row) for row in found]))
-    return "\n".join(blocks)
+    return "\n".join(
+        [*blocks, "how runs end, and what the cases measure", _table(names, [_measures(row) for row in found])]
+    )
 
 
 def _shares(row: Summary) -> dict[str, object]:
@@ -63,8 +63,8 @@ def _figures(row: Summary) -> dict[str, object]:
         "rms": degrees(row.rms_deg),
         "of claims": degrees(row.claims_rms_deg),
         "expected": degrees(row.expected_deg),
-        "travel": f"{row.travel_deg:.0f}°",
-        "CPU": f"{1e3 * row.cpu_s:.1f} ms",
+        "travel": None if math.isnan(row.travel_deg) else f"{row.travel_deg:.0f}°",
+        "CPU": None if math.isnan(row.cpu_s) else f"{1e3 * row.cpu_s:.1f} ms",
     }
 
 
@@ -78,9 +78,9 @@ def _differences(row: Summary) -> dict[str, object]:
 
 
 def _measures(row: Summary) -> dict[str, object]:
+    words = lambda counts: ", ".join(f"{count} {word}" for word, count in counts.items()) or None
     texts = {name.replace("_", " "): _text(value) for name, value in row.measures.items()}
-    reasons = ", ".join(f"{word} {count}" for word, count in row.reasons.items())
-    return {**texts, "reasons": reasons or None}
+    return {**texts, "reasons": words(row.reasons), "ends": words(row.statuses)}
 
 
 def _text(value: object) -> str:

@@ -127,14 +127,16 @@ class Estimator:
         noise, fits = evidence.noise_px, best.fits(options)
         open_joints = best.open_joints(options, noise)
         std = np.where(open_joints, np.inf, best.std)
-        error = std if choice.place is not None else np.hypot(std, np.abs(best.theta - here))
+        lost = fits and self._is_lost(best, evidence)
+        goes = not lost or (choice.explores and not state.went_nearest)
+        place = choice.place if goes and state.n_moved < options.most * m else None
+        error = std if place is not None else np.hypot(std, np.abs(best.theta - here))
         state = replace(state, best=best, certificate=certificate_of(error, noise * state.unit_px))
-        worth = choice.explores or not (fits and open_joints.any())
-        if choice.place is not None and worth and not state.went_nearest and state.n_moved < options.most * m:
+        if place is not None:
             n_explored = state.n_explored + choice.explores
             purpose = Purpose.LOOK if choice.explores else Purpose.ARRIVE
             state = replace(state, n_moved=state.n_moved + 1, n_explored=n_explored, probe=choice.explores)
-            return moved(replace(state, purpose=purpose), body, see, choice.place)
+            return moved(replace(state, purpose=purpose), body, see, place)
         if not fits:
             return rest(state, see, ServoStatus.NO_PROGRESS)
         if open_joints.any():  # as long as points are hidden somewhere, other places may show more
@@ -146,6 +148,11 @@ class Estimator:
             return rest(refused, see, ServoStatus.NO_PROGRESS)
         claims = error.max() < options.max_claimed_error
         return rest(state, see, ServoStatus.CONVERGED if claims else ServoStatus.SETTLED)
+
+    def _is_lost(self, best: Estimate, evidence: Evidence) -> bool:
+        """Whether the images leave a joint open, and the estimate is not worth going to."""
+        is_open = best.open_joints(self.options, evidence.noise_px).any()
+        return bool(is_open and best.std.max() > NAMING.max_imitated_std)
 
     def _chosen(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> tuple[Estimate, Choice]:
         """Apply the rule. Before the arm rests, rivals of the estimate are asked for."""
@@ -223,7 +230,10 @@ class Estimator:
         """The images leave a joint open: rest at the least predicted E."""
         best, see = state.best, evidence.see
         minima = best.minima if best is not None and best.minima else evidence.postures()
-        place = minima[0][1] if minima else see.displacement
+        if best is not None and not self._is_lost(best, evidence):
+            place = np.clip(best.theta, see.lower, see.upper)
+        else:
+            place = minima[0][1] if minima else see.displacement
         return nearest(state, evidence.body, see, place, ServoStatus.UNOBSERVABLE)
 
     def _at_least_seen_E(

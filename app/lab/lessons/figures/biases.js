@@ -10,7 +10,7 @@ import {stageSmallest} from "../maps.js";
 import {short} from "../measured.js";
 import {farthest} from "./bowl.js";
 import {
-  axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, text, widthOf,
+  axis, circles, crossHair, dots, Drawing, legend, legendHeight, path, polyline, sketched, text, widthOf,
 } from "./drawing.js";
 import {Names} from "./names.js";
 
@@ -27,15 +27,7 @@ export const BIASES = {
   layers: ["curves", "here", "predicted", "found"],
   title: "From the smallest E to the demonstrator",
   aspect: 1.8,
-  create(box) {
-    const drawing = new Drawing(box, "lesson-biases");
-    return {
-      resize: () => drawing.measure(),
-      draw(stage, layers) {
-        drawing.show(drawn(drawing, stage, layers), described(stage, layers));
-      },
-    };
-  },
+  create: sketched("lesson-biases", (drawing, stage, layers) => [drawn(drawing, stage, layers), described(stage, layers)]),
 };
 
 /** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers */

@@ -11,7 +11,7 @@
  */
 import {fixed, px} from "../../view/svg.js";
 import {
-  arrows, diamonds, Drawing, legend, legendHeight, path, pill, polyline, rectangle, text, within,
+  arrows, diamonds, Drawing, legend, legendHeight, path, pill, polyline, rectangle, sketched, text, within,
 } from "./drawing.js";
 import {Names} from "./names.js";
 
@@ -24,17 +24,11 @@ export const CROSSING = {
   layers: ["lines", "moved line", "ellipse"],
   title: "**L**, enlarged",
   aspect: .95,
-  create(box) {
-    const drawing = new Drawing(box, "lesson-crossing");
-    return {
-      resize: () => drawing.measure(),
-      draw(stage, layers) {
-        const found = crossingOf(stage);
-        if (found) drawing.show(drawn(drawing, stage, layers, found), described(found, layers));
-        else drawing.show(text(0, 60, "Too few points are seen.", "vi-2nd"), "No lines: too few points are seen.");
-      },
-    };
-  },
+  create: sketched("lesson-crossing", (drawing, stage, layers) => {
+    const found = crossingOf(stage);
+    return found ? [drawn(drawing, stage, layers, found), described(found, layers)]
+      : [text(0, 60, "Too few points are seen.", "vi-2nd"), "No lines: too few points are seen."];
+  }),
 };
 
 /** Of the step's point; null without lines. @param {Stage} stage @returns {Crossing | null} */

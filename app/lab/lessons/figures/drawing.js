@@ -52,6 +52,19 @@ export class Drawing {
   }
 }
 
+/**
+ * A figure that is one drawing.
+ *
+ * @param {string} kind class of the drawing
+ * @param {(drawing: Drawing, stage: import("../stage.js").Stage, layers: Set<string>) => [string, string]} write SVG,
+ *   and the drawing in words
+ * @returns {import("../stage.js").FigureKind["create"]}
+ */
+export const sketched = (kind, write) => box => {
+  const drawing = new Drawing(box, kind);
+  return {resize: () => drawing.measure(), draw: (stage, layers) => drawing.show(...write(drawing, stage, layers))};
+};
+
 /** @param {string} words */
 export const escaped = words => words.replace(/[&<>"]/g, c => `&#${c.charCodeAt(0)};`);
 

@@ -11,7 +11,7 @@ import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
 import {lowest, MAP_DEG, mapOf, smallest} from "../maps.js";
 import {farthest} from "./bowl.js";
-import {diamonds, Drawing, extent, path, polyline, rectangle, text, widthOf} from "./drawing.js";
+import {diamonds, extent, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 
 const LAYERS = ["as seen", "rectified"], TITLES = ["As the eyes see", "Rectified by matches alone"];
@@ -51,21 +51,15 @@ export const ROWS = {
   layers: LAYERS,
   title: "Matches of both eyes",
   aspect: .62,
-  create(box) {
-    const drawing = new Drawing(box, "lesson-rows");
-    return {
-      resize: () => drawing.measure(),
-      draw(stage, layers) {
-        const {views, usable} = stage.moment, images = select(views.demo, usable);
-        const by = /** @type {Rectification} */ (stage.records.rectification), high = drawing.height / LAYERS.length;
-        const cases = LAYERS.filter(layer => layers.has(layer)).map(layer =>
-          ({layer, images: layer === "rectified" ? rectified(images, by) : images}));
-        const words = cases.map(each => `${each.layer}, ${difference(each.images)}`).join("; ");
-        drawing.show(cases.map((each, k) => rows(each, k * high, drawing.width, high - 8)).join(""),
-          `Matches of the left and the right eye: ${words}.`);
-      },
-    };
-  },
+  create: sketched("lesson-rows", (drawing, stage, layers) => {
+    const {views, usable} = stage.moment, images = select(views.demo, usable);
+    const by = /** @type {Rectification} */ (stage.records.rectification), high = drawing.height / LAYERS.length;
+    const cases = LAYERS.filter(layer => layers.has(layer)).map(layer =>
+      ({layer, images: layer === "rectified" ? rectified(images, by) : images}));
+    const words = cases.map(each => `${each.layer}, ${difference(each.images)}`).join("; ");
+    return [cases.map((each, k) => rows(each, k * high, drawing.width, high - 8)).join(""),
+      `Matches of the left and the right eye: ${words}.`];
+  }),
 };
 
 /** @typedef {{map: {landscape: Landscape, key: string}, least: number[] | null}} Mapped least: rad */

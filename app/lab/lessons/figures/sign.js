@@ -21,9 +21,9 @@
  */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
-import {card, ending, named, table, written} from "./cards.js";
+import {card, ending, table, written} from "./cards.js";
 import {
-  axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, text,
+  axis, circles, decades, diamonds, dots, Drawing, escaped, fitted, path, polyline, rectangle, sketched, text,
 } from "./drawing.js";
 
 const NO_IDEA = .5; // what a bet is where nothing is claimed
@@ -60,19 +60,11 @@ export const E_HISTORY = {
   layers: [],
   title: "E after each step, px²",
   aspect: 1.9,
-  create(box) {
-    const drawing = new Drawing(box, "lesson-history");
-    return {
-      resize: () => drawing.measure(),
-      draw(stage) {
-        const {E, probes} = runOf(stage);
-        box.classList.toggle("lesson-gone", isOver(stage)); // all runs are listed then
-        const last = E.length - 1;
-        drawing.show(history(drawing, E, probes),
-          `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`);
-      },
-    };
-  },
+  create: sketched("lesson-history", (drawing, stage) => {
+    const {E, probes} = runOf(stage), last = E.length - 1;
+    drawing.box.classList.toggle("lesson-gone", isOver(stage)); // all runs are listed then
+    return [history(drawing, E, probes), `E after each of ${last} steps: from ${words(E[0])} to ${words(E[last])} px².`];
+  }),
 };
 
 /** @type {FigureKind} */
@@ -105,14 +97,7 @@ export const REVIEW_OF_RUNS = {
   layers: [],
   title: "All runs",
   aspect: 1.6,
-  create(box) {
-    named(box, "lesson-table", "All runs, your bets and the certificates");
-    return {
-      draw(stage) {
-        box.innerHTML = isOver(stage) ? review(stage) : "";
-      },
-    };
-  },
+  create: written("lesson-table", "All runs, your bets and the certificates", stage => isOver(stage) ? review(stage) : ""),
 };
 
 /** @param {Stage} stage @returns {Run[]} */

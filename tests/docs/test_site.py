@@ -78,8 +78,11 @@ def a_visitor_walks(browser, folder):
 
     page.goto(begin)
     page.locator("#play").click()
-    page.goto(f"{begin}learn/")
-    page.locator("h1").first.wait_for()
+    page.locator("#day").click()
+    page.locator("main.challenge").wait_for()
+    for verb in ("learn", "teach", "use", "play"):  # each page leads to the next
+        page.locator(f".ways .to-{verb}").locator("visible=true").first.click()
+        page.locator(".ways b", has_text=verb.title()).wait_for()
     for place in ("limits", "reference/commands", "notebooks/figures", "method"):
         page.goto(f"{begin}docs/{place}.html")
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), place

@@ -28,7 +28,7 @@ const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const TIP = "A tip: your eyes look at the two arms from opposite sides. So r is nearly the mirror image of L.";
 
 /** The device's date. */
-const today = () => {
+export const today = () => {
   const now = new Date();
   return [now.getFullYear(), now.getMonth() + 1, now.getDate()].map(part => String(part).padStart(2, "0")).join("-");
 };

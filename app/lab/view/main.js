@@ -1,5 +1,6 @@
 /** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it. */
 import {Challenges} from "../challenge/challenges.js";
+import {today} from "../challenge/screen.js";
 import {listen, returnFocus} from "./keys.js";
 import {Lab} from "./lab.js";
 import {byId as $, fault, unpacked} from "./page.js";
@@ -70,7 +71,8 @@ function play(data, openLab) {
     else {
       lab = openLab(location.hash);
       const {experiment} = lab;
-      $("challenge").hidden = false;
+      $("challenge").hidden = $("day").hidden = false;
+      $("day").href = `#challenge=${today()}`;
       $("challenge").addEventListener("click", () =>
         challenges.maker.open({demonstrator: experiment.now.thetaDemo, start: experiment.state.start}));
     }

@@ -66,6 +66,7 @@ def test_an_arm_obeys_by_its_gain_and_in_its_steps():
     stepped = driven(theta, sent, gain_error=0.05, encoder_step_deg=0.4)
     np.testing.assert_allclose(stepped, [20.5, -24.2], atol=0.2 + 1e-9)
     np.testing.assert_allclose(stepped / 0.4, np.round(stepped / 0.4), atol=1e-9)
+    np.testing.assert_allclose(driven(theta, (20.3, -24.3), encoder_step_deg=0.4), [20.4, -24.4])
 
 
 @pytest.mark.parametrize("name, entry", DISTURBANCES.items())

@@ -64,7 +64,7 @@ def test_a_batch_equals_the_loop():
 
 def test_residuals_use_the_points_of_a_moving_demonstrator_at_the_next_look():
     now = Session(Settings.paper(transfer="linear")).snapshot
-    drift = np.full_like(now.views.demo, 3.0)
+    drift = np.random.default_rng(0).normal(0, 3.0, now.views.demo.shape)
     ahead = now.with_fields(views=type(now.views)(now.views.demo + drift, now.views.own, now.views.visible))
     np.testing.assert_allclose(predicted_residuals(now, drift)(now.views.own), ahead.e)
 

@@ -44,6 +44,8 @@ def test_F_is_the_matrix_of_rank_2_nearest_to_the_matches():
     for _ in range(5):
         left, right = flat_matches(rng)
         F = fit_fundamental(left, right)
+        first, _, last = np.linalg.svd(F, compute_uv=False)
+        assert last < 1e-12 * first
         for way in perturbed_fundamentals(F, left, right) - F:
             moved = [F, F + way, F - way]
             here, ahead, behind = ((sampson_distance(matrix, left, right) ** 2).sum() for matrix in moved)

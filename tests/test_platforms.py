@@ -61,7 +61,7 @@ assert "viewimit.app.server.serve" in sys.modules
 from viewimit.commands.cli import main
 assert main(["imitate", "--demonstrator", "45,-90", "--start", "25,-45"]) == 0
 """
-    assert "converged" in on_windows(code)
+    assert "arrived" in on_windows(code)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="as other systems have it")

@@ -5,7 +5,7 @@ import pytest
 from trackers import Seen, analysis
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS
-from viewimit.sensing.tracks import read_files, read_tidy
+from viewimit.sensing.tracks import read_files, read_tidy, read_view
 
 IMAGE = np.random.default_rng(5).uniform(20, 600, (4, 3, 6, 2)).round(2)  # views, frames, points, px
 HIDDEN = np.random.default_rng(6).random((4, 3, 6)) < 0.25
@@ -237,3 +237,34 @@ def test_spellings_of_one_name_are_one_point_unless_a_view_has_both(tmp_path):
     both = ["a", "A", "p12", "p1_2", "c", "d"]
     tracked = in_views(tmp_path, [both, both, ["a", "b", *both[2:]], both])
     assert tracked.points == (*both, "b")
+
+
+def test_of_several_columns_the_one_that_says_least_counts(tmp_path):
+    check(plain(tmp_path, "frame,point,x,y,score,occluded", lambda hidden: f"0.9,{int(hidden)}"))
+    check(tidy(tmp_path, "frame,point,x,y,v,c", lambda hidden: f"{2 - hidden},0.9"))
+
+
+def test_of_several_columns_for_the_frame_the_number_counts(tmp_path):
+    more = lambda hidden: "take.png,1733000000.5,arm,0.4"
+    tracked = plain(tmp_path, "image_id,point,x,y,file_name,timestamp,joint,instance_score", more)
+    check(tracked, hidden=False)
+    assert tracked.notes == ("not read: columns file_name, timestamp, joint, instance_score",)
+
+
+def test_comments_among_the_rows_are_counted_and_names_may_begin_with_a_sign(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("frame,point,x,y\n0,a,1,2\n#0,b,3,4\n# done\n0,c,5,6\n")
+    track = read_view(path)
+    assert track.points == ("a", "c") and "2 lines" in track.unread
+    path.write_text("point,x,y\n#1,1,2\n#2,3,4\n")
+    assert read_view(path).points == ("#1", "#2")
+
+
+def test_a_picture_is_no_name_of_a_point(tmp_path):
+    path = tmp_path / "Results.csv"
+    path.write_text(" ,Label,X,Y,Slice\n1,IMG_0001.jpg,239.3,221.8,1\n2,IMG_0001.jpg,260.5,217.7,1\n")
+    with pytest.raises(ValueError, match="column Label: .*picture"):
+        read_view(path)
+    path.write_text(path.read_text().replace(".jpg", ""))
+    with pytest.raises(ValueError, match="column Label names one point"):
+        read_view(path)

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from viewimit.estimation.views import VIEW_NAMES, VIEWS
 from viewimit.sensing.tracks import read_files, read_tidy, read_view
@@ -18,11 +19,29 @@ def table(tmp_path, *lines, name="view.csv"):
     return path
 
 
+@pytest.mark.parametrize("said", ["sep=;", '"sep=;"', "SEP=;"])
+def test_a_first_line_that_names_the_separator_is_no_heading(tmp_path, said):
+    plain = read_view(table(tmp_path, HEAD.replace(",", ";"), "0;tip;1,5;2,5;1"))
+    found = read_view(table(tmp_path, said, HEAD.replace(",", ";"), "0;tip;1,5;2,5;1"))
+    np.testing.assert_array_equal(found.image, plain.image)
+    assert found.points == ("tip",) and found.image.tolist() == [[[1.5, 2.5]]]
+
+
 @pytest.mark.parametrize("missing", ["NA", "NaN", "N/A", "null", ""])
 def test_what_tables_write_for_a_missing_number_is_a_point_that_is_not_seen(tmp_path, missing):
     found = read_view(table(tmp_path, HEAD, "0,tip,1,2,1", f"0,elbow,{missing},{missing},1"))
     assert np.isfinite(found.image[0, found.points.index("tip")]).all()
     assert np.isnan(found.image[0, found.points.index("elbow")]).all()
+
+
+DLC = ("scorer,me,me,me,me,me,me", "bodyparts,tip,tip,tip,elbow,elbow,elbow", "coords,x,y,likelihood,x,y,likelihood")
+
+
+def test_cells_that_were_cut_at_the_end_of_a_trackers_row_are_empty(tmp_path):
+    found = read_view(table(tmp_path, *DLC, "0,1,2,1,3,4,1", "1,5,6,1"))
+    assert np.isfinite(found.image[0]).all() and np.isnan(found.image[1, 1]).all()
+    with pytest.raises(ValueError, match="8 cells, but 7 columns"):
+        read_view(table(tmp_path, *DLC, "0,1,2,1,3,4,1,9"))
 
 
 @pytest.mark.parametrize("kind", ["external", "virtual", "soft link", "external link"])
@@ -80,6 +99,18 @@ def test_frames_that_are_counted_from_0_in_one_table_and_from_1_in_another_are_n
         paths[view].write_text("\n".join(["frame,point,x,y", *rows]) + "\n")
     doubt = read_files(paths).doubtful_frames()
     assert doubt is None if says is None else says in doubt and "count them alike" in doubt
+
+
+def test_the_pages_of_a_tiff_are_frames(tmp_path):
+    pytest.importorskip("cv2")
+    from viewimit.sensing.detection import read_pictures
+
+    pages = [np.full((40, 60, 3), 10 * k, np.uint8) for k in range(1, 4)]
+    first, *others = map(Image.fromarray, pages)
+    for name, kept in (("three.tif", others), ("one.tiff", [])):
+        first.save(tmp_path / name, save_all=True, append_images=kept)
+        found = list(read_pictures(tmp_path / name))
+        assert [int(picture[0, 0, 0]) for picture in found] == [10 * k for k in range(1, 2 + len(kept))]
 
 
 def test_a_closed_standard_output_is_no_error():

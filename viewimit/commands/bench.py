@@ -166,7 +166,7 @@ def _run(part: str, args: argparse.Namespace, in_scene: dict[str, Any], study: S
 
 def _study(part: str, args: argparse.Namespace, in_scene: dict[str, Any], study: Study) -> tuple[Any, str]:
     """Make or read the runs of a group of cases, and judge them."""
-    group, refused = GROUPS[part], []
+    group, refused = GROUPS[part], list[str]()
     with naming("FOLDER" if group.of_folder else "--case"):
         cases = group.of_folder(args.path) if group.of_folder else engine.chosen(group.cases, args.case)
     if group.of_folder:

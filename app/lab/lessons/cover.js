@@ -3,7 +3,7 @@
  *
  * @typedef {import("./stage.js").Lesson} Lesson
  * @typedef {import("./step-screen.js").Button} Button
- * @typedef {{name: string, title: string, about: string, afterwards: string, minutes: number}} Other served beside
+ * @typedef {{name: string, title: string, about: string, afterwards?: string, minutes: number}} Other served beside
  *   this page
  */
 import {inline, make} from "./dom.js";

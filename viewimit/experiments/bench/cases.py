@@ -56,6 +56,11 @@ def posed(
     return session
 
 
+def _settings(fields: dict[str, Any]) -> dict[str, Any]:
+    """Fields of `Settings`, of any types."""
+    return fields
+
+
 def of_study(seed: int, number: int) -> np.random.Generator:
     """Return a generator from which all runs of a study draw, one after the other."""
     return np.random.default_rng(seed)
@@ -135,7 +140,7 @@ ROBUSTNESS = Group(
         Case("undisturbed", posed),
         *(Case(f"noise {px} px, 25 frames", partial(posed, noise_px=px, frames=25)) for px in (0.25, 0.5, 1.0)),
         *(
-            Case(f"{what} {share:.0%}, {images}", partial(posed, **{what: share, "frames": frames}))
+            Case(f"{what} {share:.0%}, {images}", partial(posed, **_settings({what: share, "frames": frames})))
             for what, share in (("missing", 0.1), ("missing", 0.3), ("outliers", 0.1))
             for frames, images in ((1, "1 frame"), (5, "5 frames"))
         ),
@@ -294,7 +299,7 @@ def on_surface(
     """Points anywhere on the robot's surface. links: sets, one of which has all points; hidden: as of `SurfaceEyes`."""
 
     def eyes(sensor: str, scene: Scene, points: int) -> SurfaceEyes:
-        chosen = links[draw.rng.integers(len(links))] if links else range(len(scene.posture_deg) + 1)
+        chosen = links[int(draw.rng.integers(len(links)))] if links else range(len(scene.posture_deg) + 1)
         body, normals = surface_points(scene.robot, chosen, count, draw.rng)
         return SurfaceEyes(scene, body, None if hidden is None else normals, hidden or 0.0)
 

@@ -169,7 +169,7 @@ class Group:
 
 def servo_named(name: str) -> ServoMethod:
     """Return the servo of this name, or of MODULE:OBJECT. Raises UnknownMethod."""
-    known = {**ORACLES, **LITERATURE, **SERVOS}
+    known: dict[str, Any] = {**ORACLES, **LITERATURE, **SERVOS}
     if name in SERVOS or name in LITERATURE:
         return known[name]
     module, colon, attribute = name.partition(":")
@@ -270,7 +270,7 @@ def run_cases(
     return study.map(run_once, tasks, progress)
 
 
-def chosen(cases: Sequence[Case], name: str | None) -> list[Case]:
+def chosen(cases: Sequence[Any], name: str | None) -> list[Any]:
     """Return the case of this name, or those whose names contain it. Raises ValueError if there is none."""
     named = [case for case in cases if case.name == name]
     found = named or [case for case in cases if (name or "") in case.name]

@@ -51,7 +51,7 @@ class Share:
         return f"{self.share:.1%} ({low:g}–{high:g})".replace("%", " %")
 
 
-def share_of(happened: Sequence[bool]) -> Share | None:
+def share_of(happened: Sequence[bool] | NDArray[np.bool_]) -> Share | None:
     """Return the share of the true ones, None of nothing."""
     return Share.of(happened) if len(happened) else None
 

@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from typing import Any
 
 from viewimit.analysis.trajectory import Imitation
 from viewimit.experiments.paper.common import Claim
@@ -24,8 +25,9 @@ ENDS_WITHIN_S = 2.0
 GOING_ON = ("waiting", "running", "writing")
 
 
-def begin(work: Callable[..., None], name: str, *arguments) -> tuple[BaseProcess, Connection]:
-    """Begin a process that runs work(connection, *arguments) → it, and the other end of the connection."""
+def begin(work: Callable[..., None], name: str, *arguments) -> tuple[BaseProcess, Any]:
+    """Begin a process that runs work(connection, *arguments) → it, and the other end of the connection, a Connection or,
+    on Windows, a PipeConnection."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     with theirs:  # while it is open here, the loss of the child would go unnoticed

@@ -17,6 +17,7 @@ import segno
 OF_DOCUMENTATION = {socket.AF_INET: "192.0.2.1", socket.AF_INET6: "2001:db8::1"}  # reserved: RFC 5737, RFC 3849
 PATH = re.compile(r"(/[\w.~-]{1,60}){0,6}", re.ASCII)
 PORTS = {"http": 80, "https": 443}
+BACKLOG = 100  # connections that wait to be accepted
 NAME = re.compile(r"[\w.-]{1,253}", re.ASCII)  # of a machine, as browsers send it
 
 
@@ -103,6 +104,21 @@ EVERYWHERE = {"0.0.0.0": socket.AF_INET, "::": socket.AF_INET6}  # hosts, and th
 
 class PortInUse(OSError):
     """The port is taken; the message names the next free one."""
+
+
+def listen(host: str, port: int) -> list[socket.socket]:
+    """Listening sockets on all addresses of a name. port 0 takes a free one. Raises OSError."""
+    listeners: list[socket.socket] = []
+    for family, *_, place in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE):
+        listener = socket.socket(family, socket.SOCK_STREAM)
+        _claim(listener)
+        if family == socket.AF_INET6:
+            listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        chosen = listeners[0].getsockname()[1] if listeners else port
+        listener.bind((place[0], chosen, *place[2:]))
+        listener.listen(BACKLOG)
+        listeners.append(listener)
+    return listeners
 
 
 def require_free(host: str, port: int) -> None:

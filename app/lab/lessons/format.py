@@ -182,9 +182,9 @@ class Lesson(msgspec.Struct, **FIELDS):
     title: str
     short: str  # its name in a list
     about: str  # one sentence
-    afterwards: str = ""  # what one can say then, one sentence
     minutes: int
     step: tuple[Step, ...]
+    afterwards: str = ""  # what one can say then, one sentence
     settings: dict[str, Any] = {}
     questions: bool = False  # asks the eight questions before and after
 

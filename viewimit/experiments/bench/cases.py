@@ -1,6 +1,6 @@
 """The cases of all studies, by group. A new case is a line in a group, or a function and a line."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from itertools import product
 from pathlib import Path
@@ -34,7 +34,7 @@ from .draws import (
     shared_eyes,
     surface_points,
 )
-from .engine import LITERATURE, NEAR_DEG, Case, Draw, Group, Run, Says, claims_nothing
+from .engine import LITERATURE, NEAR_DEG, Case, Draw, Group, Run, Says, arrives, claims_nothing
 from .intervals import rms
 
 NOISY: dict[str, Any] = {"noise_px": 0.25, "frames": 25}
@@ -216,15 +216,16 @@ def follows(run: Run) -> bool:
     return run.measures["behind_rms_deg"] <= NEAR_DEG
 
 
+PATHS: list[tuple[str, float, dict[str, Any]]] = [
+    *((f"{rate:g}° a step", rate, {}) for rate in (0.5, 1.0, 3.0)),
+    *((f"1° a step, noise {px} px", 1.0, {"noise_px": px}) for px in (0.25, 0.5)),
+    ("1° a step, noise 0.25 px, 1 frame", 1.0, {"noise_px": 0.25, "frames": 1}),
+]
 TRACKING = Group(
     "A moving demonstrator, along random paths.",
     tuple(
         Case(name, partial(on_path, deg_per_step=rate, **changes), follows, track, behind, 200, patience=1)
-        for name, rate, changes in (
-            *((f"{rate:g}° a step", rate, {}) for rate in (0.5, 1.0, 3.0)),
-            *((f"1° a step, noise {px} px", 1.0, {"noise_px": px}) for px in (0.25, 0.5)),
-            ("1° a step, noise 0.25 px, 1 frame", 1.0, {"noise_px": 0.25, "frames": 1}),
-        )
+        for name, rate, changes in PATHS
     ),
     Settings(),
     measures={
@@ -319,32 +320,33 @@ def distant(draw: Draw, **changes: Any) -> Session:
     return posed(draw, scene=draw_distant_scene(draw.rng), points=DISTANT_POINTS, **changes)
 
 
+CLAIMS: list[tuple[str, Callable[[Draw], Session], Callable[[Run], bool]]] = [
+    ("default scene", posed, arrives),
+    ("16 points on rigid groups of links", partial(on_surface, count=16, links=RIGID), claims_nothing),
+    *((f"{n} points, hidden by surfaces", partial(on_surface, count=n, hidden=0.0), arrives) for n in (20, 40)),
+    ("20 points, hidden beyond the rim", partial(on_surface, count=20, hidden=-0.3), arrives),
+    ("5 points", partial(on_surface, count=5), claims_nothing),
+    *(
+        (
+            f"noise {px} px, {frames} frame{'s' if frames > 1 else ''}",
+            partial(posed, noise_px=px, frames=frames),
+            arrives,
+        )
+        for frames in (25, 1)
+        for px in (0.1, 0.25, 0.5, 1.0)
+    ),
+    *(
+        (f"markers {where}, {px} px", partial(marked, symmetric=symmetric, noise_px=px, frames=25), arrives)
+        for where, symmetric in (("on both sides", True), ("between the sides", False))
+        for px in (0.0, 0.05, 0.25)
+    ),
+    ("demonstrator at 0.6 to 6 m, baseline 5 to 60 cm, 0.25 px", partial(distant, **NOISY), arrives),
+]
 CALIBRATION = Group(
     "What claims are worth: how often runs claim to have converged, how often that is true, and what they expect.",
     tuple(
         Case(name, opened, promise, measure=measures.of_claim, max_motions=300, patience=5)
-        for name, opened, *promises in (
-            ("default scene", posed),
-            ("16 points on rigid groups of links", partial(on_surface, count=16, links=RIGID), claims_nothing),
-            *((f"{n} points, hidden by surfaces", partial(on_surface, count=n, hidden=0.0)) for n in (20, 40)),
-            ("20 points, hidden beyond the rim", partial(on_surface, count=20, hidden=-0.3)),
-            ("5 points", partial(on_surface, count=5), claims_nothing),
-            *(
-                (
-                    f"noise {px} px, {frames} frame{'s' if frames > 1 else ''}",
-                    partial(posed, noise_px=px, frames=frames),
-                )
-                for frames in (25, 1)
-                for px in (0.1, 0.25, 0.5, 1.0)
-            ),
-            *(
-                (f"markers {where}, {px} px", partial(marked, symmetric=symmetric, noise_px=px, frames=25))
-                for where, symmetric in (("on both sides", True), ("between the sides", False))
-                for px in (0.0, 0.05, 0.25)
-            ),
-            ("demonstrator at 0.6 to 6 m, baseline 5 to 60 cm, 0.25 px", partial(distant, **NOISY)),
-        )
-        for promise in (promises or [Case.promises])
+        for name, opened, promise in CLAIMS
     ),
     measures=measures.OF_CLAIM,
 )
@@ -444,24 +446,22 @@ def unnamed(
 
 
 COUNTS = (10, 16, 20)
+NAMINGS: list[tuple[str, dict[str, Any]]] = [
+    *((f"{n} points, {px:g} px", {"points": [n], "noises_px": [px]}) for n, px in product(COUNTS, (0.0, 0.1, 0.25))),
+    ("one missing", {"points": COUNTS, "missing": 1}),
+    ("one extra", {"points": COUNTS, "extra": 1}),
+    ("one missing and one extra", {"points": COUNTS, "missing": 1, "extra": 1}),
+    ("two missing", {"points": COUNTS, "missing": 2}),
+    ("iiwa", {"points": [10], "scene": "iiwa"}),
+    *((scene, {"scene": scene}) for scene in ("panda-toed", "panda-verged", "panda-facing")),
+    *((f"any head, {px:g} px", {"noises_px": [px], "kind": "any head"}) for px in (0.0, 0.25)),
+    *((f"symmetric markers, {px:g} px", {"noises_px": [px], "kind": "symmetric"}) for px in (0.0, 0.1)),
+]
 UNMATCHED = Group(
     "Points without names: how often they are found, and whether runs end as with names.",
     tuple(
         Case(f"{name}{also}", partial(unnamed, matched=bool(also), **kind), measure=measures.of_names, max_motions=200)
-        for name, kind in (
-            *(
-                (f"{n} points, {px:g} px", {"points": [n], "noises_px": [px]})
-                for n, px in product(COUNTS, (0.0, 0.1, 0.25))
-            ),
-            ("one missing", {"points": COUNTS, "missing": 1}),
-            ("one extra", {"points": COUNTS, "extra": 1}),
-            ("one missing and one extra", {"points": COUNTS, "missing": 1, "extra": 1}),
-            ("two missing", {"points": COUNTS, "missing": 2}),
-            ("iiwa", {"points": [10], "scene": "iiwa"}),
-            *((scene, {"scene": scene}) for scene in ("panda-toed", "panda-verged", "panda-facing")),
-            *((f"any head, {px:g} px", {"noises_px": [px], "kind": "any head"}) for px in (0.0, 0.25)),
-            *((f"symmetric markers, {px:g} px", {"noises_px": [px], "kind": "symmetric"}) for px in (0.0, 0.1)),
-        )
+        for name, kind in NAMINGS
         for also in ("", ", with names")
     ),
     Settings(),

@@ -53,11 +53,12 @@ def minimum(session: Session, draw: Draw) -> dict[str, float]:
     }
 
 
+def _share_within(runs: Sequence[Run], name: str, limit: float) -> Any:
+    return share_of(values(runs, name) <= limit)
+
+
 OF_MINIMUM: Measures = {
-    **{
-        f"own_minimum_{limit:g}": lambda runs, limit=limit: share_of(values(runs, "own_deg") <= limit)
-        for limit in WITHIN_DEG
-    },
+    **{f"own_minimum_{limit:g}": partial(_share_within, name="own_deg", limit=limit) for limit in WITHIN_DEG},
     "came_own_minimum_3": lambda runs: share_of(values(runs, "nearest_own_deg") <= WITHIN_DEG[-1]),
     "came_3": lambda runs: share_of(values(runs, "nearest_deg") <= WITHIN_DEG[-1]),
     "claimed_off_own_minimum": lambda runs: Share.of(

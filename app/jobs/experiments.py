@@ -26,8 +26,7 @@ GOING_ON = ("waiting", "running", "writing")
 
 
 def begin(work: Callable[..., None], name: str, *arguments) -> tuple[BaseProcess, Any]:
-    """Begin a process that runs work(connection, *arguments) → it, and the other end of the connection, a Connection or,
-    on Windows, a PipeConnection."""
+    """Begin a process that runs work(connection, *arguments) → it, and the connection's other end."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     with theirs:  # while it is open here, the loss of the child would go unnoticed

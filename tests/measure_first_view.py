@@ -14,7 +14,7 @@ COUNT = r"""() => {
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), words = [];
   while (walker.nextNode()) {
     const {textContent, parentElement: e} = walker.currentNode;
-    if (e.closest("script, style, select, dialog, noscript, .unseen, #images svg") || !e.checkVisibility({visibilityProperty: true})) continue;
+    if (e.closest("script, style, select, dialog, noscript, .unseen, #images svg") || !seen(e)) continue;
     words.push(...textContent.split(/\s+/).filter(word => /[A-Za-z]/.test(word)));
   }
   return [controls.map(one => one.id || one.textContent.trim() || one.ariaLabel), words];

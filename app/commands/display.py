@@ -86,7 +86,9 @@ def build_up(model: PageModel, *, now: float) -> None:
 @command("large", order_independent=True, link=True)
 def enlarge(
     model: PageModel,
-    what: Annotated[str, one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or image {value}")],
+    what: Annotated[
+        str, one_of({str(k): what for k, what in enumerate(LARGE)}, "there is no panel or picture {value}")
+    ],
 ) -> None:
     """Enlarge a panel or an image, by its index in LARGE; the one that is large already: all as before."""
     model.show(large=None if model.view.large == what else what)

@@ -96,7 +96,7 @@ def _count(information: PointInformation) -> str:
     count, seen = information.count, information.visible
     if seen == count:
         return plural("{n} point", "{n} points", count).format(n=count)
-    text = plural("{n} point, {visible} in all images", "{n} points, {visible} in all images", count)
+    text = plural("{n} point, {visible} in all pictures", "{n} points, {visible} in all pictures", count)
     return text.format(n=count, visible=seen)
 
 

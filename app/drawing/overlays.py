@@ -61,7 +61,7 @@ def point_links(count: int, whole: bool) -> str:
     for k, (view, size) in enumerate(SIZES[whole].items()):
         around = "".join(_link(view, i, "vi-around") for i in range(count))
         nearest = "".join(_link(view, i, "vi-nearest", stop=view == "L") for i in range(count))
-        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge image {view}", _corners(size[0]))
+        large = link(f"large/{FIRST_IMAGE + k}", f"Enlarge picture {view}", _corners(size[0]))
         inside[view] = around + nearest + large
     construct = link("construction/0", "Build up how the point is transferred", "▸ Build it up <kbd>C</kbd>")
     return _over_images(inside, construct, whole, " vi-links", ' role="group" aria-label="Points to choose"')

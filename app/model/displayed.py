@@ -74,7 +74,7 @@ class SeeThrough:
     def look(self, theta: NDArray) -> None:
         """theta: (m,) rad. Raises ValueError for a posture out of limits, or where every look is a picture."""
         if self._session.settings.sensor == "rendered":
-            raise ValueError("a ghost arm has no camera images: switch them off to look without a step")
+            raise ValueError("a ghost arm has no camera pictures: switch them off to look without a step")
         self._theta = self._session.scene.require_posture(theta, "ghost arm's")
         self._from, self._seen = self._session.snapshot.theta, None
 
@@ -116,7 +116,7 @@ class Imitated:
         """Raises ValueError if the session is in another world, or where every look is a picture."""
         settings = self._session.settings
         if settings.sensor == "rendered":
-            raise ValueError("an imitation has no camera images: switch them off to see it")
+            raise ValueError("an imitation has no camera pictures: switch them off to see it")
         differs = [name for name in WORLD if getattr(settings, name) != getattr(imitation.settings, name)]
         if differs:
             refusal = "{name} was made with other {settings}: run it again, or go back"

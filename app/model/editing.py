@@ -254,11 +254,11 @@ class Rehearsal:
     def words(self) -> str:
         """The remembered postures and whether they hold, or why no rehearsal is offered; "" for nothing to say."""
         if self.to_go:
-            return f"Watches itself: {self.seen} of {self.seen + self.to_go} postures."
+            return f"Watches itself: {self.seen} of {self.seen + self.to_go} poses."
         able, one = SERVOS[self.servo].predicts, self.seen == 1
         if not self.held:
             return "" if able else f"Only for {_able()}."
-        remembers = f"Remembers {self.seen} posture{'' if one else 's'}"
+        remembers = f"Remembers {self.seen} pose{'' if one else 's'}"
         if not able:
             return f"{remembers}; only for {_able()}."
         if self.holds is False:

@@ -237,7 +237,7 @@ def _require_names(settings: Settings, begun: Settings) -> None:
     if len(settings.body_points or ()) > MAX_POINTS:
         raise ValueError(f"the link places {len(settings.body_points or ())} points; {MAX_POINTS} are the most")
     if settings.frames > MAX_FRAMES:
-        raise ValueError(f"the link averages {settings.frames} images; {MAX_FRAMES} are the most")
+        raise ValueError(f"the link averages {settings.frames} pictures; {MAX_FRAMES} are the most")
     if not all(map(math.isfinite, (*(settings.demonstrator_deg or ()), *(settings.start_deg or ())))):
         raise ValueError("the link has an angle that is no number")
 

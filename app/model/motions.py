@@ -107,7 +107,7 @@ class Motions:
             frames = len(self.recorded.theta_deg)
             text = plural("{name}: {time:.1f} s, {n} frame", "{name}: {time:.1f} s, {n} frames", frames)
             return "ready", text.format(name=self._title(self.recorded), time=self.recorded.seconds, n=frames)
-        return "ready", "about the present posture"
+        return "ready", "about the present pose"
 
     def _title(self, motion: Motion) -> str:
         """Of the chosen motion; of one from a file, the beginning of its name there."""

@@ -103,20 +103,20 @@ def _images(model: PageModel) -> Picture:
     after = f"after {count_motions(moment.motion)}"
     if model.view.rectified:
         drawn = draw_rectified(moment, model.displayed.arms_in_images[0], True)
-        return Picture.of(stack([drawn], f"The images as seen and as rectified, {after}"))
-    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four images {after}"))
+        return Picture.of(stack([drawn], f"The pictures as seen and as rectified, {after}"))
+    return Picture.of(four_images(model.displayed.draw_images(print_size=True), f"The learner’s four pictures {after}"))
 
 
 def _landscape(model: PageModel) -> Picture:
     if model.comparison.html is not None:
-        return Picture.of(stack([model.comparison.html], "E over the postures of the learner, by all transfers"))
+        return Picture.of(stack([model.comparison.html], "E over the poses of the learner, by all transfers"))
     if model.landscape.made is None:
         raise ValueError("the landscape is not there yet")
     picture, session = model.landscape.made.picture, model.session
     path, over = picture.draw_path(session.history, session.cursor), f"over {count_motions(session.cursor)}"
     if len(session.scene.moving_joints) != 2:
         return Picture.of(overlay([picture.html, path], f"Joint error per pixel of noise, {over}"))
-    return Picture.of(overlay([picture.html, path], f"E over the postures of the learner, and its path {over}"))
+    return Picture.of(overlay([picture.html, path], f"E over the poses of the learner, and its path {over}"))
 
 
 def _curves(model: PageModel) -> Picture:

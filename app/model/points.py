@@ -70,7 +70,7 @@ class PointEditing:
             self._on = False
             return
         if self._session.settings.sensor == "rendered":
-            raise ValueError("camera images show the markers that the arm wears: switch them off to edit points")
+            raise ValueError("camera pictures show the markers that the arm wears: switch them off to edit points")
         self._on = True
 
     def let_go(self) -> bool:

@@ -46,8 +46,8 @@ def display(layout: Layout, model: PageModel) -> None:
     with layout.folder("Display"):
         chosen = gui.add_dropdown("Point", [NO_POINT], initial_value=NO_POINT)
         points = gui.add_dropdown("Layout", [count_points(10)])
-        rectify = gui.add_checkbox("Rectify", True, hint="the images, where their matched points ask for it")
-        camera = layout.checkbox("Camera images", lambda model: model.settings.sensor == "rendered", "camera")
+        rectify = gui.add_checkbox("Rectify", True, hint="the pictures, where their matched points ask for it")
+        camera = layout.checkbox("Camera pictures", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
         for label, name in SWITCHES:
             layout.checkbox(label, partial(_is_on, name), "switch", name)
@@ -176,7 +176,7 @@ def _enlarge_links(large: str | None) -> str:
     links = "".join(
         f'<div class="vi-enlarge vi-enlarge-{what}">{link(f"large/{LARGE.index(shown)}", name, icon)}</div>'
         for what, shown, name in (
-            ("images", large if large not in (None, "figures") else "images", "Images, large or not"),
+            ("images", large if large not in (None, "figures") else "images", "Pictures, large or not"),
             ("figures", "figures", "Figures, large or not"),
         )
     )

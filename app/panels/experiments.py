@@ -19,7 +19,7 @@ from .panel import Layout, put, put_html, put_max
 
 SEE, STOP = ("See it", Icon.MOVIE), ("Stop", Icon.PLAYER_STOP)  # the imitated motion, in 3-D and in the images
 RUN, CANCEL = ("Run", Icon.PLAYER_PLAY), ("Cancel", Icon.PLAYER_STOP)
-POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera images.</div>'
+POINTS_ONLY = '<div class="vi-points-only">Experiments look at projected points, not at camera pictures.</div>'
 PASS = (
     '<svg class="vi-mark" viewBox="0 0 16 16"><circle cx="8" cy="8" r="7" class="vi-mark-pass"/>'
     '<path d="M4.6 8.3l2.4 2.4 4.4-5" class="vi-mark-line"/></svg>pass'

@@ -46,7 +46,7 @@ KEYS = (
     Key("C", "C", "construct", "Build up, step by step, how the chosen point is transferred", "construction"),
     Key("V", "V", "view", "Fit the view", "fit_view"),
     Key("H", "H", "help", "Help", "help", True),
-    Key("M", "M", "large", "Images large, then figures, then all as before", "next_larger"),
+    Key("M", "M", "large", "Pictures large, then figures, then all as before", "next_larger"),
     Key("E", "E", "edit points", "Edit the points of both arms, or end that", "edit_points"),
     Key("B", "B", "best next", "Propose the point that would help most; press again to place it", "best"),
     Key("Del", "delete", "remove point", "Remove the chosen point", "remove"),

@@ -111,8 +111,8 @@ WATCH, STOP = ("Watch yourself first", Icon.EYE), ("Stop", Icon.PLAYER_STOP)
 FORGET = "Forget", Icon.ERASER
 MANY = 4  # joints, whose angles are too long for a folder's name
 HINT = plural(
-    "The learner goes through {n} posture, with nobody to imitate, and needs no test steps then.",
-    "The learner goes through {n} postures, with nobody to imitate, and needs no test steps then.",
+    "The learner goes through {n} pose, with nobody to imitate, and needs no test steps then.",
+    "The learner goes through {n} poses, with nobody to imitate, and needs no test steps then.",
     DEFAULT_POSTURES,
 ).format(n=DEFAULT_POSTURES)
 

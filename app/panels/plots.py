@@ -34,7 +34,7 @@ FROM_STARTS = "Try 20 starts", Icon.CHART_DOTS
 CANCEL, HIDE = ("Cancel", Icon.PLAYER_STOP), ("Hide the starts", Icon.EYE_OFF)
 STARTS = "Twenty learners, at most 300 steps each: where they end, within 2°, and whether they claim to have converged."
 WAITING = '<div class="vi-basin">Twenty learners set out …</div>'
-LOOK_ONLY = "Click a posture: a ghost arm shows it, and nothing moves. Otherwise the learner starts there."
+LOOK_ONLY = "Click a pose: a ghost arm shows it, and nothing moves. Otherwise the learner starts there."
 
 
 def images(layout: Layout, model: PageModel) -> None:
@@ -92,7 +92,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
             layout.checkbox(
-                "Preview the posture", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+                "Preview the pose", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
             )
         for over in (ground, path, preview, links, cost, basin):
             layout.bind(lambda model: not _compares(model), partial(put_visible, over))

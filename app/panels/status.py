@@ -14,7 +14,7 @@ from ..model.page_model import PageModel
 from .panel import SLOW, Layout, put_html
 
 LOOKS_BACK = 5  # motions
-STARTS_PICTURES = "Starting the camera images … Grey parts still show the moment before."
+STARTS_PICTURES = "Starting the camera pictures … Grey parts still show the moment before."
 FOLLOWS = "Press Esc to stop: the page computes the link’s session."
 RESTORES = "Press Esc to begin again: the page computes this tab’s session."
 UNSAVED = "This browser’s storage for the page is full or forbidden: a reload would lose this session."

@@ -69,16 +69,16 @@ def test_what_is_said_follows_what_is_remembered(visit):
     assert said(model) == ""
     visitor.act("rehearse")
     play(model, 3)
-    assert said(model) == f"Watches itself: 3 of {DEFAULT_POSTURES} postures."
+    assert said(model) == f"Watches itself: 3 of {DEFAULT_POSTURES} poses."
     play(model, DEFAULT_POSTURES - 3)
-    assert said(model) == "Remembers 12 postures; Play imitates with them."
+    assert said(model) == "Remembers 12 poses; Play imitates with them."
     play(model, 1)
-    assert said(model) == "Remembers 12 postures, which hold. Imitates: 1 step."
+    assert said(model) == "Remembers 12 poses, which hold. Imitates: 1 step."
     play(model)
     assert model.session.history.imitation_motions == 1
-    assert said(model) == "Remembers 12 postures, which hold. Imitated in 1 step."
+    assert said(model) == "Remembers 12 poses, which hold. Imitated in 1 step."
     model.undoable.change(servo="broyden")
-    assert said(model) == f"Remembers 12 postures; only for {ABLE}."
+    assert said(model) == f"Remembers 12 poses; only for {ABLE}."
 
 
 def test_another_head_is_noticed(visit):
@@ -86,9 +86,9 @@ def test_another_head_is_noticed(visit):
     visitor.act("rehearse")
     play(model, DEFAULT_POSTURES)
     model.undoable.change(scene="panda-toed")
-    assert said(model) == "Remembers 12 postures; Play imitates with them."  # of the same body
+    assert said(model) == "Remembers 12 poses; Play imitates with them."  # of the same body
     play(model, 5)
-    assert said(model) == "Remembers 12 postures, which do not hold here: it probes."
+    assert said(model) == "Remembers 12 poses, which do not hold here: it probes."
 
 
 def test_it_is_forgotten_at_any_time_and_then_it_probes(visit):
@@ -129,13 +129,13 @@ def test_a_page_that_is_kept_goes_on_watching_to_the_last_bit():
     Hands(model).set("history", 4)
     back.restore(page.kept)
     back.tick(1.0)
-    assert "Watches itself: 4 of 12 postures." in back.shown and back.widget(STOP)
+    assert "Watches itself: 4 of 12 poses." in back.shown and back.widget(STOP)
     for one in (model, back.page.model):
         Hands(one).act("play")
         play(one)
     assert_same(back.page.model.session.snapshot, model.session.snapshot)
     back.tick(1.0)
-    assert "Remembers 12 postures, which hold. Imitated in" in back.shown
+    assert "Remembers 12 poses, which hold. Imitated in" in back.shown
 
 
 def test_the_button_is_what_can_be_done_now():

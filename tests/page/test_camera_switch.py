@@ -1,4 +1,4 @@
-"""The switch Camera images, from a browser's message to pictures in its page, with a real process that renders."""
+"""The switch Camera pictures, from a browser's message to pictures in its page, with a real process that renders."""
 
 import html
 import multiprocessing
@@ -48,7 +48,7 @@ def photographs(client: Client) -> set[str]:
 
 
 def switch_on(client: Client) -> None:
-    client.put("Camera images", True)
+    client.put("Camera pictures", True)
     wait_until(lambda: len(photographs(client)) == 4, BEGINS_WITHIN_S)
 
 
@@ -59,7 +59,7 @@ def test_a_process_that_is_killed_is_told_and_pictures_may_be_had_again(here):
         process.kill()
         client.press("Make one step")
         wait_until(lambda: "back to projected points" in client.status)
-        wait_until(lambda: not photographs(client) and client.value("Camera images") is False)
+        wait_until(lambda: not photographs(client) and client.value("Camera pictures") is False)
         switch_on(client)
 
 
@@ -72,7 +72,7 @@ def test_a_reload_comes_back_to_the_same_pictures(here):
         seen, tab = photographs(client), client.keep()
     with Client(here.url, tab=tab).ready() as client:
         wait_until(lambda: photographs(client) == seen, BEGINS_WITHIN_S)
-        assert client.value("Camera images") is True and client.value("History") == 1
+        assert client.value("Camera pictures") is True and client.value("History") == 1
 
 
 def test_that_a_robot_wears_no_markers_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
@@ -80,10 +80,10 @@ def test_that_a_robot_wears_no_markers_is_said_beside_the_switch_and_by_the_pres
     why = "need markers on the arm, which iiwa have"
     with Client(here.url).ready() as client:
         wait_until(lambda: any(why in html.unescape(shown) for shown in client.html.values()))
-        client.put("Camera images", True)  # which is greyed, and jumps back
-        client.put("Preset", "Camera images")
+        client.put("Camera pictures", True)  # which is greyed, and jumps back
+        client.put("Preset", "Camera pictures")
         wait_until(lambda: why in html.unescape(client.status))
-        assert client.value("Camera images") is False and not here.camera.running and not photographs(client)
+        assert client.value("Camera pictures") is False and not here.camera.running and not photographs(client)
 
 
 LOADED = """async where => {
@@ -100,7 +100,7 @@ STROKE = """where => { const {strokeLinecap, stroke} = getComputedStyle(document
 def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, server):
     page = open_page(browser, server, "small")
     fold(page, "Display")
-    switch(page, "Camera images")
+    switch(page, "Camera pictures")
     wait_for_count(page, PHOTOGRAPH, 4)
     assert page.evaluate(LOADED, PHOTOGRAPH) == [[640, 240]] * 4
     press(page, "ArrowRight")
@@ -110,7 +110,7 @@ def test_a_visitor_sees_four_pictures_with_what_was_detected_in_them(browser, se
     assert page.evaluate(STROKE, DETECTED) == ["round", "rgb(0, 114, 178)"]  # the learner's, and points are dots
     wait_for_status(page, "^(?!.*starting)")
     assert re.search(r"E is [\d.]+ px²", status(page))
-    switch(page, "Camera images")
+    switch(page, "Camera pictures")
     wait_for_count(page, PHOTOGRAPH, 0, exactly=True)
     assert page.problems == []
     page.close()

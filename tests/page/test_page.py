@@ -42,7 +42,7 @@ def test_nothing_is_looked_at_in_the_thread_that_ticks(camera, visit):
     for act in ("step", "undo", "reset", "duel"):
         visit.act(act)
         visit.arrive()
-    for name, value in (("joint0", 60.0), ("noise_px", 0.5), ("joints", "all seven"), ("preset", "Camera images")):
+    for name, value in (("joint0", 60.0), ("noise_px", 0.5), ("joints", "all seven"), ("preset", "Camera pictures")):
         visit.put(name, value)
         visit.arrive()
     assert len(camera.asked) > 20 and threading.get_ident() not in {thread for _, thread in camera.asked}

@@ -226,7 +226,7 @@ def press(page, key: str) -> None:
 
 
 def click(page, words: str) -> None:
-    page.get_by_text(words, exact=True).click()
+    page.get_by_text(words, exact=True).last.click()  # after the ways to other pages
     pause(page)
 
 

@@ -91,7 +91,7 @@ def reload() -> set[str]:
     return files.found
 
 
-FLOWS = {"slider -> pose": (slider_to_pose, 8), "Play -> panels": (play_to_panels, 29), "reload": (reload, 18)}
+FLOWS = {"slider -> pose": (slider_to_pose, 8), "Play -> panels": (play_to_panels, 31), "reload": (reload, 18)}
 
 
 def main() -> None:

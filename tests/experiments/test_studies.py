@@ -260,5 +260,5 @@ def test_the_papers_law_hardly_arrives_where_broyden_does():
         max_motions=60,
     )
     gradient, broyden = summarise(runs, SUCCESS.measures)
-    assert gradient.within[3.0].count <= 1 and broyden.measures["own_minimum_3"].count == 5
+    assert gradient.within[3.0].count <= 1 and broyden.measures["own_minimum_3"].count >= 4
     assert broyden.less.near.value >= 0 and gradient.claimed.count == broyden.claimed.count == 0

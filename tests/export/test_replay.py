@@ -254,7 +254,7 @@ def test_the_lab_takes_over_from_any_moment_and_leads_back(session, replay, open
     moment = session.history[2]
     np.testing.assert_allclose(page.evaluate(state), [moment.theta, moment.theta_demo], atol=2e-6)
     assert "after motion 2" in page.locator("#says").inner_text() and page.locator("#run").is_hidden()
-    assert "rectified images" in page.locator("#says").inner_text()  # the lab has none
+    assert "rectified pictures" in page.locator("#says").inner_text()  # the lab has none
     page.locator("#step").click()
     wait_until(lambda: page.evaluate("lab.session().now.motion") == 1)
     wait_until(lambda: page.evaluate("location.hash").endswith("steps=1"))

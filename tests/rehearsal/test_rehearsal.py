@@ -33,7 +33,7 @@ def test_what_is_kept_has_nothing_to_do_with_a_demonstrator():
     kept = [Session(begun((25, -45), demo)).calibrate(4, seed=0) for demo in ((45, -90), (10, -20))]
     assert_same(kept[0], kept[1])
     blind = Session(SETTINGS)
-    blind.observer.demo = lambda settings, theta_demo: (np.full((10, 4), np.nan), np.zeros((10, 2), bool))
+    blind.observer.demo = lambda settings, theta_demo, look=None: (np.full((10, 4), np.nan), np.zeros((10, 2), bool))
     assert_same(blind.calibrate(4, seed=0), kept[0])
 
 

@@ -87,7 +87,7 @@ TOO_FAINT = """
     const text = walker.currentNode.textContent.trim(), e = walker.currentNode.parentElement;
     const style = getComputedStyle(e);
     if (!text || !e.getClientRects().length || style.visibility != "visible") continue;
-    if (e.closest("style,script,:disabled")) continue;
+    if (e.closest("style,script,:disabled,[role=alert]")) continue;
     const grounds = [];
     let opacity = 1;
     for (let a = e; a; a = a.parentElement) {
@@ -344,4 +344,4 @@ class TestWithKeys:
         press(page, "t")
         wait(page, truth.is_visible)
         press(page, "p")
-        wait(page, play.is_visible)
+        wait(page, page.get_by_role("button", name="Play", exact=True).is_visible)

@@ -47,7 +47,7 @@ export class Joints {
    */
   constructor(box, joints, go, ...beside) {
     /** Where the sliders stand, and the arm, rad. @type {number[]} */
-    this.wanted = [];
+    this.target = [];
     /** @type {number[]} */
     this.stands = [];
     this.isLocked = this.isMoving = false;
@@ -55,7 +55,7 @@ export class Joints {
     this.rows = joints.map(({name, low, high}, k) => {
       const degrees = Math.round((high - low) / DEGREE), mark = make("s", {"aria-hidden": true});
       const input = make("input", {type: "range", min: 0, max: 100, step: 100 / degrees * (1 - STILL), "aria-label": name});
-      input.addEventListener("input", () => this.#want(k, low + Math.round(Number(input.value) / 100 * degrees) * DEGREE));
+      input.addEventListener("input", () => this.#setTarget(k, low + Math.round(Number(input.value) / 100 * degrees) * DEGREE));
       input.addEventListener("keydown", event => {
         if (event.key !== "Enter") return;
         event.preventDefault();
@@ -63,7 +63,7 @@ export class Joints {
         this.#go(go);
       });
       const nudge = (/** @type {number} */ by) => make("button", {type: "button", class: "nudge", tabindex: -1,
-        "aria-hidden": true, onclick: () => this.#want(k, Math.min(high, Math.max(low, this.wanted[k] + by * DEGREE)))},
+        "aria-hidden": true, onclick: () => this.#setTarget(k, Math.min(high, Math.max(low, this.target[k] + by * DEGREE)))},
       by < 0 ? "−" : "+");
       box.append(make("div", {class: "turned of-learner"}, make("span", {class: "name"}, name), nudge(-1),
         make("span", {class: "rail"}, input, mark), nudge(1)));
@@ -73,19 +73,19 @@ export class Joints {
   }
 
   /** Set a slider, as a finger does. @param {number} k @param {number} angle rad */
-  #want(k, angle) {
+  #setTarget(k, angle) {
     if (this.isLocked) return;
-    this.wanted[k] = angle;
+    this.target[k] = angle;
     this.#show();
   }
 
   get #isReady() {
-    return !this.isLocked && !this.isMoving && this.wanted.some((v, k) => Math.abs(v - this.stands[k]) > STILL);
+    return !this.isLocked && !this.isMoving && this.target.some((v, k) => Math.abs(v - this.stands[k]) > STILL);
   }
 
   /** @param {(theta: number[]) => void} go */
   #go(go) {
-    if (this.#isReady) go([...this.wanted]);
+    if (this.#isReady) go([...this.target]);
   }
 
   /**
@@ -97,7 +97,7 @@ export class Joints {
    */
   show(theta, isMoving, isLocked = false) {
     this.isMoving = isMoving;
-    this.wanted = theta.map((v, k) => this.wanted[k] === this.stands[k] ? v : this.wanted[k]);
+    this.target = theta.map((v, k) => this.target[k] === this.stands[k] ? v : this.target[k]);
     this.stands = [...theta];
     this.isLocked = isLocked;
     this.#show();
@@ -105,12 +105,12 @@ export class Joints {
 
   /** Forget what was set. */
   reset() {
-    this.wanted = this.stands = [];
+    this.target = this.stands = [];
   }
 
   #show() {
     this.rows.forEach(({input, mark, share}, k) => {
-      const percent = 100 * share(this.wanted[k]), moves = Math.abs(this.wanted[k] - this.stands[k]) > STILL;
+      const percent = 100 * share(this.target[k]), moves = Math.abs(this.target[k] - this.stands[k]) > STILL;
       if (Math.abs(Number(input.value) - percent) > 1e-3) input.value = String(percent);
       input.disabled = this.isLocked;
       input.setAttribute("aria-valuetext", `${Math.round(percent)} percent of its range${moves ? ", not moved yet" : ""}`);

@@ -78,7 +78,7 @@ export function refusal(world, challenge) {
  * @param {number[] | null} [pose] rad, of the demonstrator: its start alone is drawn
  * @returns {Challenge | null}
  */
-export function dealt(world, seed, level, pose = null) {
+export function drawChallenge(world, seed, level, pose = null) {
   const draw = draws(seed), ends = limits(world);
   const any = () => ends.map(([low, high]) => Math.round(low + draw() * (high - low)) * DEGREE);
   for (let n = 0; n < MAX_DRAWS; n++) {
@@ -90,7 +90,7 @@ export function dealt(world, seed, level, pose = null) {
 
 /** The same for all on a date, and another pose on each level, so that none gives the other away. @param {World} world @param {string} day @param {Level} level */
 export function daily(world, day, level) {
-  const challenge = dealt(world, 10 * Number(day.replaceAll("-", "")) + Object.keys(LEVELS).indexOf(level), level);
+  const challenge = drawChallenge(world, 10 * Number(day.replaceAll("-", "")) + Object.keys(LEVELS).indexOf(level), level);
   return challenge && {...challenge, day};
 }
 
@@ -107,7 +107,7 @@ export function fromPose(world, {demonstrator, start, level, by}) {
   const why = refusal(world, challenge);
   if (!why) return challenge;
   const seed = demonstrator.reduce((sum, v) => 511 * sum + Math.round(v / DEGREE), 7);
-  const other = dealt(world, seed, level, challenge.demonstrator);
+  const other = drawChallenge(world, seed, level, challenge.demonstrator);
   return other ? {...other, by: challenge.by} : why;
 }
 

@@ -9,7 +9,7 @@ import {Game, plainName} from "./game.js";
 import {between, Joints, play} from "./joints.js";
 import {Played} from "./played.js";
 import {levelButtons} from "./levels.js";
-import {daily, dealt, fromLink, POINTS, toLink} from "./rules.js";
+import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
 /**
  * @typedef {import("./rules.js").Challenge} Challenge
@@ -72,7 +72,7 @@ export class Screen {
       make("section", {class: "playing", "aria-label": "Play"}, E, make("span", {class: "meter", "aria-hidden": true}, this.meter),
         make("div", {class: "made"}, this.tries, count), change, sliders),
       make("section", {class: "ended", "aria-label": "Result"}, this.verdict, fact, best, this.line, this.copying,
-        make("div", {class: "next"}, button("Another", () => this.#deal(this.#now.challenge.level)),
+        make("div", {class: "next"}, button("Another", () => this.#openAnother(this.#now.challenge.level)),
           button("Challenge a friend", () => ways.friend(this.#now.challenge)),
           button("How did the robot do it?", () => ways.robot(this.#now.challenge, this.#now.robot ?? 0)))),
       this.said);
@@ -113,13 +113,13 @@ export class Screen {
   /** A day has one pose for each level. @param {Level} level */
   #choose(level) {
     const {challenge, isOver} = this.#now;
-    if (!challenge.day || isOver && challenge.level === level) this.#deal(level);
+    if (!challenge.day || isOver && challenge.level === level) this.#openAnother(level);
     else location.hash = toLink({...challenge, level});
   }
 
   /** @param {Level} level */
-  #deal(level) {
-    const other = dealt(this.world, Math.floor(Math.random() * MAX_SEED), level);
+  #openAnother(level) {
+    const other = drawChallenge(this.world, Math.floor(Math.random() * MAX_SEED), level);
     if (other) location.hash = toLink(other);
   }
 

@@ -7,7 +7,7 @@
  */
 import {World} from "../engine/engine.js";
 import {squares} from "../challenge/game.js";
-import {dealt, degreesOff, LEVELS, POINTS, robotSteps, toLink} from "../challenge/rules.js";
+import {drawChallenge, degreesOff, LEVELS, POINTS, robotSteps, toLink} from "../challenge/rules.js";
 import {Screen} from "../challenge/screen.js";
 import {stepsText} from "../view/words.js";
 import {make} from "./dom.js";
@@ -50,7 +50,7 @@ export class ClassChallenge {
 
   /** @param {Place} place */
   #challenge({seed, step}) {
-    return dealt(this.world, seed, /** @type {import("../challenge/rules.js").Level} */ (step));
+    return drawChallenge(this.world, seed, /** @type {import("../challenge/rules.js").Level} */ (step));
   }
 
   /** Where this page's game is, as a class is told of a step; null for no game. */

@@ -106,7 +106,7 @@ class _PointFit:
     """n points, each fitted with each of Q chains."""
 
     transforms: Array  # (Q, 1, K, 4, 4): where a point at the reference is at each visit
-    wanted: Array  # (n, K, 3): coordinates of its images
+    observed: Array  # (n, K, 3): coordinates of its images
     weight: Array  # (n, K, 3) px: of a coordinate, 0 where the point was not seen
     first: NDArray[np.int_]  # (n,): the first visit that shows the point
 
@@ -126,7 +126,7 @@ class _PointFit:
     def solve(self) -> tuple[Array, Array]:
         """Return the squared residuals, (Q, n) px², and the points at the reference, (Q, n, 3)."""
         T, n = self.transforms, np.arange(len(self.first))
-        start = np.concatenate([self.wanted[n, self.first], np.ones((len(n), 1))], 1)
+        start = np.concatenate([self.observed[n, self.first], np.ones((len(n), 1))], 1)
         X = np.linalg.solve(T[:, 0, self.first], start[..., None])[..., 0]
         X = X[..., :3] / X[..., 3:]
         for _ in range(POINT_STEPS):
@@ -143,4 +143,4 @@ class _PointFit:
         """Residuals (Q, n, K, 3) px of points (Q, n, 3), where they are (Q, n, K, 3), and their depths (…, 1)."""
         h = (self.transforms[..., :3] @ X[:, :, None, :, None])[..., 0] + self.transforms[..., 3]
         p = h[..., :3] / h[..., 3:]
-        return self.weight * (p - self.wanted), p, h[..., 3:]
+        return self.weight * (p - self.observed), p, h[..., 3:]

@@ -117,7 +117,7 @@ def _method(assumes: str, limitations: str) -> str:
 # What explains the page: ways to the lab and its lessons, the offer of one of them, and the glossary's cards.
 
 TOUR = "tour"
-PURPOSE = "Your own robot, every method, and experiments."
+PURPOSE = "Your own robot, every method, and experiments. New here, or on a phone? Play is easier."
 REWRITTEN_EVERY = 2.0  # s
 LAST = 1e9  # in the order of a column
 
@@ -178,8 +178,7 @@ def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     ways = Ways(play, first and f"lab/{first}{way_back(model)}", workbench="./")
     return (
         f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
-        f'<div class="vi-purpose">{header(ways, "workbench", has_help=False)}<p>{PURPOSE} '
-        f'New here, or on a phone? <a href="{escape(play)}">Play</a> is easier.</p></div>'
+        f'<div class="vi-purpose">{header(ways, "workbench", has_help=False)}<p>{PURPOSE}</p></div>'
     )
 
 

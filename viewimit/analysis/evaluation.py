@@ -90,7 +90,7 @@ def evaluate(
     frames: Sequence[int] | None = None,
     transfer: str | None = None,
     rectify: bool = True,
-    rounding_px: float = 0.0,
+    rounding_px: float | None = None,
 ) -> Evaluation:
     """Estimate, recover and compare, as the paper does, on tracked points.
 
@@ -107,7 +107,7 @@ def evaluate(
     rectify : bool, optional
         Whether to rectify the images where that predicts points better that are left out of the fit.
     rounding_px : float, optional
-        Standard deviation of what rounding has left in the coordinates.
+        Standard deviation that rounding has left in a coordinate; by default as the coordinates show it.
 
     Returns
     -------

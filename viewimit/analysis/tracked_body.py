@@ -32,7 +32,7 @@ N_FRAMES = 5  # with the most points of the demonstrator, in which a naming is t
 
 
 @dataclass(frozen=True)
-class OwnBody:
+class TrackedBody:
     """The learner's own body, in image units."""
 
     points: NDArray[np.int_]  # (N,): its points, among those tracked
@@ -77,14 +77,14 @@ class NamedPoints:
     frame: int
 
 
-def learn_own_body(
+def learn_tracked_body(
     seen: Observations,
     points: NDArray[np.int_],
     limits: tuple[NDArray[np.float64], NDArray[np.float64]],
     noise_px: float,
     rectification: Rectification | None = None,
     of_table: bool = True,
-) -> OwnBody:
+) -> TrackedBody:
     """Learn the own body from its images at known joint angles.
 
     Parameters
@@ -104,7 +104,7 @@ def learn_own_body(
 
     Returns
     -------
-    OwnBody
+    TrackedBody
 
     Raises
     ------
@@ -128,7 +128,7 @@ def learn_own_body(
         wanted += "; if these are radians, write degrees" if in_radians else ""
         raise ValueError(f"{len(seen.displacement)} postures do not show how the joints move points: {wanted}")
     gains = _gains(kinematics, seen, noise) if of_table else None
-    return OwnBody(points, seen, kinematics, shortfall, noise, unit_px, *limits, gains)
+    return TrackedBody(points, seen, kinematics, shortfall, noise, unit_px, *limits, gains)
 
 
 def _require_degrees(
@@ -163,12 +163,12 @@ def gain_words(gains: NDArray[np.float64]) -> str:
     return f"the images show that one unit turns {turns}"
 
 
-def find_misfit(body: OwnBody, views: FourViews) -> tuple[Misfit, int] | None:
+def find_misfit(body: TrackedBody, views: FourViews) -> tuple[Misfit, int] | None:
     """Find out why the demonstrator is no body like the own one, or the own arm not where it was sent.
 
     Parameters
     ----------
-    body : OwnBody
+    body : TrackedBody
     views : FourViews
         T frames of its points, (T, N, …) px.
 
@@ -208,7 +208,7 @@ def find_misfit(body: OwnBody, views: FourViews) -> tuple[Misfit, int] | None:
     return None if body.shortfall is None else (Misfit(MisfitKind.ARM, amount=body.shortfall.share), at)
 
 
-def _explained_together(body: OwnBody, demos: NDArray[np.float64]) -> Explanation | None:
+def _explained_together(body: TrackedBody, demos: NDArray[np.float64]) -> Explanation | None:
     """Find out how the demonstrator's body differs from several of the frames with the most points, (T, N, 4) px."""
     counts = np.isfinite(demos).all(-1).sum(-1)
     most = np.flatnonzero(counts == counts.max())
@@ -217,7 +217,7 @@ def _explained_together(body: OwnBody, demos: NDArray[np.float64]) -> Explanatio
     return explain_again(body.kinematics, body.visits, some, postures, body.noise_px, DEFAULTS)
 
 
-def name_points(body: OwnBody, views: FourViews) -> NamedPoints:
+def name_points(body: TrackedBody, views: FourViews) -> NamedPoints:
     """Find out which of the demonstrator's points is which of the learner's. views: T frames of P points, (T, P, …)."""
     views = replace(views, matched=False)
     shown = np.asarray(views.visible[..., :2].all(-1))
@@ -236,7 +236,7 @@ def name_points(body: OwnBody, views: FourViews) -> NamedPoints:
     return NamedPoints(ordered, None if found is None else found.per_pixel(body.unit_px), used)
 
 
-def own_points(body: OwnBody, views: FourViews) -> FourViews:
+def own_points(body: TrackedBody, views: FourViews) -> FourViews:
     """Select the points of the own body in T frames, (T, N, …)."""
     own = body.points
     return FourViews(views.demo[:, own], views.own[:, own], views.visible[:, own])

@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.evaluation import TOO_FEW, Frame, evaluate
-from ..analysis.own_body import (
+from ..analysis.timing import TimeShift
+from ..analysis.tracked_body import (
     NamedPoints,
-    OwnBody,
+    TrackedBody,
     find_misfit,
     gain_words,
-    learn_own_body,
+    learn_tracked_body,
     name_points,
     own_points,
 )
-from ..analysis.timing import TimeShift
 from ..estimation.noise import views_rounding_std
 from ..estimation.outliers import find_outliers, select_matches
 from ..estimation.transfers import TRANSFERS
@@ -102,37 +102,23 @@ def run(args: argparse.Namespace) -> int:
     removed = tracked.n_below_confidence(args.min_confidence)
     _say(*_told_of(args, tracked, removed))
     images = tracked.views(args.min_confidence)
-    views, points, named = lenses.without_distortion(args, images), tracked.points, None
-    body = _learn_body(args, tracked.frames, views)
-    if body is not None and args.unmatched:
-        matched = name_points(body, views)
-        named = _naming_json(matched, body, tracked.frames, points)
-        views = matched.views
-    elif body is not None:
-        views = own_points(body, views)
-    if body is not None:
-        points = tuple(points[k] for k in body.points.tolist())
+    views, points, of_body = _with_body(args, tracked, lenses.without_distortion(args, images))
     found = evaluate(
         views, points, tracked.frames, args.transfer, args.rectify != "off", rounding_px=views_rounding_std(images)
     )
-    gains = None if body is None else body.gains
-    units = "" if gains is None else f"--postures: these are no degrees: {gain_words(gains)}; write degrees"
+    gains = of_body.get("degrees_per_unit")
+    units = None if gains is None else f"--postures: these are no degrees: {gain_words(gains)}; write degrees"
     _say(*_lengths(tracked), *_shift_words(found.time_shift, tracked.frames), units)
-    of_body = {
-        **({} if named is None else {"naming": named}),
-        **({} if gains is None else {"degrees_per_unit": gains}),
-        **({} if body is None else {"misfit": _misfit_json(body, tracked.frames, points, views)}),
-    }
-    result = evaluate_report.Report(found, of_body, removed, _shift_json(found.time_shift, tracked.frames))
-    is_evaluated = any(frame.E is not None for frame in found.frames)
-    if args.out and is_evaluated:
+    report = evaluate_report.Report(found, of_body, removed, _shift_json(found.time_shift, tracked.frames))
+    if args.out and report.first is not None:
         with naming("--out"):
-            evaluate_report.write(args.out, result)
+            evaluate_report.write(args.out, report)
         print(f"written to {args.out}", file=sys.stderr)
     if args.json:
-        print_json(args, evaluate_report.as_json(result))
+        print_json(args, evaluate_report.as_json(report))
     else:
-        print("\n".join(evaluate_report.report_lines(result)))
+        print("\n".join(evaluate_report.report_lines(report)))
+    named = of_body.get("naming")
     if named is not None and not named["accepted"]:
         _say(f"names {naming_words(named)}")
         return MISSED
@@ -140,7 +126,7 @@ def run(args: argparse.Namespace) -> int:
         _say(_too_few(tracked, args.min_confidence))
         return MISSED
     _say(*_doubts(found.frames))
-    return DONE if is_evaluated else MISSED
+    return MISSED if report.first is None else DONE
 
 
 def _say(*sentences: str | None) -> None:
@@ -170,7 +156,25 @@ def _require_options(args: argparse.Namespace) -> None:
         raise BadInput(f"--unmatched: needs {NEEDED}")
 
 
-def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews) -> OwnBody | None:
+def _with_body(
+    args: argparse.Namespace, tracked: TrackedPoints, views: FourViews
+) -> tuple[FourViews, tuple[str, ...], dict]:
+    """The views and names of the own body's points, if it is learned, and what it tells, as JSON. Raises BadInput."""
+    body, names = _learn_body(args, tracked.frames, views), tracked.points
+    if body is None:
+        return views, names, {}
+    points = tuple(names[k] for k in body.points.tolist())
+    told: dict = {} if body.gains is None else {"degrees_per_unit": body.gains}
+    if args.unmatched:
+        matched = name_points(body, views)
+        told = {"naming": _naming_json(matched, body, tracked.frames, names), **told}
+        views = matched.views
+    else:
+        views = own_points(body, views)
+    return views, points, {**told, "misfit": _misfit_json(body, tracked.frames, points, views)}
+
+
+def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourViews) -> TrackedBody | None:
     """Learn the own body from a table of joint angles or a calibration; None without either. views: T frames.
 
     Raises BadInput.
@@ -184,12 +188,12 @@ def _learn_body(args: argparse.Namespace, frames: Sequence[int], views: FourView
         with naming("--postures"):
             seen = _with_postures(args.postures, frames, views, own)
             limits = seen.displacement.min(0) - MARGIN_RAD, seen.displacement.max(0) + MARGIN_RAD
-            return learn_own_body(seen, own, limits, noise_px, rectification)
+            return learn_tracked_body(seen, own, limits, noise_px, rectification)
     with naming("--calibration"):
         calibration = SelfCalibration.load(args.calibration)
         limits = np.zeros(len(calibration.body.span_deg)), np.radians(calibration.body.span_deg)
         noise_px = max(noise_px, calibration.noise_px)
-        return learn_own_body(_of_calibration(calibration, len(own)), own, limits, noise_px, rectification, False)
+        return learn_tracked_body(_of_calibration(calibration, len(own)), own, limits, noise_px, rectification, False)
 
 
 def _with_postures(path: Path, frames: Sequence[int], views: FourViews, own: NDArray[np.int_]) -> Observations:
@@ -225,7 +229,7 @@ def _of_calibration(calibration: SelfCalibration, n_own: int) -> Observations:
     )
 
 
-def _misfit_json(body: OwnBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
+def _misfit_json(body: TrackedBody, frames: Sequence[int], points: Sequence[str], views: FourViews) -> dict | None:
     """Why the demonstrator is no body like the own one, with names of points and the frame that shows it."""
     found = find_misfit(body, views)
     if found is None:
@@ -235,7 +239,7 @@ def _misfit_json(body: OwnBody, frames: Sequence[int], points: Sequence[str], vi
     return said | {"frame": frames[found[1]]}
 
 
-def _naming_json(found: NamedPoints, body: OwnBody, frames: Sequence[int], points: Sequence[str]) -> dict:
+def _naming_json(found: NamedPoints, body: TrackedBody, frames: Sequence[int], points: Sequence[str]) -> dict:
     """What was found, with names of points instead of indices."""
     one = found.naming
     if one is None:

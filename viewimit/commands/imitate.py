@@ -15,7 +15,7 @@ from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
 from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS, ServoStatus, verdict
+from ..servo import SERVOS, verdict
 from . import BadInput
 from .json_output import print_json
 from .options import (
@@ -91,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print_json(args, result, settings)
     else:
-        _report(result)
+        _report(result, verdict(ended.status).label.lower())
     if result["converged"]:
         return DONE
     tell(ended)
@@ -121,11 +121,10 @@ def tell(ended: RunResult) -> None:
     print(f"viewimit imitate: {verdict(ended.status).label}. {ended.message}", file=sys.stderr)
 
 
-def _report(result: dict) -> None:
+def _report(result: dict, label: str) -> None:
     print(f"demonstrator  {posture(result['demonstrator_deg'])}")
     if result.get("rehearsal_holds") is False:
         print("rehearsal     predicted too little: it has probed again; rehearse again, more poses if nothing moved")
-    label = verdict(ServoStatus(result["status"])).label.lower()
     print(f"learner       {posture(result['final_deg'])} after {count_motions(result['motions'])}: {label}")
     by_joint = ", ".join(f"{joint['travel_deg']:.1f}°" for joint in result["joints"])
     print(f"travel        {result['travel_deg']:.1f}°; joint by joint {by_joint}")

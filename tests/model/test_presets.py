@@ -36,7 +36,7 @@ ENDS: dict[str, Callable[[End], bool]] = {
     "Beyond the paper": lambda end: end.off < 0.1 and end.last.motion <= 12,
     "The paper's experiment": lambda end: end.off < 3 and end.known.at_local_minimum,
     "The paper's law, as printed": lambda end: end.off > 3 and np.abs(end.last.moved).max() < np.radians(0.5),
-    "A transfer that knows perspective": lambda end: end.off < 0.1 and end.last.E < 0.01,
+    "A transfer with perspective": lambda end: end.off < 0.1 and end.last.E < 0.01,
     "Seen from far away": lambda end: end.off < 0.5 and end.last.E < 0.05,
     "Seen from close by": lambda end: end.known.at_local_minimum and end.last.E > 1,
     "The paper's law, retuned": lambda end: (

@@ -164,7 +164,7 @@ ROBUSTNESS = Group(
     ),
     in_scene=True,
     measures={"claimed_off_half_deg_and_3_expected": lambda runs: measures.share_of(
-        [run.error_deg > max(NEAR_DEG, 3 * run.expected_deg) for run in runs if run.claimed])},
+        [run.is_off(NEAR_DEG) for run in runs if run.claimed])},
 )  # fmt: skip
 
 

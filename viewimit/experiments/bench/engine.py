@@ -70,7 +70,11 @@ class Run:
     @property
     def false(self) -> bool:
         """Whether it is a false claim."""
-        return self.claimed and self.error_deg > FALSE_DEG and not self.error_deg <= N_SIGMA * self.expected_deg
+        return self.claimed and self.is_off(FALSE_DEG)
+
+    def is_off(self, least_deg: float) -> bool:
+        """Whether it ended farther off than this and than N_SIGMA expected errors, of which NaN excuses none."""
+        return self.error_deg > least_deg and not self.error_deg <= N_SIGMA * self.expected_deg
 
 
 def arrives(run: Run) -> bool:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache, partial
 from itertools import product
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from .intervals import Share, rms, share_of
 COARSE_STEP_DEG, FINER_STEP_DEG, FINE_STEP_DEG = 4.0, 0.25, 0.05  # of the grids on which a minimum is searched
 SEARCH_RADII_DEG = 5.0, 1.5, 0.4  # of each finer grid
 GRID_PER_JOINT = 9  # postures in which a learner may see a point of its own, evenly over the range
-MEDIAN_OF_TWO = 1.0518  # median of the larger of two |x|, x standard normal: Φ(x) = (1 + √½) / 2
 SAME_PX = 1.0  # distance of two points in both images, up to which their names mean the same
 
 
@@ -175,8 +175,17 @@ def of_misfit(session: Session, draw: Draw, word: str, other_links: bool) -> dic
 
 def _over_bound(runs: Sequence[Run]) -> float | None:
     """Median error over that of an estimate with the bound's standard deviation."""
-    ratios = [run.error_deg / run.measures["bound_deg"] for run in runs if "bound_deg" in run.measures]
-    return float(np.median(ratios)) / MEDIAN_OF_TWO if ratios else None
+    ratios = [
+        run.error_deg / run.measures["bound_deg"] / _median_of_largest(len(run.errors_deg))
+        for run in runs
+        if "bound_deg" in run.measures
+    ]
+    return float(np.median(ratios)) if ratios else None
+
+
+def _median_of_largest(m: int) -> float:
+    """Median of the largest of m |x|, x standard normal, to four digits: Φ(median) = (1 + 2^(-1/m)) / 2."""
+    return round(NormalDist().inv_cdf((1 + 2 ** (-1 / m)) / 2), 4)
 
 
 OF_MISFIT: Measures = {
@@ -194,7 +203,7 @@ def of_names(session: Session, draw: Draw) -> dict[str, float]:
     naming, (nameable, wrong) = last.naming, judge(session)
     uncertain = naming is not None and bool((~naming.certain & (naming.names >= 0)).any())
     two_answers = naming is not None and naming.is_ambiguous
-    moved = getattr(last.servo_state, "n_naming_motions", 0)
+    moved = getattr(last.servo_state, "n_naming_motions", 0)  # laws that name nothing have no such number
     said = wrong == 0 or uncertain or two_answers or wrong == nameable
     found = {"named": wrong == 0, "acknowledged": said, "more_motions": moved > 0, "two_answers": two_answers}
     return {name: float(value) for name, value in found.items()}

@@ -49,10 +49,11 @@ class Ways:
         return cls(play=f"{root}lab", learn=f"{root}lab/{lesson}", workbench=root)
 
 
-def header(ways: Ways, here: str, has_help: bool = True) -> str:
+def header(ways: Ways, here: str, with_about: bool = True) -> str:
     """Return the ways as HTML, the page's own verb without a link; "" where there is no other page.
 
-    here: the field of `Ways` for this page; has_help: whether a "?" tells who made this, as where a page has no help.
+    here: the field of `Ways` for this page; with_about: whether to add a "?" that says who made this, for pages without
+    a help of their own.
     """
     parts = []
     for verb, (word, what) in VERBS.items():
@@ -61,13 +62,13 @@ def header(ways: Ways, here: str, has_help: bool = True) -> str:
             parts.append(f'<b aria-current="page">{word}</b>')
         elif address is not None:
             parts.append(f'<a class="to-{verb}" href="{escape(address)}" title="{escape(what)}">{word}</a>')
-    if len(parts) == 1 and not has_help:
+    if len(parts) == 1 and not with_about:
         return ""
     help_ = (
         '<button type="button" popovertarget="about" aria-label="Who made this?">?</button>'
         f'<div id="about" popover>{about(ways)}</div>'
     )
-    return f'<nav class="ways" aria-label="Pages">{"".join(parts)}{help_ if has_help else ""}</nav>'
+    return f'<nav class="ways" aria-label="Pages">{"".join(parts)}{help_ if with_about else ""}</nav>'
 
 
 def about(ways: Ways) -> str:

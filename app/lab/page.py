@@ -57,7 +57,7 @@ def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WA
     if scene is not None:
         chosen[0] |= {"title": given.title, "says": "Press Play, and the learner copies the pose of the demonstrator."}
     data = {"scenes": scenes, "presets": chosen, "robot": robot, "hulls": describe_hulls(given.robot)}
-    parts = {"ways": header(ways, "play", has_help=False), "about": about(ways)}
+    parts = {"ways": header(ways, "play", with_about=False), "about": about(ways)}
     return lab_html(TITLE, data, shapes.packed, parts=parts)
 
 

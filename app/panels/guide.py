@@ -178,7 +178,7 @@ def draw_head(model: PageModel, lessons: Mapping[str, Lesson]) -> str:
     ways = Ways(play, first and f"lab/{first}{way_back(model)}", workbench="./")
     return (
         f'<div class="vi-title"><b>viewimit</b><nav aria-label="Page">{shown}</nav></div>'
-        f'<div class="vi-purpose">{header(ways, "workbench", has_help=False)}<p>{PURPOSE}</p></div>'
+        f'<div class="vi-purpose">{header(ways, "workbench", with_about=False)}<p>{PURPOSE}</p></div>'
     )
 
 

@@ -22,7 +22,7 @@ import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
  * @property {() => void} [changed] the game has gone on
  */
 const GLIDE_MS = 450, MAX_SEED = 2 ** 31, FULL_PX = 30; // px at which the meter is full
-const HELD = [6, 12]; // postures of each joint that the windows of L and R hold
+const HELD = [6, 12]; // poses, on a grid over both joints, whose points fit into the windows of L and R
 const NOTHING = new Float64Array(4 * POINTS).fill(NaN); // before the end: diamonds and arrows do not show the way
 const VIEWS = /** @type {const} */ (["l", "r", "L", "R"]);
 const TIP = "A tip: your eyes look at the two arms from opposite sides. So r is nearly the mirror image of L.";

@@ -76,7 +76,7 @@ class Paper {
     const pictures = [...main.map(use => ({use, kind: "large"})), ...side.map(use => ({use, kind: "small"}))]
       .filter(({use}) => FIGURES[use.figure] && !ON_SCREEN.includes(use.figure));
     const words = inline(fill(step.text.replace(/[^.]*\{your [^.]*\.\s*/g, ""), stage));
-    const start = stage.sample || ask.kind === "predict" ? make("p", {class: "hint"}, "This is start 1 of the screen.") : null;
+    const start = stage.sample || ask.kind === "predict" ? make("p", {class: "hint"}, "These pictures are those of start 1 on the screen.") : null;
     return make("section", {class: `paper-step${pictures.length ? "" : " paper-wide"}`},
       make("h3", {}, `${number}  ${step.title}`),
       make("div", {class: "paper-pictures"}, ...pictures.map(({use, kind}) => this.#figure(use, stage, kind))),

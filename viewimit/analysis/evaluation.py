@@ -120,6 +120,7 @@ def evaluate(
     outliers = find_outliers(views, rounding_px=rounding_px)
     without = outliers.corrected(views)
     compared = leave_one_out(without, rectify)
+    # outliers are told, not removed: E is of the points as given
     found = evaluate_frames(numbers, names, views, transfer, compared.rectification)
     if outliers.noise_px is not None:
         found = _with_handedness(found, select_matches(without), compared.rectification, outliers.noise_px)
@@ -134,7 +135,7 @@ def evaluate_frames(
     transfer: str,
     rectification: Rectification | None = None,
 ) -> list[Frame]:
-    """Evaluate T frames, (T, N, …), with one transfer. One that it cannot be fitted to has the reason."""
+    """Evaluate T frames, (T, N, …), with one transfer. A frame that it cannot be fitted to says why in `refused`."""
     frames: dict[int, Frame] = {}
     patterns, of = np.unique(views.usable, axis=0, return_inverse=True)
     for k, usable in enumerate(patterns):

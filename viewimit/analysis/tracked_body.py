@@ -1,7 +1,7 @@
 """The learner's own body, learned from its pictures at known joint angles: it names points, and says why two differ.
 
 Kinematics that explain these pictures predict how the own body would look in the demonstrator's posture. So points
-that come without names are named, and it is said why the demonstrator is no body like the own one.
+that come without names are named, and it says why the demonstrator's body differs from its own.
 """
 
 from collections.abc import Mapping
@@ -114,6 +114,7 @@ def learn_tracked_body(
     unit_px = image_unit(seen.images[seen.visible_in_both])
     seen, noise = replace(seen, images=seen.images / unit_px), noise_px / unit_px
     rectified = None if rectification is None else rectification.in_units(unit_px)
+    # as large as a table of radians would be if it were read as degrees
     in_radians = of_table and np.abs(seen.displacement).max() <= np.radians(2 * np.pi)
     if in_radians:
         _require_degrees(seen, noise, rectified, {"radians": UNITS_DEG["radians"]})
@@ -124,9 +125,9 @@ def learn_tracked_body(
     if kinematics is None and of_table:
         _require_degrees(seen, noise, rectified, UNITS_DEG)
     if kinematics is None:
-        wanted = "turn each joint alone between two of them, by 10° to 30°, and show more postures"
+        wanted = "turn each joint alone between two of them, by 10° to 30°, and show more poses"
         wanted += "; if these are radians, write degrees" if in_radians else ""
-        raise ValueError(f"{len(seen.displacement)} postures do not show how the joints move points: {wanted}")
+        raise ValueError(f"{len(seen.displacement)} poses do not show how the joints move points: {wanted}")
     gains = _gains(kinematics, seen, noise) if of_table else None
     return TrackedBody(points, seen, kinematics, shortfall, noise, unit_px, *limits, gains)
 
@@ -160,7 +161,7 @@ def _gains(kinematics: ProjectiveKinematics, seen: Observations, noise: float) -
 def gain_words(gains: NDArray[np.float64]) -> str:
     """Say by how much the joints turn for a unit."""
     turns = ", ".join(f"joint {k} by {gain:.3g}°" for k, gain in enumerate(gains, 1))
-    return f"the images show that one unit turns {turns}"
+    return f"the pictures show that one unit turns {turns}"
 
 
 def find_misfit(body: TrackedBody, views: FourViews) -> tuple[Misfit, int] | None:

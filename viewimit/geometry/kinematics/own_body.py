@@ -6,7 +6,8 @@ noise of one standard deviation σ, so -2 log likelihood is the sum of squared r
 
 The arm is exact; or stops short by a share s of each motion (one unknown); or is loose: off by another angle at each
 visit, with a normal prior whose standard deviation is estimated from these angles. The first of these that noise
-explains is taken. It has the fewest unknowns.
+explains is taken: it has the fewest unknowns. Once an arm was found short or loose, simpler ones are not tried again,
+unless it is hardly loose. Images are in the units of whoever calls, and what ends in `_px` follows them.
 """
 
 from collections.abc import Callable
@@ -92,7 +93,7 @@ def learn(
     else:
         first = 1 if previous.share else 0
         previous = None if previous.slack else previous  # hardly loose: try it as exact again
-    arms = (_exact, _short, _loose)
+    arms = (_exact, _short, _loose)  # the last kind first, from the last body, then from scratch; then looser ones
     for fit in arms[first:]:
         for start in (previous, None) if fit is arms[first] and previous is not None else (None,):
             if (found := fit(sent, noise_px, rectification, start)) is not None:

@@ -11,7 +11,7 @@ from .state import EstimatorState, Purpose
 
 _LIKELIHOOD = (
     r"-2\log L=\sum_{k,i}\frac{|\pi(𝐂𝐀^{-1}e^{\theta_{k1}𝐒_1}\cdots e^{\theta_{km}𝐒_m}𝐀𝐗_i)-𝐲_{ki}|^2}{\sigma^2}"
-    r"+\sum_i\frac{|\pi(𝐂𝐀^{-1}𝐒𝐀\cdots 𝐗_i)-𝐳_i|^2}{\sigma_D^2}"
+    r"+\sum_i\frac{|\pi(𝐂𝐀^{-1}𝐓e^{φ_1𝐒_1}\cdots e^{φ_m𝐒_m}𝐀𝐗_i)-𝐳_i|^2}{\sigma_D^2}"
 )
 _RULE = (
     r"\mathrm{loss}=\varepsilon+w\,Φ\!\left(\tfrac{\log(\varepsilon/\varepsilon_c)}{s}\right)"
@@ -19,21 +19,21 @@ _RULE = (
 )
 PURPOSES = {
     Purpose.PROBE: "This step, ({step}), is a test move: it shows what the joint moves.",
-    Purpose.GROW: "This step, ({step}), shows more: the images so far do not tell enough.",
+    Purpose.GROW: "This step, ({step}), shows more: the pictures so far do not tell enough.",
     Purpose.NAME: "This step, ({step}), shows more: the demonstrator's points could not be named yet.",
     Purpose.LOOK: "This step, ({step}), is a look from elsewhere: it lessens the expected error by more than it costs.",
     Purpose.ARRIVE: "This step, ({step}), goes to the likeliest pose.",
     Purpose.FOLLOW: "This step, ({step}), goes to where the demonstrator will be.",
-    Purpose.NEAREST: "This step, ({step}), goes to the least E: the images leave a joint open.",
+    Purpose.NEAREST: "This step, ({step}), goes to the least E: the pictures leave a joint open.",
 }
 DOES = {
     Purpose.PROBE: TEST_MOVE,
-    Purpose.GROW: "It moves to see more, because the images so far do not tell enough.",
-    Purpose.NAME: "It learns more of its images, because no naming of the demonstrator's points explains them yet.",
+    Purpose.GROW: "It moves to see more, because the pictures so far do not tell enough.",
+    Purpose.NAME: "It looks at its own body again, because no naming of the demonstrator's points fits yet.",
     Purpose.LOOK: "It looks from elsewhere first, because that lessens the expected error.",
     Purpose.ARRIVE: "It goes to the likeliest pose.",
     Purpose.FOLLOW: "It follows the demonstrator, whose place it knows.",
-    Purpose.NEAREST: "It goes to the least E, because the images leave a joint open.",
+    Purpose.NEAREST: "It goes to the least E, because the pictures leave a joint open.",
     Purpose.REST: "",
 }
 HYPOTHESES = {
@@ -56,7 +56,8 @@ def equations(state: EstimatorState | None, motion: LastMotion) -> tuple[Equatio
         )
     n = len(state.visits)
     known = plural("{n} picture of the own body.", "{n} pictures of the own body.", n).format(n=n)
-    likelihood = Equation("", "all images, one likelihood", _LIKELIHOOD, note=sentences(known, _says(state)), wide=True)
+    note = sentences(known, _says(state))
+    likelihood = Equation("", "all pictures, one likelihood", _LIKELIHOOD, note=note, wide=True)
     text = PURPOSES.get(state.purpose, "") if motion.moved.any() else ""
     note = text.format(step=angles(motion.moved))
     if state.certificate is None or not np.isfinite(error := state.certificate.simultaneous_std_error):
@@ -88,13 +89,13 @@ def describe_status(state: EstimatorState, status: ServoStatus) -> str:
     if state.misfit is not None and not status.is_claim:
         return state.misfit.describe()
     if status == ServoStatus.CONVERGED:
-        return "Noise explains all images, and nothing is worth another step."
+        return "Noise explains all pictures, and nothing is worth another step."
     if status == ServoStatus.SETTLED:
         return "The expected error is too large for a claim, and nothing is worth another step."
     if status == ServoStatus.UNOBSERVABLE:
-        return "The images leave a joint open."
+        return "The pictures leave a joint open."
     if state.purpose is Purpose.NAME:
-        return "No naming of the demonstrator's points explains its images."
+        return "No naming of the demonstrator's points explains its pictures."
     if state.body is None:
-        return "No body of rigid links explains the own images: another servo may, such as Broyden's."
-    return "No hypothesis explains the images."
+        return "No body of rigid links explains the own pictures: another servo may, such as Broyden's."
+    return "No hypothesis explains the pictures."

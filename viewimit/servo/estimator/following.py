@@ -1,6 +1,6 @@
 """Follow a demonstrator that keeps moving: by its angles alone, as the place where it stands is known.
 
-All its images since it began to move share one similarity. It is adjusted again each time their number has doubled. The
+Its first 16 images since it began to move share one similarity, which is adjusted again after 2, 4, 8 and 16. The
 arm goes to where the demonstrator will be at the next look: a line through its last few angles is continued.
 """
 
@@ -30,7 +30,7 @@ def follow(state: EstimatorState, body: OwnBody, see: Observation) -> tuple[Esti
     """Go where a moving demonstrator will be."""
     best, demo = state.best, see.demo
     assert best is not None and demo is not None
-    theta = where_it_stood(best, demo, see)
+    theta = angles_at_known_place(best, demo, see)
     trail = (*state.trail, (demo, theta))[-MAX_TRAIL:]
     if len(trail) > 1 and len(trail) & (len(trail) - 1) == 0 and len(state.trail) < MAX_TRAIL:
         best = with_place_adjusted(best, body, see, trail)
@@ -51,18 +51,18 @@ def expected(angles: list[Displacement]) -> Displacement:
     return last.mean(0) + slope * ((len(last) + 1) / 2)
 
 
-def where_it_stood(before: Estimate, demo: NDArray[np.float64], see: Observation) -> Displacement:
-    """Angles, (m,) rad, of a demonstrator that moves its joints and stands where it stood: likeliest for (N, 4) px."""
+def angles_at_known_place(before: Estimate, demo: NDArray[np.float64], see: Observation) -> Displacement:
+    """Fit the joint angles alone, (m,) rad, to the demonstrator's image (N, 4); its place stays as estimated."""
     assert before.fit is not None
     pair, frame = before.fit.pair, before.fit.pair.kinematics.frame
     seen = np.isfinite(demo).all(1) & ~np.isnan(pair.points[:, 0])
     if np.count_nonzero(seen) < MIN_POINTS:
         return before.theta
-    wanted = pair.kinematics.coordinates_of(demo[seen])
+    observed = pair.kinematics.coordinates_of(demo[seen])
 
     def residuals(theta: NDArray[np.float64]) -> NDArray[np.float64]:
         shown = pair.in_postures(theta[..., None, :]).demonstrator()[..., 0, :, :]
-        return (shown[..., seen, :] - wanted) * frame.unit_px
+        return (shown[..., seen, :] - observed) * frame.unit_px
 
     return minimise(residuals, before.theta[None], see.lower, see.upper).theta
 

@@ -4,7 +4,11 @@
 |---|---|---|
 | the same body | 7 of a similarity, m angles | `same_body`, from the last estimate or each minimum of E |
 | the same body, points swapped | the same, times the choices | `find_pairs` |
-| another body; head; points elsewhere; mirrored; lens | 3m; 8; 3 a point; 0; 5 more | `otherwise` |
+| another body | 3m more | `likeliest_other` |
+| another head | 8 more | `likeliest_other` |
+| points elsewhere | 3 more for each | `likeliest_other` |
+| mirrored | no more | `likeliest_other` |
+| a lens | 5 more | `likeliest_other` |
 | the same body, other chains or postures | the same | `with_rivals`: their weights e^(-Δ/2) widen the error |
 
 Δ is the rise of the cost over σ². Schwarz's criterion Δ + k ln n compares hypotheses of different size. The same body
@@ -195,7 +199,7 @@ def same_body(evidence: Evidence, previous: Estimate | None = None) -> Estimate 
     return evidence.estimate(adjustment, best, minima)
 
 
-def converged(same: Estimate, evidence: Evidence) -> Estimate:
+def refined(same: Estimate, evidence: Evidence) -> Estimate:
     """The same hypothesis after as many steps as it takes, with the likeliest chains that the points may have."""
     assert same.fit is not None and same.adjustment is not None
     found = [evidence.estimate(same.adjustment, same.adjustment.fit(same.fit.pair, MANY_STEPS), same.minima)]
@@ -264,7 +268,7 @@ def find_pairs(evidence: Evidence) -> Pairs:
     return find_swaps(k.predict, evidence.residuals, see.lower, see.upper, floor, options, name)
 
 
-def otherwise(same: Estimate, visits: tuple[Visit, ...], evidence: Evidence) -> Estimate:
+def likeliest_other(same: Estimate, visits: tuple[Visit, ...], evidence: Evidence) -> Estimate:
     """The likeliest hypothesis but the same body, by Schwarz's criterion; `same` if too few points tell.
 
     Where its angles are not worth imitating, the posture of least E is the place to be. visits: with where the arm was.
@@ -295,7 +299,7 @@ def _criterion(candidate: Candidate) -> float:
     return candidate.criterion
 
 
-def once_more(before: Estimate, evidence: Evidence) -> Estimate | None:
+def refitted(before: Estimate, evidence: Evidence) -> Estimate | None:
     """The hypothesis of the last estimate with the images seen since; None if it fits no more, or cannot go on."""
     why = before.explanation
     assert why is not None

@@ -3,10 +3,13 @@
     loss(ε) = ε + claim_worth · Φ(log(ε / max_claimed_error) / error_spread)
     cost(way) = price_per_motion · motions + price_per_radian · length
 
-ε is the expected error of the worst joint, and Φ(…) the probability that no claim follows. The arm may stay (ε is by
-its offset and the standard error), go to the estimate, or look n times from about some place first. Images from there
+ε is the expected error of the worst joint, and Φ(…) the probability that no claim follows. The arm may stay
+(ε = √(offset² + standard error²)), go to the estimate, or look n times from about some place first. Images from there
 add their information to that of all images so far, so what they leave of ε is known before the motion. With n up to 8
-the rule sees beyond the next motion. All prices are in radians of error.
+the rule sees beyond the next motion. Prices are in radians of error.
+
+While no hypothesis fits, no claim can follow: `claim_worth` is added, times 2^(-n · d) for n looks at a distance d from
+all visits, in shares of `farthest`. A look that far has an even chance to show why nothing fits.
 """
 
 from dataclasses import dataclass
@@ -66,8 +69,7 @@ def choose(
     """Return the choice with the least loss.
 
     target: (m,) rad, the estimate within the limits; may_explore: whether looks elsewhere are left; unexplained:
-    whether no hypothesis fits, so that there is no claim. Then a look far from all visits has an even chance to show
-    why.
+    whether no hypothesis fits.
     """
     here, max_step = body.seen.displacement[-1], see.max_step
     end = lambda std: loss(np.hypot(std, body.slack), options)  # where a loose arm ends is as uncertain as the arm

@@ -96,12 +96,12 @@ class Estimator:
         why = None if before is None else before.explanation
         if before is not None and why is not None and not before.fits(options) and before.is_clear(options):
             return state  # nothing to imitate
-        best = hypotheses.once_more(before, evidence) if before and why and before.fits(options) else None
+        best = hypotheses.refitted(before, evidence) if before and why and before.fits(options) else None
         if best is None:
             best = hypotheses.same_body(evidence, before if why is None else None)
         if best is None or best.fits(options):
             return state.with_estimate(best)
-        best = hypotheses.converged(best, evidence)
+        best = hypotheses.refined(best, evidence)
         if best.fits(options):
             return state.with_estimate(best)
         n, m = len(state.visits), len(see.lower)
@@ -116,7 +116,7 @@ class Estimator:
         if best.open_joints(options, evidence.noise_px).any():  # no other hypothesis, with more unknowns, tells more
             return state.with_estimate(replace(best, theta=hypotheses.least_E(best)))
         if n >= 2 * m and (before is None or why is None or before.fits(options) or (n - 2 * m) % 2 == 0):
-            return state.with_estimate(hypotheses.otherwise(best, state.visits_as_reached, evidence))
+            return state.with_estimate(hypotheses.likeliest_other(best, state.visits_as_reached, evidence))
         return state.with_estimate(replace(best, explanation=why, theta=hypotheses.least_E(best)))
 
     def _decide(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> Outcome:
@@ -223,6 +223,7 @@ class Estimator:
         if found is not None and found.accepted:
             return replace(state, purpose=Purpose.NAME), np.zeros_like(here)
         if state.n_explored < NAMING.naming_motions:
+            state = replace(state, n_naming_motions=state.n_naming_motions + 1)
             return self._grow(state, see, Purpose.NAME)
         return rest(replace(state, purpose=Purpose.NAME), see, ServoStatus.NO_PROGRESS)
 

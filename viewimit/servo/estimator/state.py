@@ -36,7 +36,7 @@ class Purpose(str, Enum):
 
 @dataclass(frozen=True)
 class EstimatorState:
-    """See above. Images are in units of `unit_px`."""
+    """All that the servo remembers, immutable. Images are in units of `unit_px`."""
 
     visits: tuple[Visit, ...]  # with where the arm was sent; those of a calibration first
     joints_to_probe: tuple[int, ...]
@@ -46,6 +46,7 @@ class EstimatorState:
     best: Estimate | None = None  # the likeliest hypothesis about the demonstrator
     n_explored: int = 0  # exploring motions since the demonstrator moved
     n_moved: int = 0  # all motions since then, but probes
+    n_naming_motions: int = 0  # made because no naming explained the images
     went_nearest: bool = False  # whether the arm went to the least E since then, as a joint stays open
     purpose: Purpose = Purpose.PROBE
     exchanged: Pairs = ()  # pairs of the demonstrator's points that were swapped

@@ -276,7 +276,7 @@ def test_a_class_copies_one_pose_and_the_robot_is_among_the_first(browser, serve
     find = """async by => {
         const {game, joints} = classroom.challenge.screen, to = game.challenge.demonstrator;
         for (const miss of [.3, 0].slice(by)) {
-            joints.wanted = [to[0], to[1] + miss * (to[1] > -1.5 ? -1 : 1)];
+            joints.target = [to[0], to[1] + miss * (to[1] > -1.5 ? -1 : 1)];
             joints.button.click();
             while (classroom.challenge.screen.isMoving) await new Promise(requestAnimationFrame);
         }

@@ -12,7 +12,7 @@ from viewimit.drawing.export.engine_scene import joint_name
 from viewimit.drawing.landscape import describe_costs, draw_bars
 from viewimit.estimation.transfers.registry import FLATNESS
 from viewimit.geometry.affine import MIN_POINTS
-from viewimit.servo.trust_region.options import MAX_STD_PER_PX
+from viewimit.servo.certificate import MAX_STD_PER_PX
 from viewimit.simulation.scene import Scene
 from viewimit.wording import plural, sentences
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from viewimit.servo.trust_region.options import TrustRegionOptions
 
 from viewimit.analysis.observability import joint_uncertainty
 from viewimit.analysis.self_assessment import assess
@@ -9,7 +10,6 @@ from viewimit.drawing.status import describe
 from viewimit.loop.history import History
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_region.options import TrustRegionOptions
 
 
 def rested(settings):

@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 import pytest
 from sameness import assert_same, error_deg
+from viewimit.servo.trust_region.options import TrustRegionOptions
 
 from viewimit.loop.self_calibration import MIN_POSTURES
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_region.options import TrustRegionOptions
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import Scene
 

@@ -10,8 +10,8 @@ from viewimit.estimation.views import FourViews
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import MATCH
-from viewimit.servo.trust_region.correspondences import find_swaps, with_swaps
-from viewimit.servo.trust_region.correspondences import swapped as swapped_points
+from viewimit.servo.estimator.swaps import find_swaps, with_swaps
+from viewimit.servo.estimator.swaps import swapped as swapped_points
 
 replace = msgspec.structs.replace
 

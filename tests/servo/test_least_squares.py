@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from viewimit.servo.least_squares import minimise
-from viewimit.servo.trust_region.convergence import standard_deviations
+from viewimit.servo.least_squares import minimise, standard_deviations
 
 RNG = np.random.default_rng(0)
 A, B = RNG.normal(0, 100, (8, 4, 3)), RNG.normal(0, 30, (8, 4))

@@ -9,7 +9,7 @@ from viewimit.estimation.prediction import PredictedResiduals
 from viewimit.experiments.bench.draws import SurfaceEyes
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.servo.trust_region.correspondences import find_swaps, with_swaps
+from viewimit.servo.estimator.swaps import find_swaps, with_swaps
 
 PARALLEL = 'extends = "iiwa"\nrange_deg = [[-50, 50], [-100, 100]]\n'
 HEADS = {"parallel": PARALLEL, "toed in": PARALLEL + "[head]\ntoe_in_deg = 12\n"}

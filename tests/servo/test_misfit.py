@@ -12,12 +12,11 @@ from viewimit import Session, Settings
 from viewimit.estimation.views import permute
 from viewimit.experiments.bench.demonstrators import OtherDemonstrator, StopsShort, stretched
 from viewimit.geometry.kinematics.adjustment import fit_kinematics
+from viewimit.geometry.kinematics.clusters import Observations
 from viewimit.servo import Misfit, MisfitKind, Observation
-from viewimit.servo.observation import Visit
-from viewimit.servo.trust_region.correspondences import SwappedResiduals, swapped, transpositions
-from viewimit.servo.trust_region.image_models import observations_of
-from viewimit.servo.trust_region.misfit import explain
-from viewimit.servo.trust_region.options import DEFAULTS
+from viewimit.servo.estimator.hypotheses import CLEAR
+from viewimit.servo.estimator.reasons import explain
+from viewimit.servo.estimator.swaps import swapped, transpositions, with_swaps
 from viewimit.simulation.eyes import ProjectedEyes
 
 sys.path.append(str(Path(__file__).parent.parent / "geometry" / "kinematics"))
@@ -38,14 +37,16 @@ def explained(seed, places=None, head=seen):
     rng, body = np.random.default_rng([2, seed]), body_of(seed)
     noise = lambda: NOISE_PX * rng.standard_normal((len(ON), 4))
     shown = np.vstack([body.probes(0.4), rng.uniform(-0.7, 0.7, (5, 2))])
-    visits = tuple(Visit.of(one, body.images(one) + noise(), np.ones((len(ON), 2), bool)) for one in shown)
+    own = np.array([body.images(one) + noise() for one in shown])
+    visible = np.ones(own.shape[:2], bool)
     turn = Rotation.from_rotvec([0.1, 0.4, 0.05]).as_matrix()
     places = body.places(TRUTH) if places is None else places
     demo = head((places - MIDDLE) @ turn.T + MIDDLE + (-0.2, 0.1, 0.3)) + noise()
     limits = np.full(2, 1.5)
-    observation = Observation(visits[-1].own, visits[-1].seen, 1.0, shown[-1], -limits, limits, 8, NOISE_PX, demo=demo)
-    kinematics = fit_kinematics(observations_of(visits), NOISE_PX)
-    return explain(kinematics, visits, observation, TRUTH + 0.05, DEFAULTS)
+    both = np.repeat(visible[-1, :, None], 2, -1)
+    observation = Observation(own[-1], both, 1.0, shown[-1], -limits, limits, 8, NOISE_PX, demo=demo)
+    visits = Observations(shown, own, visible)
+    return explain(fit_kinematics(visits, NOISE_PX), visits, observation, TRUTH + 0.05)
 
 
 def wider(places):
@@ -64,7 +65,7 @@ def test_one_point_elsewhere_is_named_and_the_posture_is_found_without_it(seed):
     places = body_of(seed).places(TRUTH)
     places[7] += (0.015, -0.01, 0.01)
     found = explained(seed, places)
-    assert found.misfit == Misfit(MisfitKind.POINT, (7,)) and found.margin > DEFAULTS.clear_criterion
+    assert found.misfit == Misfit(MisfitKind.POINT, (7,)) and found.margin > CLEAR
     assert (np.abs(found.estimate.theta - TRUTH) < 4 * found.estimate.std_error).all()
 
 
@@ -122,17 +123,11 @@ def imitated(change=lambda session, k: None, stretch=(0.02, -0.04), shown=SHOWN_
     return found
 
 
-def test_each_posture_of_another_body_shows_its_links_better():
-    found = imitated()
-    first, last = found[0], found[-1]
-    assert all(one.status == "converged" and one.misfit.kind is MisfitKind.ANOTHER_BODY for one in found)
-    assert (
-        last.expected_error < 0.6 * first.expected_error and last.misfit.links[0].std < 0.6 * first.misfit.links[0].std
-    )
-    assert abs(last.misfit.links[0].change + 0.04) < 4 * last.misfit.links[0].std
-    for one in found:
+def test_another_body_is_imitated_in_each_posture():
+    for one in imitated():
+        assert one.status == "converged" and one.misfit.kind is MisfitKind.ANOTHER_BODY
+        assert abs(one.misfit.links[0].change + 0.04) < 4 * one.misfit.links[0].std
         assert np.abs(one.theta - one.theta_demo).max() < 3 * one.expected_error
-    assert len(last.servo_state.earlier) == len(SHOWN_DEG) - 1
 
 
 @pytest.mark.slow
@@ -165,7 +160,7 @@ def test_swaps_one_after_the_other_make_any_order_and_their_reverse_undoes_it():
         np.testing.assert_array_equal(permute(np.arange(7), pairs), order)
         np.testing.assert_array_equal(permute(order, pairs[::-1]), np.arange(7))
         own, demo = rng.normal(size=(2, 7, 4))
-        found = SwappedResiduals(lambda own, *_, demo=demo: own - demo, pairs)(own)
+        found = with_swaps(lambda own, demo=demo: own - demo, pairs)(own)
         np.testing.assert_array_equal(np.sort(found, 0), np.sort(own - swapped(demo, pairs), 0))
 
 
@@ -215,4 +210,4 @@ def test_a_lens_is_named_and_the_joint_angles_found_in_spite_of_it():
 def test_a_clear_misfit_spares_the_search_elsewhere():
     body = lambda camera, scene, points: OtherDemonstrator(scene, points, mirrored=True)
     last = Session(Settings(start_deg=(20, -120), demonstrator_deg=(60, -60), **NOISY), open_eyes=body).run(60).last
-    assert last.misfit.kind is MisfitKind.MIRRORED and last.servo_state.search.n_restarts == 0
+    assert last.misfit.kind is MisfitKind.MIRRORED and not last.status.is_claim and last.motion < 10

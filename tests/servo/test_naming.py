@@ -16,7 +16,7 @@ from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
 from viewimit.loop.simulated_robot import demo_order
 from viewimit.servo import ServoStatus
-from viewimit.servo.trust_region.naming import hat_matrix, without_point
+from viewimit.servo.estimator.naming import hat_matrix, without_point
 from viewimit.simulation.eyes import ProjectedEyes
 from viewimit.simulation.scene import load_scene
 from viewimit.simulation.world import World

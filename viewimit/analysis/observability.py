@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..estimation.views import FourViews
 from ..geometry.affine import MIN_POINTS, flatness
 from ..loop.snapshot import Snapshot
-from ..servo.trust_region.options import MAX_STD_PER_PX
+from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.autoscene.surface import Surface, choose_layout, parts_of, sample_arm, visible_fraction
 from ..simulation.meshes import Mesh, first_hit
 from ..simulation.robot import BodyPoints, link_meshes

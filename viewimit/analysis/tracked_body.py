@@ -17,12 +17,9 @@ from ..geometry.kinematics.clusters import Observations
 from ..geometry.kinematics.disturbed import Shortfall, fit_shortfall
 from ..geometry.kinematics.model import ProjectiveKinematics
 from ..geometry.rectification import Rectification
-from ..servo import Misfit, MisfitKind, Observation
-from ..servo.observation import Visit
-from ..servo.trust_region.image_models import KinematicImages
-from ..servo.trust_region.misfit import Explanation, explain, explain_again
-from ..servo.trust_region.naming import Naming, find_naming, mixed_up, nearest_posture
-from ..servo.trust_region.options import DEFAULTS
+from ..servo import Misfit, MisfitKind, Naming, Observation
+from ..servo.estimator.naming import KnownBody, find_naming, mixed_up, nearest_posture
+from ..servo.estimator.reasons import Explanation, explain, explain_again
 
 UNITS_DEG = {"radians": float(np.degrees(1)), "turns": 360.0, "steps of 4096 a turn": 360 / 4096, "tenths": 0.1}
 SAME_UNIT = 0.15  # of the logarithm of a joint's turn for a unit
@@ -46,16 +43,9 @@ class TrackedBody:
     gains: NDArray[np.float64] | None = None  # (m,) degrees that each joint turns for a unit of the table, if no degree
 
     @property
-    def model(self) -> KinematicImages:
+    def model(self) -> KnownBody:
         """Predicts its images."""
-        return KinematicImages(self.kinematics, self.seen.displacement[0], self.seen, self.noise_px, None)
-
-    @property
-    def visits(self) -> tuple[Visit, ...]:
-        """The K looks at it, as a servo has them."""
-        seen = self.seen
-        rows = zip(seen.displacement, seen.images, np.repeat(seen.visible_in_both[..., None], 2, -1))
-        return tuple(Visit.of(*row) for row in rows)
+        return KnownBody(self.kinematics, self.seen, self.noise_px)
 
 
 @dataclass(frozen=True)
@@ -185,12 +175,11 @@ def find_misfit(body: TrackedBody, views: FourViews) -> tuple[Misfit, int] | Non
     demo = demos[at]
     if shown[at].sum() < MIN_POINTS:
         return None
-    visits, last = body.visits, body.visits[-1]
     observation = Observation(
-        own=last.own,
-        seen=last.seen,
+        own=body.seen.images[-1],
+        seen=np.repeat(body.seen.visible_in_both[-1, :, None], 2, -1),
         E=np.nan,
-        displacement=last.displacement,
+        displacement=body.seen.displacement[-1],
         lower=body.lower,
         upper=body.upper,
         motion=0,
@@ -199,7 +188,7 @@ def find_misfit(body: TrackedBody, views: FourViews) -> tuple[Misfit, int] | Non
         demo=demo,
     )
     theta = nearest_posture(demo, body.model, body.lower, body.upper)
-    explanation = explain(body.kinematics, visits, observation, theta, DEFAULTS)
+    explanation = explain(body.kinematics, body.seen, observation, theta)
     if explanation is not None:
         if swaps := mixed_up(demo, body.model, body.lower, body.upper):
             return Misfit(MisfitKind.MIXED_UP, tuple(sorted({k for pair in swaps for k in pair}))), at
@@ -215,7 +204,7 @@ def _explained_together(body: TrackedBody, demos: NDArray[np.float64]) -> Explan
     most = np.flatnonzero(counts == counts.max())
     some = np.unique(demos[most[np.linspace(0, len(most) - 1, N_TOGETHER).round().astype(int)]], axis=0)
     postures = np.array([nearest_posture(demo, body.model, body.lower, body.upper) for demo in some])
-    return explain_again(body.kinematics, body.visits, some, postures, body.noise_px, DEFAULTS)
+    return explain_again(body.kinematics, body.seen, some, postures, body.noise_px)
 
 
 def name_points(body: TrackedBody, views: FourViews) -> NamedPoints:

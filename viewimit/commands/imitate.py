@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis.self_assessment import Assessment, assess
+from ..analysis.self_assessment import assess
 from ..drawing.svg import count_motions
 from ..loop.history import MAX_HISTORY, History
 from ..loop.self_calibration import SelfCalibration
@@ -191,17 +191,6 @@ def _at_least(value: float, least: float, form: str, unit: str) -> str:
     return f"below {least:g}{unit}" if value < least else figure(value, form, unit)
 
 
-def _observable(known: Assessment | None, joint: int) -> tuple[bool | None, str | None]:
-    """Whether the points determine a joint, by index, None where that is open; and the reason if they do not."""
-    if known is None:
-        return None, "not-assessed"
-    if known.certificate.observable[joint]:
-        return True, None
-    if joint in known.unobservable:
-        return False, "points"
-    return None, "needs-more-data" if known.certificate.needs_more_data else "unexplored-direction"
-
-
 def outcome(session: Session, ended: RunResult) -> dict:
     """The JSON object of a run.
 
@@ -223,7 +212,7 @@ def outcome(session: Session, ended: RunResult) -> dict:
                 "name": f"theta{joint}",
                 "deg": np.degrees(last.theta[k]),
                 "std_error_deg": None if std_error is None else np.degrees(std_error[k]),
-                **dict(zip(("observable", "observable_reason"), _observable(known, k))),
+                "observable": None if known is None else bool(known.certificate.observable[k]),
                 "travel_deg": ended.joint_travel_deg[k],
             }
             for k, joint in enumerate(session.scene.moving_joints)

@@ -17,7 +17,7 @@ from ..analysis.landscape import Landscape
 from ..analysis.observability import unobservable_joints, weak_joints
 from ..loop.settings import Settings
 from ..loop.snapshot import Snapshot
-from ..servo.trust_region.options import MAX_STD_PER_PX
+from ..servo.certificate import MAX_STD_PER_PX
 from ..simulation.scene import Scene
 from ..wording import listed, plural
 from . import relief, svg

@@ -11,7 +11,7 @@ from ..estimation.equations import with_minus
 from ..estimation.transfers.registry import BADLY_CONDITIONED, FLAT, FLATNESS, ILL_CONDITIONED
 from ..loop.snapshot import Snapshot
 from ..servo import Certificate, ServoStatus, verdict, verdicts
-from ..servo.trust_region.options import MAX_STD_PER_PX
+from ..servo.certificate import MAX_STD_PER_PX
 from ..servo.verdict import ANY_JOINT
 from ..wording import listed, plural, sentences
 from . import svg
@@ -152,7 +152,7 @@ def _resting(snapshot: Snapshot, assessment: Assessment | None, joints: Sequence
     """Say how a servo rests: the verdict of its status, then its own reason or what E alone tells."""
     status, why = snapshot.status, _says(snapshot, joints)
     known = snapshot.certificate if assessment is None else assessment.certificate
-    unobservable = [] if known is None else known.reportable_joints(status)
+    unobservable = [] if known is None else known.unobservable_joints
     names = listed([svg.joint_symbol(joints[k]) for k in unobservable]) if unobservable else ANY_JOINT
     off = None if known is None else float(np.degrees(known.simultaneous_std_error))
     said = verdict(status).sentence(snapshot.motion, snapshot.E, int(snapshot.usable.sum()), names, off)

@@ -76,24 +76,6 @@ def fit_fundamental_with_prior(left: NDArray[np.float64], right: NDArray[np.floa
     return T_right.T @ F @ T_left
 
 
-def perturbed_fundamentals(
-    F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Move F by one standard deviation along each principal direction of its covariance: (7, 3, 3).
-
-    The covariance is s² (JᵀJ)⁻¹, with the noise s estimated from Sampson's distances (Hartley and Zisserman 2004,
-    section 5.2). F: of `fit_fundamental`; left, right: (M, 2) px, to which it was fitted.
-    """
-    T_left, T_right, l, r = _normalised(left, right)
-    F = np.linalg.inv(T_right).T @ F @ np.linalg.inv(T_left)
-    F = F / np.linalg.norm(F)
-    tangent, e, J = _linearised(F, l, r)
-    information, directions = np.linalg.eigh(J.T @ J)
-    std = np.sqrt(e @ e / max(len(e) - DEGREES_OF_FREEDOM, 1) / np.maximum(information, TINY))
-    steps = (tangent @ (directions * np.minimum(std, 1.0))).T.reshape(-1, 3, 3)
-    return np.array([T_right.T @ _nearest_of_rank_2(F + step) @ T_left for step in steps])
-
-
 def sampson_distance(
     F: NDArray[np.float64], left: NDArray[np.float64], right: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -11,14 +11,14 @@ Hartley and Zisserman, Multiple View Geometry, 2nd ed. 2004, section 11.12.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .affine import centred, image_unit
-from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous, perturbed_fundamentals
+from .fundamental import epipoles, fit_fundamental, fit_fundamental_with_prior, homogeneous
 from .robust_fit import MIN_F_RATIO, affine_distance, fundamental_distance
 
 MIN_DENOMINATOR = 0.1  # of a homography, which is 1 in the middle of the matches: no point is at infinity
@@ -35,7 +35,6 @@ class Rectification:
 
     left: NDArray[np.float64]  # (3, 3): of image points (x, y, 1) px
     right: NDArray[np.float64]  # (3, 3)
-    perturbed: tuple["Rectification", ...] = ()  # if F were one standard deviation off, along each direction
 
     def apply(self, images: NDArray[np.float64]) -> NDArray[np.float64]:
         """Rectify images (..., N, 4) px in [l, r] or [L, R]; pixels are as large as in the right image's middle."""
@@ -54,7 +53,7 @@ class Rectification:
     def _in_units(self, unit_px: float) -> "Rectification":
         scale = np.diag([unit_px, unit_px, 1.0])
         left, right = (np.linalg.inv(scale) @ H @ scale for H in (self.left, self.right))
-        return Rectification(left, right, tuple(other._in_units(unit_px) for other in self.perturbed))
+        return Rectification(left, right)
 
     @cached_property
     def _by_unit(self) -> dict[float, "Rectification"]:
@@ -82,12 +81,7 @@ def fit_rectification(left: NDArray[np.float64], right: NDArray[np.float64]) -> 
         return None
     if not (squares_affine - squares_F) / 3 > MIN_F_RATIO * squares_F / (count - 7):
         return None
-    F = fit_fundamental(left, right)
-    found = rectify(F, left, right)
-    if squares_F < count * min_px**2:
-        return found
-    perturbed = tuple(rectify(other, left, right) for other in perturbed_fundamentals(F, left, right))
-    return replace(found, perturbed=perturbed)
+    return rectify(fit_fundamental(left, right), left, right)
 
 
 def fit_rectification_with_prior(left: NDArray[np.float64], right: NDArray[np.float64]) -> Rectification | None:

@@ -25,7 +25,7 @@ from ..servo.status import ServoStatus
 from . import rehearsal
 from .demonstrator import MAX_DEMO_LOOKS, Images
 from .embodiment import Embodiment, Observer, waypoints
-from .history import MAX_HISTORY, RECENT, History
+from .history import MAX_HISTORY, History
 from .script import Log, Looks, Steps
 from .servo_state import StateAttributes, ask_servo
 from .settings import Settings
@@ -328,6 +328,6 @@ class Learner:
         ResidualFunction
             Own images (..., N, 4) px → residuals (..., n, C) px.
         """
-        recent, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
-        velocity = target_velocity([one.views for one in recent[-VELOCITY_LOOKS:]])
-        return predicted_residuals(now, velocity, noise_px, recent, mirror_columns)
+        recent, noise_px = self.history.recent(VELOCITY_LOOKS), self.observer.image_noise_std(now.settings)
+        velocity = target_velocity([one.views for one in recent])
+        return predicted_residuals(now, velocity, noise_px, mirror_columns)

@@ -41,7 +41,7 @@ N_SIGMA_MOVED = 5.0  # standard deviations of the χ² test that says whether a 
 OUTLIER_FRACTION = 0.1  # of the points: those that moved most may be misplaced, and are left out of that test
 KINDS = {"demo": "iuf", "own": "iuf", "visible": "b"}  # numpy's kinds of these arrays
 SETTINGS_OF_ROBOT = (  # fields of Settings that a real robot has; all others are of scenes
-    "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "restarts", "workspace_deg",
+    "transfer", "servo", "frames", "rectify", "start_deg", "seed", "max_step_deg", "workspace_deg",
     "matched",
 )  # fmt: skip
 SETTINGS_FOUND = ("scene", "points")  # fields that the arm's name and the eyes' points set

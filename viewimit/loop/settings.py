@@ -19,7 +19,6 @@ from ..geometry.distortion import RadialDistortion
 from ..sensing.files import file_name, is_text, parse_toml
 from ..sensing.frames import MAX_LATENCY_LOOKS
 from ..servo import SERVOS
-from ..servo.observation import DEFAULT_MAX_RESTARTS
 from ..simulation.arms import DYNAMICS
 from ..simulation.disturbances import GAIN_ERROR, MISSING, NOISE, OUTLIERS, QUANTUM, SWAPPED, Disturbance
 from ..simulation.robot import BodyPoint
@@ -29,7 +28,7 @@ SENSORS = ("projected", "rendered")
 USUAL_POINTS = 10
 USUAL_LAYOUT = f"{USUAL_POINTS}, or the scene's nearest to that"
 MAX_SEED = 2**32 - 1
-SAFETY = ("max_step_deg", "restarts", "workspace_deg")  # fields that say how far the learner's arm may go
+SAFETY = ("max_step_deg", "workspace_deg")  # fields that say how far the learner's arm may go
 OWN = "own"  # names the transfer or the servo that was given to a session as a function or an object
 MAX_TURNS, TOLERANCE_DEG = 2, 1e-7  # of angles that may be radians: their size, and their distance to whole degrees
 
@@ -132,7 +131,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         str, Setting(description="estimator of the demonstrator's points in the learner's images", choices=TRANSFERS)
     ] = "projective"
     servo: Annotated[str, Setting(description="control law that moves the learner's arm", choices=SERVOS)] = (
-        "trust-region"
+        "likelihood"
     )
     noise_px: Annotated[float, NOISE] = 0.0
     missing: Annotated[float, MISSING] = 0.0
@@ -205,14 +204,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             default="any angle",
         ),
     ] = None
-    restarts: Annotated[
-        int,
-        Setting(
-            description="searches far from the visited postures before the servo gives up; 0 for none",
-            unit="N",
-            bounds=(0, 100),
-        ),
-    ] = DEFAULT_MAX_RESTARTS
     workspace_deg: Annotated[
         tuple[Range, ...] | None,
         Setting(
@@ -224,7 +215,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @classmethod
     def best(cls, **changes: Any) -> "Settings":
-        """Make settings of the best method: transfer "projective", servo "trust-region", 25 frames (1 s of video).
+        """Make settings of the best method: transfer "projective", servo "likelihood", 25 frames (1 s of video).
 
         Parameters
         ----------

@@ -1,6 +1,5 @@
 """The records of the loop: `Snapshot`, of one pass, and `RunResult`, of a whole run."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple, TypeVar
 from weakref import WeakKeyDictionary
@@ -115,12 +114,6 @@ class Snapshot:
     def shown(self) -> int:
         """Number of the demonstrator's points that are visible in both images."""
         return int(np.count_nonzero(self.views.visible[:, :2].all(-1)))
-
-    @property
-    def half_shown(self) -> int:
-        """Number of points visible in one image only, 0 for a transfer that cannot use their epipolar lines."""
-        asked = self.method.homography_of_space and self.settings.rectify != "off"
-        return int(np.count_nonzero(self.views.partially_visible)) if asked else 0
 
     @property
     def shows_demonstrator(self) -> bool:
@@ -427,12 +420,8 @@ def observation(
         noise_px=noise_px if known is None else max(noise_px, known.noise_px),
         matched=now.views.matched,
         calibration=() if known is None else known.seen_from(lower - start),
-        n_visible=now.shown,
-        n_partial=now.half_shown,
-        n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
         rectification=now.rectification,
         max_step=now.settings.max_step,
-        max_restarts=now.settings.restarts,
         seed=now.settings.seed,
     )
 
@@ -441,13 +430,12 @@ def predicted_residuals(
     now: Snapshot,
     velocity: NDArray[np.float64] = AT_REST,
     noise_px: float = 0.0,
-    past: Sequence[Snapshot] = (),
     mirror_columns: bool = True,
 ) -> PredictedResiduals:
     """The residuals of predicted images against a snapshot's demonstrator.
 
-    velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate; past:
-    earlier snapshots, whose matches are reused; mirror_columns: as of `PredictedResiduals`.
+    velocity: (N, 4) px a look, of the demonstrator's points; noise_px: standard deviation of an image coordinate;
+    mirror_columns: as of `PredictedResiduals`.
     """
     return PredictedResiduals(
         now.views,
@@ -456,7 +444,6 @@ def predicted_residuals(
         noise_px=noise_px,
         velocity=velocity,
         converged=now.converged_transfer,
-        past=[one.views for one in past],
         mirror_columns=mirror_columns,
     )
 

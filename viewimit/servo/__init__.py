@@ -9,19 +9,18 @@ To try a servo, give it to `Session(settings, servo=…)`. To give it a name for
 a `ServoMethod` with title, limitations, equations and storage: `SERVOS["name"] = …`.
 """
 
-from ..estimation.residuals import NoiseReference, ResidualFunction
+from ..estimation.residuals import ResidualFunction
 from .broyden import Broyden
+from .certificate import Certificate
+from .estimator import Estimator, EstimatorOptions
 from .gradient import Gradient
+from .misfit import Misfit, MisfitKind
+from .naming import Naming
 from .observation import Observation
 from .recursive import GaussNewton, Kalman
-from .registry import SERVOS, ServoMethod, Servos, servo_method, trust_region_method
+from .registry import SERVOS, ServoMethod, Servos, servo_method
 from .servo import LastMotion, Retargetable, Servo, ServoState
 from .status import ServoStatus
-from .trust_region.algorithm import TrustRegion
-from .trust_region.convergence import Certificate
-from .trust_region.misfit import Misfit, MisfitKind
-from .trust_region.naming import Naming
-from .trust_region.options import TrustRegionOptions
 from .verdict import Verdict, verdict, verdicts
 
 __all__ = [
@@ -31,6 +30,8 @@ __all__ = [
     "verdicts",
     "Broyden",
     "Certificate",
+    "Estimator",
+    "EstimatorOptions",
     "GaussNewton",
     "Gradient",
     "Kalman",
@@ -38,7 +39,6 @@ __all__ = [
     "Misfit",
     "MisfitKind",
     "Naming",
-    "NoiseReference",
     "Observation",
     "ResidualFunction",
     "Retargetable",
@@ -47,8 +47,5 @@ __all__ = [
     "ServoState",
     "ServoStatus",
     "Servos",
-    "TrustRegion",
-    "TrustRegionOptions",
     "servo_method",
-    "trust_region_method",
 ]

@@ -23,6 +23,7 @@ FTOL = 1e-4  # share of E, below which an iteration has gained nothing
 DAMPINGS = np.array([0.0, 1.0])
 _RAISED = (DAMPINGS + 1e-9)[:, None]  # keeps the normal equations regular
 MAX_STEP = np.pi  # rad: longer steps are along directions that E does not depend on
+LEAST_CURVATURE = 1e-100  # px²/rad²: keeps squares of its inverse finite
 ROUNDING = 1e-12  # of the largest curvature: smaller ones may be rounding errors
 
 
@@ -150,3 +151,17 @@ def fd_steps(joints: int) -> Array:
 @cache
 def _unit(joints: int) -> Array:
     return np.eye(joints)
+
+
+def standard_deviations(hessian: Array, points: int) -> Array:
+    """Return the standard deviation of each joint by image noise of 1 px, √diag((JᵀJ)⁻¹): (m,) rad/px."""
+    curvatures, directions = np.linalg.eigh(hessian)
+    curvatures = np.maximum(curvatures, max(1e-12 * curvatures[-1], LEAST_CURVATURE))
+    return np.sqrt(((directions**2) / curvatures).sum(1) / points)
+
+
+def posture_grid(lower: Array, upper: Array, count: int, seed: int) -> Array:
+    """Return `count` postures per joint, (n, m) rad; for three joints or more as many random ones as for two."""
+    if len(lower) > 2:
+        return np.random.default_rng([seed, count]).uniform(lower, upper, (count**2, len(lower)))
+    return np.stack(np.meshgrid(*np.linspace(lower, upper, count).T, indexing="ij"), -1).reshape(-1, len(lower))

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..estimation.residuals import NoiseReference, ResidualFunction
+from ..estimation.residuals import ResidualFunction
 from ..geometry.affine import image_unit
 from ..geometry.rectification import Rectification
 
 PROBE_RAD = np.radians(15.0)  # rad: images change visibly, and nearly linearly
-DEFAULT_MAX_RESTARTS = 4
 
 
 @dataclass(frozen=True)
@@ -49,12 +48,8 @@ class Observation:
     motion: int  # number of motions made
     noise_px: float = 0.0  # px, standard deviation of an image coordinate, as measured at rest
     calibration: tuple[Visit, ...] = ()  # visits of a rehearsal, before there was a demonstrator
-    n_visible: int = 0  # points of the demonstrator that both cameras see
-    n_partial: int = 0  # further ones that one camera alone sees, and that residuals can use
-    n_rig_hypotheses: int = 0  # geometries of the stereo head that differ from the estimate by a standard deviation
     rectification: Rectification | None = None  # of the images; None: they need none
     max_step: float = np.inf  # rad per joint: a longer motion is made in several, and the servo asked after the last
-    max_restarts: int = DEFAULT_MAX_RESTARTS  # searches for a smaller E far from all visits
     # (N, 4) px, own points minus those recovered from the demonstrator; NaN where a point is not visible in all views
     residual: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
     demo: NDArray[np.float64] | None = None  # (N, 4) px, the demonstrator's points in [l, r]; NaN where not visible
@@ -70,23 +65,6 @@ class Observation:
         demo = self.demo if self.demo_average is None else self.demo_average
         demo = np.full_like(self.own, np.nan) if demo is None else demo
         return demo, self.noise_px if self.demo_noise_px is None else self.demo_noise_px
-
-    def with_origin(self, offset: NDArray[np.float64]) -> "Observation":
-        """Correct the displacements of an arm that is not where it was sent.
-
-        Parameters
-        ----------
-        offset : (m,) array
-            Where it was sent, minus where it is [rad].
-
-        Returns
-        -------
-        Observation
-            With displacement and limits counted from where it is.
-        """
-        return replace(
-            self, displacement=self.displacement - offset, lower=self.lower - offset, upper=self.upper - offset
-        )
 
 
 def probe_motion(joint: int, observation: Observation) -> NDArray[np.float64]:
@@ -134,18 +112,6 @@ class ScaledResiduals:
     residuals: ResidualFunction
     unit_px: float  # pixels of one unit
 
-    def __call__(
-        self,
-        own: NDArray[np.float64],
-        transfer: str | None = None,
-        noise_reference: NoiseReference | None = None,
-        rig: int = 0,
-    ) -> NDArray[np.float64]:
+    def __call__(self, own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute residuals, as `ResidualFunction`."""
-        if noise_reference is not None and noise_reference.own is not None:
-            noise_reference = replace(noise_reference, own=noise_reference.own * self.unit_px)
-        return self.residuals(own * self.unit_px, transfer, noise_reference, rig) / self.unit_px
-
-    def with_partially_visible(self) -> ResidualFunction:
-        """Include points that only one camera sees."""
-        return ScaledResiduals(self.residuals.with_partially_visible(), self.unit_px)
+        return self.residuals(own * self.unit_px) / self.unit_px

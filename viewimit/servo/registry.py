@@ -6,7 +6,6 @@ The mathematics of a servo is in its own module. Only `servo` is required of an 
 from collections import UserDict
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,10 +24,6 @@ from .observation import Observation
 from .recursive import KALMAN_GAIN, GaussNewton, GaussNewtonState, Kalman, RecursiveState
 from .servo import LastMotion, Retargetable, Servo
 from .status import TEST_MOVE, ServoStatus
-from .trust_region.algorithm import TrustRegion
-from .trust_region.explanation import describe_status as describe_trust_region
-from .trust_region.explanation import equations as trust_region_equations
-from .trust_region.options import DEFAULTS, TrustRegionOptions
 
 SIGNATURES = {"start": "start(observation)", "step": "step(state, observation, residuals)"}  # of a servo, by name
 
@@ -224,21 +219,6 @@ def _gradient_method(servo: Gradient, title: str, assumes: str, limitations: str
     )
 
 
-def trust_region_method(options: TrustRegionOptions = DEFAULTS) -> ServoMethod:
-    """Return the trust region with other options, as `SERVOS["trust-region"]` is with the default ones."""
-    return ServoMethod(
-        servo=TrustRegion(options),
-        title="Trust region on images",
-        assumes="Joints turn points as rigid bodies, or at least the pictures follow the joints smoothly.",
-        limitations="Two poses give the same pictures, or every transfer misleads. Then it reports no progress.",
-        predicts=True,
-        names_points=True,
-        mirror_columns=True,
-        equations=trust_region_equations,
-        describe_status=partial(describe_trust_region, options=options),
-    )
-
-
 SERVOS = Servos(
     {
         "gradient": _gradient_method(
@@ -280,7 +260,6 @@ SERVOS = Servos(
             equations=_gauss_newton_equations,
             describe_status=_describe_recursive,
         ),
-        "trust-region": trust_region_method(),
         "likelihood": ServoMethod(
             servo=Estimator(),
             title="Likelihood of all images",

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import Pairs
+from .certificate import Certificate
+from .misfit import Misfit
+from .naming import Naming
 from .observation import Observation, Visit
 from .status import ServoStatus
-from .trust_region.convergence import Certificate
-from .trust_region.misfit import Misfit
-from .trust_region.naming import Naming
 
 
 @runtime_checkable

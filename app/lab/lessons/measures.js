@@ -79,7 +79,7 @@ export const MEASURES = {
     measured(degreesBetween(motions[motions.length - 1].theta, moment.thetaDemo), "°", 1),
   "your motions to the goal": ({motions, steps, isShown, goal}) => steps && !isShown
     ? reached(motions.map(({E}) => E), goal) : measured(NaN),
-  "motions of the trust region": stage => raced(stage, "trust-region"),
+  "motions of the likelihood servo": stage => raced(stage, "likelihood"),
   "motions of Broyden": stage => raced(stage, "broyden"),
   "motions of the gradient law": stage => raced(stage, "gradient-retuned"),
   "the demonstrator's posture": stage => placed(stage.moment.thetaDemo.map(v => v / DEGREE)),

@@ -17,7 +17,7 @@ from viewimit.simulation.world import World
 from .records import CLAIM_DEG, claim_probability, claim_record, plain, run
 from .situation import Situation
 
-SERVO, MAX_MOTIONS = "trust-region", 60
+SERVO, MAX_MOTIONS = "likelihood", 60
 
 
 class SignedRun(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

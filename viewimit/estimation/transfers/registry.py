@@ -46,7 +46,6 @@ class TransferMethod:
     condition_name: str = FLATNESS  #: what `condition` is
     degenerate_message: str = FLAT  #: shown if `condition` is too large
     conflict_equation: Callable[[float], Equation] | None = None  #: E px² → what replaces Eq. (6), if anything
-    homography_of_space: bool = False  #: whether rectified views are related by one, so `HomographyResiduals` apply
 
     def __post_init__(self) -> None:
         self.title = self.title or name_of(self.fit)
@@ -180,7 +179,6 @@ TRANSFERS = Transfers(
             limitations="Distorting lenses, and much noise: average several images of the demonstrator.",
             fit=projective.fit,
             equations=_projective_equations,
-            homography_of_space=True,
         ),
     }
 )

@@ -1,4 +1,4 @@
-"""Restarts for laws that descend once: the same starts and the same rule for each, as the trust region has its own.
+"""Restarts for laws that descend once: the same starts and the same rule for each.
 
 A law that rests, makes no progress or sees too few points has ended a descent. If E is larger there than noise and
 rounding explain, the arm goes to the next start, and the law begins again. After the last descent it returns to the
@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from ...estimation.residuals import ResidualFunction
 from ...servo import Observation, ServoMethod, ServoStatus
-from ...servo.observation import DEFAULT_MAX_RESTARTS
-from ...servo.trust_region.options import DEFAULTS
 
+SMALL_E_NOISE = 25.0  # times the noise variance: E that is small
 SMALL_E_PX2 = 0.01  # without noise: a residual of 0.07 px in each coordinate
-CANDIDATES = DEFAULTS.restart_candidates  # random postures, of which the farthest from all others is a start
+CANDIDATES = 200  # random postures, of which the farthest from all others is a start
 START_STREAM = 2  # of random numbers for the starts, beside that of the draw
 
 Floats = NDArray[np.float64]
@@ -65,7 +64,7 @@ class Restarts:
     method: ServoMethod  # of the law
     seed: tuple[int, ...]  # of the starts
     max_motions: int  # of the run: the last one is left for the return
-    count: int = DEFAULT_MAX_RESTARTS
+    count: int = 4
 
     def start(self, observation: Observation) -> RestartState:
         """Return the state before the first motion."""
@@ -107,7 +106,7 @@ class Restarts:
 
 def is_small_E(E: float, noise_px: float) -> bool:
     """Whether noise or rounding may explain E [px²], so that nothing lower is searched for."""
-    return E <= SMALL_E_PX2 + DEFAULTS.floor_noise_ratio * noise_px**2
+    return E <= SMALL_E_PX2 + SMALL_E_NOISE * noise_px**2
 
 
 def far_postures(observation: Observation, count: int, rng: np.random.Generator) -> tuple[Floats, ...]:

@@ -4,9 +4,9 @@ import numpy as np
 
 from ...estimation.equations import HOLE, Equation, angles, number
 from ...wording import plural, sentences
+from ..misfit import MisfitKind
 from ..servo import LastMotion
 from ..status import TEST_MOVE, ServoStatus
-from ..trust_region.misfit import MisfitKind
 from .state import EstimatorState, Purpose
 
 _LIKELIHOOD = (

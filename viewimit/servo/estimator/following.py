@@ -15,8 +15,8 @@ from ...geometry.kinematics.own_body import OwnBody
 from ..least_squares import minimise
 from ..observation import Observation
 from ..status import ServoStatus
-from ..trust_region.final_adjustment import FinalAdjustment
 from .hypotheses import Estimate
+from .pair_fit import CommonAdjustment
 from .state import Displacement, EstimatorState, Purpose
 
 MAX_TRAIL = 16  # looks that are remembered
@@ -76,7 +76,7 @@ def with_place_adjusted(
     demos, postures = (np.array(one) for one in zip(*trail))
     own = Likely(k, best.adjustment.own_cost, best.adjustment.own_cost)
     observations = best.adjustment.problem.own.observations
-    adjustment = FinalAdjustment.of(own, observations, demos, max(see.noise_px, NOISE_FLOOR_PX))
+    adjustment = CommonAdjustment.of(own, observations, demos, max(see.noise_px, NOISE_FLOOR_PX))
     if adjustment is None:
         return best
     fit = adjustment.fit(best.fit.pair.in_postures(postures), FEW_STEPS)

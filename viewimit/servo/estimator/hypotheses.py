@@ -33,14 +33,13 @@ from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
 from ...geometry.kinematics.own_body import OwnBody
 from ...geometry.kinematics.two_bodies import BodyPair
 from ..least_squares import minimise
-from ..observation import Observation, Visit
-from ..trust_region.correspondences import find_swaps
-from ..trust_region.final_adjustment import FinalAdjustment, PairFit
-from ..trust_region.image_models import KinematicImages
-from ..trust_region.misfit import Candidate, Explanation, Misfit, MisfitKind, Reasons, link_changes
-from ..trust_region.naming import mixed_up
-from ..trust_region.options import DEFAULTS as NAMING
+from ..misfit import Misfit, MisfitKind
+from ..observation import Observation
+from .naming import KnownBody, mixed_up
 from .options import EstimatorOptions
+from .pair_fit import CommonAdjustment, PairFit
+from .reasons import MAX_REASON_SIGMAS, Candidate, Explanation, Reasons, link_changes
+from .swaps import find_swaps
 
 Array = NDArray[np.float64]
 GOALS = MisfitKind.ANOTHER_BODY, MisfitKind.LENS, MisfitKind.TWO_HEADS  # of which a claim is made
@@ -48,6 +47,9 @@ ANGLES = (*GOALS, MisfitKind.POINT, MisfitKind.LINK_POINTS)  # whose angles are 
 APART, DISTINCT = np.radians([15.0, 2.0])  # rad: between starts of the search; between its results
 BEYOND = np.radians(3.0)  # rad: outside the limits by more, a posture is only taken if there is no other
 MANY_STEPS, HOPELESS_SIGMAS = 80, 12.0  # steps that end at a minimum; beyond, no other chain of a point helps
+CLEAR, EARLY = 10.0, 70.0  # by which the best reason's criterion is smaller than others', to claim; to look no further
+MAX_IMITATED_STD = np.radians(3.0)  # expected error: if larger, the angles of an explanation are not imitated
+SMALL_E = 25.0, 1e-3  # E that is small: times the noise variance; share of the mean square extent of the own image
 NO_ERROR, MANY_POINTS = 1e-7, 8  # E in squared image units, that is rounding; points from which it says something
 
 
@@ -59,7 +61,7 @@ class Estimate:
     std: Array  # (m,) rad: of the way from the arm to the demonstrator
     sigmas: float  # by how many standard deviations its images contradict
     fit: PairFit | None = None  # None of an estimate without noise, whose covariance was not needed yet
-    adjustment: FinalAdjustment | None = None  # that the fit is of
+    adjustment: CommonAdjustment | None = None  # that the fit is of
     explanation: Explanation | None = None  # another hypothesis than the same body
     minima: tuple[tuple[float, Array], ...] = ()  # E and posture of the last search over all postures, the least first
     rivalry: float = 1.0  # factor by which rivals enlarge the standard error
@@ -69,16 +71,16 @@ class Estimate:
         if self.explanation is None:
             return self.sigmas < options.max_sigmas
         why = self.explanation
-        return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, NAMING.clear_criterion)
+        return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, CLEAR)
 
     def open_joints(self, options: EstimatorOptions, noise_px: float) -> NDArray[np.bool_]:
-        """Which joints the images leave open, (m,) bool. noise_px: of an own image's coordinate."""
-        return ~(self.std < options.max_std_per_px * noise_px)
+        """Which joints the images leave open, (m,) bool. noise_px: of an own image's coordinate, if nothing is fitted."""
+        return ~(self.std < options.max_std_per_px * (noise_px if self.fit is None else self.fit.std))
 
     def is_clear(self, options: EstimatorOptions) -> bool:
         """Whether another hypothesis explains the images, and no third nearly as well."""
         why = self.explanation
-        return why is not None and why.is_convincing(options.max_sigmas, NAMING.early_criterion)
+        return why is not None and why.is_convincing(options.max_sigmas, EARLY)
 
 
 def least_E(estimate: Estimate) -> Array:
@@ -100,12 +102,12 @@ class Evidence:
         """Of an own image's coordinate."""
         return max(self.see.noise_px, NOISE_FLOOR_PX)
 
-    def adjustment(self, likely: Likely | None = None) -> FinalAdjustment | None:
+    def adjustment(self, likely: Likely | None = None) -> CommonAdjustment | None:
         """The adjustment of both bodies; None if too few points are visible for any test."""
         body, (demo, demo_noise_px) = self.body, self.see.demonstrator
         likely = Likely(body.kinematics, body.cost, body.cost) if likely is None else likely
         weight = self.noise_px / max(demo_noise_px, NOISE_FLOOR_PX)
-        return FinalAdjustment.of(likely, body.seen, demo[None], self.noise_px, weight)
+        return CommonAdjustment.of(likely, body.seen, demo[None], self.noise_px, weight)
 
     def inside(self, fit: PairFit) -> bool:
         """Whether a fit's posture is hardly beyond the limits."""
@@ -118,7 +120,7 @@ class Evidence:
 
     def estimate(
         self,
-        adjustment: FinalAdjustment,
+        adjustment: CommonAdjustment,
         fit: PairFit,
         minima: tuple[tuple[float, Array], ...] = (),
         explanation: Explanation | None = None,
@@ -260,28 +262,27 @@ def find_pairs(evidence: Evidence) -> Pairs:
     """Pairs of the demonstrator's points that seem to be swapped; none if that explains nothing."""
     see, k = evidence.see, evidence.body.kinematics
     demo = see.demonstrator[0]
-    model = KinematicImages(k, see.displacement, evidence.body.seen, evidence.noise_px, None)
+    model = KnownBody(k, evidence.body.seen, evidence.noise_px)
     own = see.own[np.isfinite(see.own).all(1)]
-    floor = max(NAMING.floor_noise_ratio * see.noise_px**2, NAMING.floor_image_share * float(own.var(0).mean()))
-    options = replace(NAMING, seed=see.seed)
-    name = lambda: mixed_up(demo, model, see.lower, see.upper, options)
-    return find_swaps(k.predict, evidence.residuals, see.lower, see.upper, floor, options, name)
+    floor = max(SMALL_E[0] * see.noise_px**2, SMALL_E[1] * float(own.var(0).mean()))
+    name = lambda: mixed_up(demo, model, see.lower, see.upper, see.seed)
+    return find_swaps(k.predict, evidence.residuals, see.lower, see.upper, floor, see.seed, name)
 
 
-def likeliest_other(same: Estimate, visits: tuple[Visit, ...], evidence: Evidence) -> Estimate:
+def likeliest_other(same: Estimate, evidence: Evidence) -> Estimate:
     """The likeliest hypothesis but the same body, by Schwarz's criterion; `same` if too few points tell.
 
-    Where its angles are not worth imitating, the posture of least E is the place to be. visits: with where the arm was.
+    Where its angles are not worth imitating, the posture of least E is the place to be.
     """
     see, (demo, _) = evidence.see, evidence.see.demonstrator
     assert same.fit is not None and same.adjustment is not None
     if np.count_nonzero(same.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
         return same
     see = replace(see, noise_px=evidence.noise_px, demo=demo)
-    reasons = Reasons(same.adjustment, same.fit, visits, see, same.theta, replace(NAMING, seed=see.seed))
+    reasons = Reasons(same.adjustment, same.fit, evidence.body.seen, see, same.theta, see.seed)
     best, *others = sorted(reasons.all(), key=_criterion)
     assert best.fit is not None
-    if best.kind is MisfitKind.NONE or best.fit.sigmas >= NAMING.max_reason_sigmas:
+    if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
         kind, margin = MisfitKind.NONE, 0.0
     else:
         kind, margin = best.kind, min((one.criterion for one in others), default=np.inf) - best.criterion
@@ -289,7 +290,7 @@ def likeliest_other(same: Estimate, visits: tuple[Visit, ...], evidence: Evidenc
     estimate = best.adjustment.estimate(best.fit, demo)
     why = Explanation(Misfit(kind, best.points, links, best.amount), estimate, float(margin))
     found = replace(same, theta=estimate.theta, std=estimate.std_error, sigmas=estimate.sigmas, explanation=why)
-    accurate = found.sigmas < evidence.options.max_sigmas and found.std.max() < NAMING.max_imitated_std
+    accurate = found.sigmas < evidence.options.max_sigmas and found.std.max() < MAX_IMITATED_STD
     if kind in ANGLES and accurate:
         return replace(found, fit=best.fit, adjustment=best.adjustment)
     return replace(found, theta=least_E(same))

@@ -17,23 +17,22 @@ import numpy as np
 
 from ...estimation.residuals import ResidualFunction, conflict
 from ...geometry.kinematics.own_body import OwnBody, idle_joints, learn
+from ..certificate import Certificate
+from ..misfit import BeyondLimit, Misfit, MisfitKind
 from ..observation import Observation, ScaledResiduals, in_units, probe_motion, unit_of
 from ..status import ServoStatus
-from ..trust_region.convergence import certificate_of
-from ..trust_region.correspondences import swapped, with_swaps
-from ..trust_region.image_models import KinematicImages
-from ..trust_region.misfit import BeyondLimit, Misfit, MisfitKind
-from ..trust_region.naming import find_naming
-from ..trust_region.options import DEFAULTS as NAMING
 from . import hypotheses
 from .following import follow
-from .hypotheses import Estimate, Evidence
+from .hypotheses import MAX_IMITATED_STD, Estimate, Evidence
+from .naming import KnownBody, find_naming
 from .options import EstimatorOptions
 from .rule import Choice, choose
 from .state import Displacement, EstimatorState, Purpose
+from .swaps import swapped, with_swaps
 
 FIRST_REACH, REACHES, PLACES = np.radians(15.0), (1.0, -1.0, 0.3, -0.3), 64  # of motions about the start
 LEAST_MOTION = 1e-2  # image units: a joint that moves no point farther moves none in sight
+NAMING_MOTIONS = 4  # further motions, at most, before the points count as impossible to name
 SAME_PLACE = np.radians(0.01)  # a shorter motion is none
 Outcome = tuple[EstimatorState, Displacement]
 
@@ -116,7 +115,7 @@ class Estimator:
         if best.open_joints(options, evidence.noise_px).any():  # no other hypothesis, with more unknowns, tells more
             return state.with_estimate(replace(best, theta=hypotheses.least_E(best)))
         if n >= 2 * m and (before is None or why is None or before.fits(options) or (n - 2 * m) % 2 == 0):
-            return state.with_estimate(hypotheses.likeliest_other(best, state.visits_as_reached, evidence))
+            return state.with_estimate(hypotheses.likeliest_other(best, evidence))
         return state.with_estimate(replace(best, explanation=why, theta=hypotheses.least_E(best)))
 
     def _decide(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> Outcome:
@@ -131,7 +130,7 @@ class Estimator:
         goes = not lost or (choice.explores and not state.went_nearest)
         place = choice.place if goes and state.n_moved < options.most * m else None
         error = std if place is not None else np.hypot(std, np.abs(best.theta - here))
-        state = replace(state, best=best, certificate=certificate_of(error, noise * state.unit_px))
+        state = replace(state, best=best, certificate=Certificate(error, error / (noise * state.unit_px)))
         if place is not None:
             n_explored = state.n_explored + choice.explores
             purpose = Purpose.LOOK if choice.explores else Purpose.ARRIVE
@@ -152,7 +151,7 @@ class Estimator:
     def _is_lost(self, best: Estimate, evidence: Evidence) -> bool:
         """Whether the images leave a joint open, and the estimate is not worth going to."""
         is_open = best.open_joints(self.options, evidence.noise_px).any()
-        return bool(is_open and best.std.max() > NAMING.max_imitated_std)
+        return bool(is_open and best.std.max() > MAX_IMITATED_STD)
 
     def _chosen(self, state: EstimatorState, best: Estimate, evidence: Evidence) -> tuple[Estimate, Choice]:
         """Apply the rule. Before the arm rests, rivals of the estimate are asked for."""
@@ -217,12 +216,12 @@ class Estimator:
     def _named(self, state: EstimatorState, body: OwnBody, see: Observation) -> Outcome:
         """Name the demonstrator's points; without success look from elsewhere."""
         here = body.seen.displacement[-1]
-        model = KinematicImages(body.kinematics, here, body.seen, max(see.noise_px, LEAST_MOTION), None)
-        found = find_naming(see.demonstrator[0], model, see.lower, see.upper, replace(NAMING, seed=see.seed))
+        model = KnownBody(body.kinematics, body.seen, max(see.noise_px, LEAST_MOTION))
+        found = find_naming(see.demonstrator[0], model, see.lower, see.upper, see.seed)
         state = replace(state, naming=None if found is None else found.per_pixel(state.unit_px))
         if found is not None and found.accepted:
             return replace(state, purpose=Purpose.NAME), np.zeros_like(here)
-        if state.n_explored < NAMING.naming_motions:
+        if state.n_explored < NAMING_MOTIONS:
             state = replace(state, n_naming_motions=state.n_naming_motions + 1)
             return self._grow(state, see, Purpose.NAME)
         return rest(replace(state, purpose=Purpose.NAME), see, ServoStatus.NO_PROGRESS)

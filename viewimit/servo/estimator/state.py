@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from ...estimation.views import Pairs
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.own_body import OwnBody
+from ..certificate import Certificate
+from ..misfit import Misfit, MisfitKind
+from ..naming import Naming
 from ..observation import Observation, Visit
 from ..status import ServoStatus
-from ..trust_region.convergence import Certificate
-from ..trust_region.misfit import Misfit, MisfitKind
-from ..trust_region.naming import Naming
 from .hypotheses import Estimate
 from .options import EstimatorOptions
 
@@ -70,12 +70,6 @@ class EstimatorState:
         displacement = np.array([visit.displacement for visit in self.visits])
         own = np.array([visit.own for visit in self.visits])
         return Observations(displacement, own, np.all([visit.seen for visit in self.visits], -1))
-
-    @property
-    def visits_as_reached(self) -> tuple[Visit, ...]:
-        """All visits, with where the arm was as estimated."""
-        assert self.body is not None
-        return tuple(replace(v, displacement=d) for v, d in zip(self.visits, self.body.seen.displacement))
 
     def recorded(self, see: Observation, options: EstimatorOptions) -> tuple["EstimatorState", bool]:
         """Add what is seen; also return whether it is new. Of two looks from one posture the later one stays."""

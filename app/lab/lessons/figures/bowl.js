@@ -17,10 +17,10 @@ import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.
 import {Names} from "./names.js";
 
 const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
-const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
+const ROLES = new Map([["likelihood", "learner"], ["broyden", "opponent"]]);
 const ORDER = ["slow", "learner", "opponent", "you"]; // in which ways are drawn: where two coincide both are seen
 const TITLES = new Map([
-  ["trust-region", "trust region"], ["broyden", "Broyden"], ["gradient", "the paper's law"],
+  ["likelihood", "likelihood"], ["broyden", "Broyden"], ["gradient", "the paper's law"],
   ["gradient-retuned", "gradient law"],
 ]);
 const NOTE = "hollow: a test move", NOTE_WIDE = 122;

@@ -16,7 +16,7 @@ const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
 const FILLED = .85; // of the width, by squares: the rest is for numbers that are wider than theirs
 const FEW = 30; // steps, of which test moves are hollow
 const TITLES = /** @type {Record<string, [string, string]>} */ ({ // of servos: role, name
-  "trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
+  "likelihood": ["learner", "likelihood"], broyden: ["opponent", "Broyden"],
   "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"],
 });
 

@@ -27,7 +27,7 @@ Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistic
 Hoaglin and Welsch, "The hat matrix in regression and ANOVA", The American Statistician 32, 1978.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -42,65 +42,49 @@ from ...estimation.residuals import conflict
 from ...estimation.transfers import TRANSFERS
 from ...estimation.views import FourViews, Pairs
 from ...geometry.assignment import assign, cheapest_pairs
-from ...geometry.kinematics.adjustment import with_likely_joints
+from ...geometry.kinematics.adjustment import KinematicsCovariance, with_likely_joints
+from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ..least_squares import minimise
-from .correspondences import transpositions
-from .image_models import KinematicImages
-from .options import DEFAULTS, TrustRegionOptions
+from ..naming import Array, Names, Naming
+from .swaps import transpositions
 
-Array = NDArray[np.float64]
-Names = NDArray[np.int_]
 N_LEVERAGES, ALIGNMENTS = 3, 4  # points that are paired first, one at a time; assignments after that
 REACH_ROUNDS = 4  # of refinement, in which the reach of the posture grows
 AT_REACH = 0.99  # share of a round's reach, from which the posture may be beyond it
+GRID_STEP, MAX_POSTURES = np.radians(10.0), 5000  # between postures to search at; random ones if a grid has more
+STARTS, NEIGHBOURHOOD = 8, np.radians(45.0)  # most similar namings, one in each cell of this size, are refined
+ROUNDS, REACH = 10, np.radians(20.0)  # of refining the posture and the names in turn; the posture in a round
+MAX_TRIALS, LEFT_OUT = 600, 2  # at most: choices of points to leave out; points of a body without a partner
+LEAST_NAMED = 7  # points: of fewer, E says too little
+SAMPLES = 16  # of the noise, for the E that it explains
+LEAST_STD_PX = 0.07  # px: rms error of learned kinematics far from all visits, without noise
+ACCEPT, MAX_NOISE = 4.0, 2.0  # times the E of noise, that a naming may leave; px² of it, that accepts wrong names
+APART = np.radians(3.0)  # a naming that fits in a posture farther away is another answer
+LINEAR_PX = 1e-3  # image units: noise small enough that predictions are linear in it
 METHOD = TRANSFERS["projective"]  # exact for pinhole cameras, so E of right names is that of the noise
 
 
 @dataclass(frozen=True)
-class Naming:
-    """Which of the demonstrator's points is which point of the own body."""
+class KnownBody:
+    """Kinematics of the own body, and the visits to which they were fitted."""
 
-    names: Names  # (N,): the demonstrator's point of each own point, -1 of points without a partner
-    unnamed: Names  # the demonstrator's points that have no partner
-    probability: Array  # (N,): that the name is right rather than exchanged with another; NaN without a partner
-    displacement: Array  # (m,) rad, in which the two bodies agree
-    E: float  # px², that the naming leaves there
-    E_noise: float  # px², of it that noise explains
-    accepted: bool  # whether noise explains E
-    rival: Names | None = None  # (N,): other names that may explain the images as well; None: there are none
-    rival_displacement: Array | None = None  # (m,) rad, in which they do
-    certain_from: float = DEFAULTS.naming_certain
-    enough: int = DEFAULTS.naming_enough
+    kinematics: ProjectiveKinematics
+    observations: Observations
+    noise_px: float  # standard deviation of an image coordinate
 
-    def per_pixel(self, unit_px: float) -> "Naming":
-        """Convert E from image units of unit_px pixels to px²."""
-        return replace(self, E=self.E * unit_px**2, E_noise=self.E_noise * unit_px**2)
-
-    @property
-    def certain(self) -> NDArray[np.bool_]:
-        """(N,): points whose name is hardly another."""
-        return np.nan_to_num(self.probability) >= self.certain_from
-
-    @property
-    def used(self) -> Names:
-        """(N,): names to compute with. Uncertain ones are left out if enough others remain: a wrong one adds to E."""
-        return np.where(self.certain, self.names, -1) if self.certain.sum() >= self.enough else self.names
-
-    @property
-    def is_settled(self) -> bool:
-        """Whether further visits can hardly change it: one answer, all names certain, and no pair without names."""
-        named = self.names >= 0
-        return bool(self.certain[named].all() and (named.all() or not len(self.unnamed))) and not self.is_ambiguous
-
-    @property
-    def is_ambiguous(self) -> bool:
-        """Whether there are two answers."""
-        return self.rival is not None
+    def errors(self, theta: Array, count: int, seed: Sequence[int]) -> Array:
+        """Draw errors of the images predicted at (m,) rad, as the noise of all visits makes: (count, N, 4) px."""
+        covariance = KinematicsCovariance.estimate(self.kinematics, self.observations)
+        parameters, points = covariance.sample(np.random.default_rng(seed), count, LINEAR_PX)
+        drawn = replace(
+            self.kinematics, parameters=self.kinematics.parameters + parameters, points=self.kinematics.points + points
+        )
+        return (drawn.predict(theta[None]) - self.kinematics.predict(theta[None]))[:, 0] * (self.noise_px / LINEAR_PX)
 
 
 def find_naming(
-    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
+    demo: Array, model: KnownBody, lower: Array, upper: Array, seed: int = 0, left_out: int = LEFT_OUT
 ) -> Naming | None:
     """Name the points of a demonstrator.
 
@@ -108,102 +92,57 @@ def find_naming(
     ----------
     demo : (M, 4) array
         Its points in [l, r], in any order [px]; NaN where a point is not seen in both.
-    model : KinematicImages
+    model : KnownBody
         Predicts the own images; units as of `demo`.
     lower, upper : (m,) arrays
         Joint limits [rad].
-    options : TrustRegionOptions, optional
+    seed : int, optional
+        Of random draws.
+    left_out : int, optional
+        Points without a partner, at most, of either body.
 
     Returns
     -------
     Naming or None
         The best one; None if there are too few points, or too many without a partner.
     """
-    search = _Search.begin(demo, model, lower, upper, options)
+    search = _Search.begin(demo, model, lower, upper, seed)
     best: Naming | None = None
-    for left_out in range(options.naming_left_out + 1):
-        found = search.best(left_out)
+    for n_out in range(left_out + 1):
+        found = search.best(n_out)
         if found is not None and found.accepted:
-            return search.with_rival(search.with_points(found), options.naming_accept)
+            return search.with_rival(search.with_points(found), ACCEPT)
         if found is not None and (best is None or found.E / found.E_noise < best.E / best.E_noise):
             best = found
     return best
 
 
-def mixed_up(
-    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
-) -> Pairs:
+def mixed_up(demo: Array, model: KnownBody, lower: Array, upper: Array, seed: int = 0) -> Pairs:
     """Return swaps, one after the other, that put mixed-up points right; none if no naming explains the images.
 
     Every point must have a partner. Parameters as of `find_naming`.
     """
     if not np.isfinite(demo).all():
         return ()
-    found = find_naming(demo, model, lower, upper, replace(options, naming_left_out=0))
+    found = find_naming(demo, model, lower, upper, seed, 0)
     if found is None or not found.accepted or found.is_ambiguous or (found.names < 0).any():
         return ()
     return transpositions(found.names)
 
 
-def nearest_posture(
-    demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions = DEFAULTS
-) -> Array:
+def nearest_posture(demo: Array, model: KnownBody, lower: Array, upper: Array, seed: int = 0) -> Array:
     """Return the posture, (m,) rad, in which the own images have the least E.
 
     Parameters as of `find_naming`, but with the demonstrator's points in the order of the own.
     """
-    search = _Search.begin(demo, model, lower, upper, options)
+    search = _Search.begin(demo, model, lower, upper, seed)
     order = np.flatnonzero(np.isin(search.placed, search.shown))
     names = np.full(len(search.placed), -1)
     names[order] = np.searchsorted(search.shown, search.placed[order])
     residuals = search.residuals(names)
     E = conflict(residuals(search.predict(search.postures)))
-    starts = search.postures[np.argsort(E)[: options.naming_starts]]
+    starts = search.postures[np.argsort(E)[:STARTS]]
     return minimise(lambda theta: residuals(search.predict(theta)), starts, lower, upper).theta
-
-
-def review_naming(
-    naming: Naming,
-    demo: Array,
-    model: KinematicImages,
-    lower: Array,
-    upper: Array,
-    options: TrustRegionOptions = DEFAULTS,
-) -> Naming:
-    """Refine a naming where later visits predict the images better. Parameters as of `find_naming`.
-
-    Names may change, points that were left out may be named, and the other answer may prove wrong. If noise no longer
-    explains E, the names are searched for again.
-    """
-    search = _Search.begin(demo, model, lower, upper, options)
-    found = search.refine(search.inner(naming.names), naming.displacement)
-    if found is None or not found.accepted:
-        found = find_naming(demo, model, lower, upper, options)
-        return naming if found is None or not found.accepted else found
-    found = search.with_points(found)
-    if naming.rival is None or naming.rival_displacement is None:
-        return found
-    rival = search.refine(search.inner(naming.rival), naming.rival_displacement)
-    if rival is None or rival.E > options.naming_rival * max(found.E, found.E_noise, rival.E_noise):
-        return found
-    return search.with_answers(found, rival)
-
-
-def find_rival(
-    naming: Naming,
-    demo: Array,
-    model: KinematicImages,
-    lower: Array,
-    upper: Array,
-    options: TrustRegionOptions = DEFAULTS,
-) -> Naming:
-    """Look for another answer again, where later visits predict the images better. Parameters as of `find_naming`."""
-    search = _Search.begin(demo, model, lower, upper, options)
-    found = search.refine(search.inner(naming.names), naming.displacement)
-    if found is None or not found.accepted:
-        return naming
-    found = search.with_rival(found, options.naming_rival)
-    return replace(naming, rival=found.rival, rival_displacement=found.rival_displacement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,27 +183,25 @@ class _Search:
     shown: Names  # (M,): their rows in the whole image
     placed: Names  # (N,): rows of the own points
     reliable: NDArray[np.bool_]  # (N,): of which the kinematics know which joints move them; only these make E
-    model: KinematicImages
+    model: KnownBody
     kinematics: ProjectiveKinematics  # with all points placed
     lower: Array  # (m,) rad
     upper: Array  # (m,) rad
-    options: TrustRegionOptions
+    seed: int
 
     @classmethod
-    def begin(
-        cls, demo: Array, model: KinematicImages, lower: Array, upper: Array, options: TrustRegionOptions
-    ) -> "_Search":
+    def begin(cls, demo: Array, model: KnownBody, lower: Array, upper: Array, seed: int) -> "_Search":
         shown, kinematics = np.flatnonzero(np.isfinite(demo).all(-1)), model.kinematics
         if kinematics.unknown.any():
             kinematics = with_likely_joints(kinematics, model.observations)
         placed = np.flatnonzero(~kinematics.unknown)
         points = demo[shown], shown, placed, ~model.kinematics.unknown[placed]
-        return cls(*points, model, kinematics, lower, upper, options)
+        return cls(*points, model, kinematics, lower, upper, seed)
 
     @cached_property
     def postures(self) -> Array:
         """Postures that namings are searched at, (G, m) rad."""
-        return search_postures(self.lower, self.upper, self.options)
+        return search_postures(self.lower, self.upper, self.seed)
 
     @cached_property
     def demo_hat(self) -> Array:
@@ -289,7 +226,7 @@ class _Search:
 
     def starts(self, trials: Iterable[Trial]) -> list[tuple[float, int, Names]]:
         """Return the most similar namings of all trials: distance of the hat matrices, index of the posture, names."""
-        most, kept = self.options.naming_starts, list[tuple[float, Trial, int, Names]]()
+        most, kept = STARTS, list[tuple[float, Trial, int, Names]]()
         for trial in trials:
             cost = trial.row_distances()
             bound = np.maximum(cost.min(1).sum(-1), cost.min(2).sum(-1))  # of the assignment's cost
@@ -304,7 +241,7 @@ class _Search:
             for total, pairs in trial.aligned(g):
                 names = np.full(len(self.placed), -1)
                 names[trial.own] = trial.demo[pairs]
-                key = names.tobytes(), np.round(self.postures[g] / self.options.naming_neighbourhood).tobytes()
+                key = names.tobytes(), np.round(self.postures[g] / NEIGHBOURHOOD).tobytes()
                 if key not in found or total < found[key][0]:
                     found[key] = total, g, names
         return sorted(found.values(), key=lambda one: one[0])[: 2 * most]
@@ -313,9 +250,9 @@ class _Search:
         """Yield each choice of points to leave out, besides those by which the numbers differ."""
         M, N = len(self.shown), len(self.placed)
         demo_out, own_out = max(M - N, 0) + left_out, max(N - M, 0) + left_out
-        if min(M - demo_out, N - own_out) < self.options.naming_min_points:
+        if min(M - demo_out, N - own_out) < LEAST_NAMED:
             return
-        if comb(M, demo_out) * comb(N, own_out) > self.options.naming_trials:
+        if comb(M, demo_out) * comb(N, own_out) > MAX_TRIALS:
             return
         demos = list(_subsets(self.demo_hat, demo_out))
         for own, own_hats in _subsets(self.own_hats, own_out):
@@ -327,11 +264,11 @@ class _Search:
 
         The posture moves a little at first, and farther from round to round: some wrong names would draw it far away.
         """
-        count, theta, E, reach = int((names >= 0).sum()), start, np.inf, self.options.naming_reach
-        if self.views(names).visible.all(-1).sum() < self.options.naming_min_points:
+        count, theta, E, reach = int((names >= 0).sum()), start, np.inf, REACH
+        if self.views(names).visible.all(-1).sum() < LEAST_NAMED:
             return None
         names = cheapest_pairs(self.distances(names, theta), count)
-        for k in range(1, self.options.naming_rounds + 1):
+        for k in range(1, ROUNDS + 1):
             bound = reach * min(k / REACH_ROUNDS, 1)
             before, (theta, E) = theta, self.posture(names, theta, bound)
             if not np.isfinite(E):
@@ -379,8 +316,8 @@ class _Search:
 
     def naming(self, names: Names, theta: Array, E: float) -> Naming:
         """Describe a naming; only an accepted one has probabilities."""
-        options, E_noise = self.options, self.noise(names, theta)
-        accepted = E < options.naming_accept * E_noise and E_noise < options.naming_max_noise
+        E_noise = self.noise(names, theta)
+        accepted = E < ACCEPT * E_noise and E_noise < MAX_NOISE
         n_own = len(self.kinematics.points)
         whole, probability = np.full(n_own, -1), np.full(n_own, np.nan)
         whole[self.placed] = np.where(names < 0, -1, self.shown[names])
@@ -395,18 +332,16 @@ class _Search:
             E,
             E_noise,
             accepted,
-            certain_from=options.naming_certain,
-            enough=options.naming_enough,
         )
 
     def noise(self, names: Names, theta: Array) -> float:
         """Estimate the E that the noise of both bodies' images explains, px², by drawing it."""
-        count, seen = self.options.naming_samples, (names >= 0) & self.reliable
-        least = 2 * self.options.naming_min_std_px**2
+        count, seen = SAMPLES, (names >= 0) & self.reliable
+        least = 2 * LEAST_STD_PX**2
         if self.model.noise_px == 0:
             return least
-        own_errors = self.model.posterior_samples(theta, count, [self.options.seed, 0])[0][:, self.placed[seen]]
-        noise = np.random.default_rng([self.options.seed, 1]).standard_normal((count, int(seen.sum()), 4))
+        own_errors = self.model.errors(theta, count, [self.seed, 0])[:, self.placed[seen]]
+        noise = np.random.default_rng([self.seed, 1]).standard_normal((count, int(seen.sum()), 4))
         views = self.views(names, self.predict(theta)).select(seen)
         demo, own = views.demo + self.model.noise_px * noise, views.own + own_errors
         fit = lambda demo, own: fit_transfer(
@@ -430,7 +365,7 @@ class _Search:
 
     def with_points(self, found: Naming) -> Naming:
         """Name points that were left out in vain: pairs that noise explains."""
-        for _ in range(self.options.naming_left_out):
+        for _ in range(LEFT_OUT):
             names = self.inner(found.names)
             own, demo = np.flatnonzero(names < 0), np.setdiff1d(np.arange(len(self.demo)), names)
             if not len(own) or not len(demo):
@@ -438,7 +373,7 @@ class _Search:
             D = self.distances(names, found.displacement)[np.ix_(own, demo)]
             i, j = np.unravel_index(D.argmin(), D.shape)
             names[own[i]] = demo[j]
-            larger = self.naming(names, *self.posture(names, found.displacement, self.options.naming_reach))
+            larger = self.naming(names, *self.posture(names, found.displacement, REACH))
             if not larger.accepted:
                 break
             found = larger
@@ -473,7 +408,7 @@ class _Search:
         """Record another answer, if its names are others and its posture is distinct."""
         distance = np.abs(rival.displacement - found.displacement).max()
         same = (rival.names == found.names) | (rival.names < 0)
-        if same.all() or distance < self.options.naming_distinct:
+        if same.all() or distance < APART:
             return found
         return replace(found, rival=rival.names, rival_displacement=rival.displacement)
 
@@ -510,21 +445,16 @@ def _subsets(hat: Array, left_out: int) -> Iterator[tuple[Names, Array]]:
         yield np.setdiff1d(np.arange(count), out), smaller
 
 
-def grid_size(lower: Array, upper: Array, options: TrustRegionOptions) -> int:
-    """Number of postures of the grid that a naming is searched at; beyond `naming_postures`, only as many are."""
-    return prod(_grid_counts(lower, upper, options))
-
-
-def _grid_counts(lower: Array, upper: Array, options: TrustRegionOptions) -> list[int]:
+def _grid_counts(lower: Array, upper: Array) -> list[int]:
     """Postures of the grid for each joint: Python's integers, as the product of many exceeds those of numpy."""
-    return [max(round(share), 1) + 1 for share in ((upper - lower) / options.naming_grid_step).tolist()]
+    return [max(round(share), 1) + 1 for share in ((upper - lower) / GRID_STEP).tolist()]
 
 
-def search_postures(lower: Array, upper: Array, options: TrustRegionOptions) -> Array:
+def search_postures(lower: Array, upper: Array, seed: int) -> Array:
     """Postures to search at, (G, m) rad: a grid, or random ones."""
-    counts = _grid_counts(lower, upper, options)
-    if prod(counts) > options.naming_postures:
-        rng = np.random.default_rng([options.seed, 0])
-        return rng.uniform(lower, upper, (options.naming_postures, len(lower)))
+    counts = _grid_counts(lower, upper)
+    if prod(counts) > MAX_POSTURES:
+        rng = np.random.default_rng([seed, 0])
+        return rng.uniform(lower, upper, (MAX_POSTURES, len(lower)))
     axes = (np.linspace(*limits) for limits in zip(lower, upper, counts))
     return np.array(list(product(*axes)))

@@ -13,129 +13,30 @@ References
 Schwarz, "Estimating the dimension of a model", Annals of Statistics 6, 1978.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import Enum
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
+from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, SAME, BodyPair, Difference, fit_homography, reverses_orientation
-from ..observation import Observation, Visit
-from .final_adjustment import FinalAdjustment, PairFit, PostureEstimate, fit_same_body
-from .image_models import observations_of
-from .motions import posture_grid
-from .options import TrustRegionOptions
+from ..least_squares import posture_grid
+from ..misfit import LinkChange, Misfit, MisfitKind
+from ..observation import Observation
+from .pair_fit import MAX_SIGMAS, CommonAdjustment, PairFit, PostureEstimate, fit_same_body
 
 Array = NDArray[np.float64]
 FEW_ITER = 4  # steps that show which points fit best
 FD_STEP = 1e-6  # of differences of a link's length
 N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification rests on
+MAX_REASON_SIGMAS = 3.72  # as MAX_SIGMAS, of a reason why another body differs: once in ten thousand
+MIRROR_GRID = 13  # postures per joint, in which a mirror image is looked for
 MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
-
-
-class MisfitKind(str, Enum):
-    """Reasons why a demonstrator is no body like the own one, or why its posture cannot be reached or claimed."""
-
-    ANOTHER_BODY = "another-body"
-    """Links between moving joints are longer or shorter, or joints are attached elsewhere."""
-    LINK_POINTS = "link-points"
-    """The points of one link sit elsewhere on it."""
-    POINT = "point"
-    """One point sits elsewhere."""
-    MIXED_UP = "mixed-up"
-    """More than two points of the demonstrator are mixed up; they were put right."""
-    TWO_HEADS = "two-heads"
-    """Other cameras see the demonstrator than the own body."""
-    MIRRORED = "mirrored"
-    """The demonstrator is the mirror image of the own body."""
-    LENS = "lens"
-    """A lens bends the images."""
-    ARM = "arm"
-    """The arm is not where it was sent."""
-    LIMIT = "limit"
-    """The demonstrator's posture is beyond a joint limit of the learner."""
-    NOT_RIGID = "not-rigid"
-    """The learner's own images fit no rigid links: an estimate may be wrong by more than noise explains."""
-    NONE = "none"
-    """None of these explains the images."""
-
-    __str__ = str.__str__
-
-
-@dataclass(frozen=True)
-class LinkChange:
-    """How much longer the demonstrator's link between two moving joints is."""
-
-    joints: tuple[int, int]  # indices of the joints at its ends
-    change: float  # relative to the own link
-    std: float  # of the change
-
-
-@dataclass(frozen=True)
-class BeyondLimit:
-    """By how much the demonstrator's posture is beyond a joint limit."""
-
-    joint: int  # index of the moving joint
-    beyond: float  # rad, above the highest angle; negative: below the lowest
-    std: float  # rad, of that
-
-
-@dataclass(frozen=True)
-class Misfit:
-    """The reason, as far as it was found."""
-
-    kind: MisfitKind
-    points: tuple[int, ...] = ()  # indices of the points concerned
-    links: tuple[LinkChange, ...] = ()  # of another body
-    amount: float | None = None  # of a lens: px by which it moves an image coordinate at most; of an arm: the share of
-    # each motion by which it stops short, negative if it goes too far; None if unknown
-    limits: tuple[BeyondLimit, ...] = ()  # that exclude the posture
-
-    def per_pixel(self, unit_px: float) -> "Misfit":
-        """Convert images from image units of unit_px pixels to px."""
-        return replace(self, amount=self.amount * unit_px) if self.kind is MisfitKind.LENS and self.amount else self
-
-    def describe(self, joints: Sequence[int] = (), names: Sequence[str] = ()) -> str:
-        """Say it in words. joints: numbers of the moving joints, by default from 1; names: of the points."""
-        number = lambda joint: joints[joint] if joints else joint + 1
-        points = ", ".join(names[point] if names else str(point) for point in self.points)
-        if self.kind is MisfitKind.ANOTHER_BODY:
-            lengths = [
-                f"its link from joint {number(link.joints[0])} to {number(link.joints[1])} is "
-                f"{abs(link.change):.1%} {'longer' if link.change > 0 else 'shorter'}, ± {100 * link.std:.1g}"
-                for link in self.links
-            ]
-            return "the demonstrator is another body" + (": " + "; ".join(lengths) if lengths else "")
-        if self.kind is MisfitKind.LIMIT:
-            beyond = [
-                f"{np.degrees(abs(one.beyond)):.2f} ± {np.degrees(one.std):.2g}° "
-                f"{'above the highest' if one.beyond > 0 else 'below the lowest'} angle of joint {number(one.joint)}"
-                for one in self.limits
-            ]
-            return f"the demonstrator's pose is beyond the limits: {' and '.join(beyond)}"
-        return {
-            MisfitKind.LINK_POINTS: f"points {points}, of one link, sit elsewhere on the demonstrator",
-            MisfitKind.POINT: f"point {points} sits elsewhere on the demonstrator",
-            MisfitKind.MIXED_UP: f"the demonstrator's points {points} were mixed up, and are put right",
-            MisfitKind.TWO_HEADS: "other cameras see the demonstrator than the own body",
-            MisfitKind.MIRRORED: "the demonstrator is a mirror image of the own body",
-            MisfitKind.LENS: f"a lens bends the images, by up to {self.amount or 0:.2g} px",
-            MisfitKind.ARM: _of_arm(self.amount),
-            MisfitKind.NOT_RIGID: "the arm or its points do not move as rigid bodies",
-            MisfitKind.NONE: "the demonstrator is no body like the own one, for none of the known reasons",
-        }[self.kind]
-
-
-def _of_arm(share: float | None) -> str:
-    """share: of each motion that it misses; None if that differs."""
-    if share is None:
-        return "the arm is not where it was sent"
-    return f"the arm {'stops short' if share > 0 else 'goes too far'}, by {abs(share):.1%} of each motion"
 
 
 @dataclass(frozen=True)
@@ -156,7 +57,7 @@ class Candidate:
     """A fitted reason."""
 
     kind: MisfitKind
-    adjustment: FinalAdjustment
+    adjustment: CommonAdjustment
     fit: PairFit
     criterion: float
     points: tuple[int, ...] = ()
@@ -169,10 +70,10 @@ def _criterion(candidate: Candidate) -> float:
 
 def explain(
     kinematics: ProjectiveKinematics,
-    visits: tuple[Visit, ...],
+    seen: Observations,
     observation: Observation,
     theta: Array,
-    options: TrustRegionOptions,
+    seed: int = 0,
 ) -> Explanation | None:
     """Find the reason why a demonstrator is no body like the own one.
 
@@ -180,12 +81,14 @@ def explain(
     ----------
     kinematics : ProjectiveKinematics
         Explain all visits.
-    visits : tuple of Visit
+    seen : Observations
+        Own images, with where the arm was.
     observation : Observation
         Gives the demonstrator's images, the joint limits and the noise.
     theta : (m,) array
         Posture near the demonstrator's [rad].
-    options : TrustRegionOptions
+    seed : int, optional
+        Of random postures, of three joints or more.
 
     Returns
     -------
@@ -195,18 +98,16 @@ def explain(
     demo, noise_px = observation.demo, max(observation.noise_px, NOISE_FLOOR_PX)
     if demo is None:
         return None
-    like_own = fit_same_body(kinematics, visits, demo[None], noise_px, theta[None], options)
-    if like_own is None or like_own.fit.sigmas < options.max_body_sigmas:
+    like_own = fit_same_body(kinematics, seen, demo[None], noise_px, theta[None])
+    if like_own is None or like_own[1].sigmas < MAX_SIGMAS:
         return None
-    if np.count_nonzero(like_own.adjustment.problem.visible_in_both[0]) < MIN_POINTS:
+    if np.count_nonzero(like_own[0].problem.visible_in_both[0]) < MIN_POINTS:
         return None
-    reasons = Reasons(
-        like_own.adjustment, like_own.fit, visits, replace(observation, noise_px=noise_px), theta, options
-    )
+    reasons = Reasons(*like_own, seen, replace(observation, noise_px=noise_px), theta, seed)
     found = sorted(reasons.all(), key=_criterion)
     best = found[0]
     estimate = best.adjustment.estimate(best.fit, demo)
-    if best.kind is MisfitKind.NONE or best.fit.sigmas >= options.max_reason_sigmas:
+    if best.kind is MisfitKind.NONE or best.fit.sigmas >= MAX_REASON_SIGMAS:
         return Explanation(Misfit(MisfitKind.NONE), estimate, 0.0)
     margin = min((one.criterion - best.criterion for one in found[1:]), default=np.inf)
     links = link_changes(best.adjustment, best.fit) if best.kind is MisfitKind.ANOTHER_BODY else ()
@@ -217,12 +118,12 @@ def explain(
 class Reasons:
     """Fits every reason."""
 
-    adjustment: FinalAdjustment
+    adjustment: CommonAdjustment
     same: PairFit  # a body like the own one
-    visits: tuple[Visit, ...]
+    seen: Observations  # own images, with where the arm was
     observation: Observation
     theta: Array  # (m,) rad, near the demonstrator's posture
-    options: TrustRegionOptions
+    seed: int
 
     def all(self) -> Iterator[Candidate]:
         """Yield each reason with its best fit."""
@@ -269,8 +170,8 @@ class Reasons:
 
     def _mirrored(self) -> PairFit | None:
         """Fit a mirror image, from the posture of a grid in which a reflection agrees best."""
-        problem, kinematics, options = self.adjustment.problem, self.adjustment.kinematics, self.options
-        postures = posture_grid(self.observation.lower, self.observation.upper, options.misfit_grid, options.seed)
+        problem, kinematics = self.adjustment.problem, self.adjustment.kinematics
+        postures = posture_grid(self.observation.lower, self.observation.upper, MIRROR_GRID, self.seed)
         visible, frame = problem.visible_in_both[0], kinematics.frame
         own, demo = kinematics.coordinates(postures)[:, visible], frame.coordinates(problem.images[0])[visible]
         H = fit_homography(own, np.broadcast_to(demo, own.shape))
@@ -281,7 +182,7 @@ class Reasons:
             return None
         theta = postures[np.where(reflects, cost, np.inf).argmin()]
         starts = problem.starts(kinematics, theta[None], mirror=True)
-        return self.adjustment.best_fit(starts, options.max_body_sigmas)
+        return self.adjustment.best_fit(starts, MAX_SIGMAS)
 
     def _lens(self) -> Candidate | None:
         """Fit a body like the own one to images that a lens bends.
@@ -292,19 +193,19 @@ class Reasons:
         """
         demo, noise_px = self.observation.demo, self.observation.noise_px
         assert demo is not None  # by `explain`
-        seen = observations_of(self.visits)
-        straight = self.adjustment.kinematics
+        seen, straight = self.seen, self.adjustment.kinematics
         found = fit_lens(seen, noise_px, straight.moved_by, ~straight.unknown, straight.rectification)
         if found is None:
             return None
         kinematics, lens = found
         own, theirs = lens.straightened(seen.images), lens.straightened(demo[None])[0]
-        visits = tuple(replace(visit, own=images) for visit, images in zip(self.visits, own))
         weight = self.adjustment.problem.weight
-        like_own = fit_same_body(kinematics, visits, theirs[None], noise_px, self.theta[None], self.options, weight)
+        like_own = fit_same_body(
+            kinematics, replace(seen, images=own), theirs[None], noise_px, self.theta[None], weight
+        )
         if like_own is None:
             return None
-        adjustment, fit = like_own.adjustment, like_own.fit
+        adjustment, fit = like_own
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
         replaced = N_FUNDAMENTAL if straight.rectification is not None and kinematics.rectification is None else 0
         price = (N_LENS - replaced) * self._log_coordinates
@@ -313,11 +214,11 @@ class Reasons:
         return Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)
 
 
-def _fit_other_head(adjustment: FinalAdjustment, same: BodyPair) -> PairFit:
+def _fit_other_head(adjustment: CommonAdjustment, same: BodyPair) -> PairFit:
     return adjustment.fit(same.with_difference(Difference(other_head=True)))
 
 
-def _fit_another_body(adjustment: FinalAdjustment, same: BodyPair, other_head: PairFit) -> PairFit:
+def _fit_another_body(adjustment: CommonAdjustment, same: BodyPair, other_head: PairFit) -> PairFit:
     """Fit another body, from the pair of like bodies and from that of another head: it absorbs more of what differs."""
     other = other_head.pair
     starts = same, replace(other, parameters=other.parameters[:-N_FRAME], difference=SAME)
@@ -327,17 +228,16 @@ def _fit_another_body(adjustment: FinalAdjustment, same: BodyPair, other_head: P
 
 def explain_again(
     kinematics: ProjectiveKinematics,
-    visits: tuple[Visit, ...],
+    seen: Observations,
     demos: Array,
     postures: Array,
     noise_px: float,
-    options: TrustRegionOptions,
 ) -> Explanation | None:
     """Explain a demonstrator that is another body by one such body in several postures.
 
     Parameters
     ----------
-    kinematics, visits, options
+    kinematics, seen
         As of `explain`.
     demos : (T, N, 4) array
         The demonstrator's images in [l, r], px; NaN where hidden.
@@ -352,18 +252,18 @@ def explain_again(
         With the first posture. None if it may be a body like the own one, or if noise does not explain what another
         body leaves: the base has moved, or this is another demonstrator.
     """
-    like_own = fit_same_body(kinematics, visits, demos, max(noise_px, NOISE_FLOOR_PX), postures, options)
-    if like_own is None or like_own.fit.sigmas < options.max_body_sigmas:
+    like_own = fit_same_body(kinematics, seen, demos, max(noise_px, NOISE_FLOOR_PX), postures)
+    if like_own is None or like_own[1].sigmas < MAX_SIGMAS:
         return None
-    adjustment, same = like_own.adjustment, like_own.fit.pair
+    adjustment, same = like_own[0], like_own[1].pair
     fit = _fit_another_body(adjustment, same, _fit_other_head(adjustment, same))
-    if fit.sigmas >= options.max_body_sigmas:
+    if fit.sigmas >= MAX_SIGMAS:
         return None
     misfit = Misfit(MisfitKind.ANOTHER_BODY, links=link_changes(adjustment, fit))
     return Explanation(misfit, adjustment.estimate(fit, demos[0]), np.inf)
 
 
-def link_changes(adjustment: FinalAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:
+def link_changes(adjustment: CommonAdjustment, fit: PairFit) -> tuple[LinkChange, ...]:
     """Return how much longer each link between two moving joints is, the base outwards.
 
     A link's length is the radius of the circle on which its inner joint carries the outer one: of the point on the

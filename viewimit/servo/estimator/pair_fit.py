@@ -1,17 +1,12 @@
-"""The last step of a run: one adjustment of the own visits and the demonstrator's images, with one head for both.
+"""One adjustment of the own images and the demonstrator's, with one head for both.
 
 It estimates the demonstrator's posture by maximum likelihood, with its covariance, and tests whether the demonstrator
 is a body like the own one. The conflict E compares images by a homography of space with fifteen parameters. The
 adjustment has seven, since the own motions show which homographies keep a body's size and shape (`two_bodies`).
 
-The own body is fitted again first, and with it which joints move each point (`maximum_likelihood`). Where the own
-images leave that open, each choice is adjusted with the demonstrator's images. The best choice gives the posture. Its
-variance is the mean of the squared errors about it over all choices, weighted by their likelihood.
-
 The test is an F-test. The demonstrator's images raise the cost of the own images alone by σ² χ²_f if both bodies are
 alike. The own images have that noise, too, so their cost over its degrees of freedom estimates σ². It is a better
-estimate than the noise at rest, and without the error of that one. The same test shows whether learned kinematics have
-predicted a visit: its images raise the cost of those before by as little if the kinematics are right.
+estimate than the noise at rest, and without the error of that one.
 
 References
 ----------
@@ -20,22 +15,38 @@ Paulson, "An approximate normalization of the analysis of variance distribution"
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.noise import f_test_sigmas
 from ...geometry.kinematics.adjustment import BundleAdjustment
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.maximum_likelihood import Likely, likely_kinematics
 from ...geometry.kinematics.model import ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
-from ..observation import Observation, Visit
-from .image_models import observations_of
-from .options import TrustRegionOptions
 
 Array = NDArray[np.float64]
+MAX_SIGMAS = 3.09  # standard deviations; the right hypothesis contradicts by more once in a thousand
+
+
+def f_test_sigmas(ratio: float, numerator: int, denominator: int) -> float:
+    """Convert a ratio of two variances to standard deviations of a normal variable.
+
+    Parameters
+    ----------
+    ratio : float
+        Of two independent mean squares with the same expectation.
+    numerator, denominator : int
+        Their degrees of freedom.
+
+    Returns
+    -------
+    float
+        The standard normal quantile of F, by the approximation of Paulson (1942); 3.09 is exceeded once in a thousand.
+    """
+    root, a, b = np.cbrt(ratio), 2 / (9 * numerator), 2 / (9 * denominator)
+    return float(((1 - b) * root - (1 - a)) / np.sqrt(a + b * root**2))
 
 
 @dataclass(frozen=True)
@@ -60,8 +71,8 @@ class PairFit:
 
 
 @dataclass(frozen=True)
-class FinalAdjustment:
-    """The adjustment of one run."""
+class CommonAdjustment:
+    """The adjustment of both bodies."""
 
     problem: PairAdjustment
     kinematics: ProjectiveKinematics  # that explain the own images
@@ -71,7 +82,7 @@ class FinalAdjustment:
     @classmethod
     def of(
         cls, likely: Likely, observations: Observations, demo: Array, noise_px: float, weight: float = 1.0
-    ) -> "FinalAdjustment | None":
+    ) -> "CommonAdjustment | None":
         """Set it up; None if too few points are visible for any test.
 
         likely: explains all visits; demo: (T, N, 4) px in [l, r], NaN where hidden; noise_px: standard deviation of an
@@ -111,106 +122,27 @@ class FinalAdjustment:
         return PostureEstimate(fit.pair.angles[0], std_error, fit.sigmas, demo)
 
 
-@dataclass(frozen=True)
-class SameBody:
-    """A demonstrator like the own body, fitted with each likely choice of the joints that move the points."""
-
-    fits: tuple[tuple[FinalAdjustment, PairFit], ...]  # the best first
-
-    @property
-    def adjustment(self) -> FinalAdjustment:
-        return self.fits[0][0]
-
-    @property
-    def fit(self) -> PairFit:
-        return self.fits[0][1]
-
-    def estimate(self, demo: Array) -> PostureEstimate:
-        """Return the posture of the best fit, with the uncertainty by all. demo: (N, 4) px, its images."""
-        each = [adjustment.estimate(fit, demo) for adjustment, fit in self.fits]
-        raised = np.array([fit.cost - self.fit.cost for _, fit in self.fits]) / self.adjustment.variance
-        squares = [one.std_error**2 + (one.theta - each[0].theta) ** 2 for one in each]
-        return replace(each[0], std_error=np.sqrt(np.average(squares, axis=0, weights=np.exp(-raised / 2))))
-
-
-def prediction_sigmas(
-    previous: ProjectiveKinematics, found: ProjectiveKinematics, observations: Observations, noise_px: float
-) -> float:
-    """Return by how many standard deviations the last visit contradicts kinematics that did not know it.
-
-    previous: fitted to all visits but the last; found: from there, to all; noise_px: standard deviation of an image
-    coordinate.
-    """
-    if (found.moved_by != previous.moved_by)[~previous.unknown].any():
-        return np.inf  # it has changed them
-    known = observations.restrict(~previous.unknown)
-    earlier = known.select_visits(np.arange(len(known.displacement)) < len(known.displacement) - 1)
-    before = BundleAdjustment.of(previous, earlier, noise_px)
-    after = BundleAdjustment.of(found, known, noise_px)
-    freedom, added = before.degrees_of_freedom, after.degrees_of_freedom - before.degrees_of_freedom
-    if freedom < 1 or added < 1:
-        return np.inf
-    cost, cost_after = (float((one.residuals(k) ** 2).sum()) for one, k in ((before, previous), (after, found)))
-    raised = max(cost_after - cost, 0.0) / Likely(previous, cost, cost).variance(before)
-    return f_test_sigmas(raised / added, added, freedom)
-
-
-def estimate_posture(
-    kinematics: ProjectiveKinematics,
-    visits: tuple[Visit, ...],
-    observation: Observation,
-    theta: Array,
-    options: TrustRegionOptions,
-) -> PostureEstimate | None:
-    """Adjust own and demonstrator's images together.
-
-    Parameters
-    ----------
-    kinematics : ProjectiveKinematics
-        Explain all visits.
-    visits : tuple of Visit
-    observation : Observation
-        Gives the demonstrator's images and the noise.
-    theta : (m,) array
-        Posture near the demonstrator's [rad].
-    options : TrustRegionOptions
-
-    Returns
-    -------
-    PostureEstimate or None
-        None without the demonstrator's images, or if too few points are visible for any test.
-    """
-    if observation.demo is None:
-        return None
-    demos = observation.demo[None]
-    found = fit_same_body(kinematics, visits, demos, observation.noise_px, theta[None], options)
-    return None if found is None else found.estimate(observation.demo)
-
-
 def fit_same_body(
     kinematics: ProjectiveKinematics,
-    visits: tuple[Visit, ...],
+    seen: Observations,
     demos: Array,
     noise_px: float,
     postures: Array,
-    options: TrustRegionOptions,
     weight: float = 1.0,
-) -> SameBody | None:
+) -> tuple[CommonAdjustment, PairFit] | None:
     """Fit a demonstrator like the own body, from postures near its own; None if too few points are visible.
 
-    demos: (T, N, 4) px in [l, r], NaN where hidden; noise_px: of an image coordinate; postures: (T, m) rad. The rest is
-    as of `estimate_posture`.
+    kinematics: explain the own images `seen`; demos: (T, N, 4) px in [l, r], NaN where hidden; noise_px: of an image
+    coordinate; postures: (T, m) rad; weight: as of `PairAdjustment`. Of the likely choices of the joints that move the
+    points, the best is taken.
     """
-    seen = observations_of(visits)
     problem = BundleAdjustment.of(kinematics, seen, noise_px).restricted_to_known(kinematics)
-    fits: list[tuple[FinalAdjustment, PairFit]] = []
+    best: tuple[CommonAdjustment, PairFit] | None = None
     for likely in likely_kinematics(kinematics, problem):
-        adjustment = FinalAdjustment.of(likely, seen, demos, noise_px, weight)
+        adjustment = CommonAdjustment.of(likely, seen, demos, noise_px, weight)
         if adjustment is None:
             return None
-        fit = adjustment.best_fit(adjustment.problem.starts(likely.kinematics, postures), options.max_body_sigmas)
-        fits += [] if fit is None else [(adjustment, fit)]
-    of_choice: dict[bytes, tuple[FinalAdjustment, PairFit]] = {}
-    for one in sorted(fits, key=lambda one: one[1].cost):
-        of_choice.setdefault(one[0].kinematics.moved_by.tobytes(), one)
-    return SameBody(tuple(of_choice.values())) if fits else None
+        fit = adjustment.best_fit(adjustment.problem.starts(likely.kinematics, postures), MAX_SIGMAS)
+        if fit is not None and (best is None or fit.cost < best[1].cost):
+            best = adjustment, fit
+    return best

@@ -6,20 +6,21 @@ No motion is needed. The E that is left when the arm has gone there decides.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...estimation.residuals import NoiseReference, ResidualFunction, conflict
+from ...estimation.residuals import ResidualFunction, conflict
 from ...estimation.views import Pairs, permute
-from ..least_squares import minimise
-from .motions import posture_grid
-from .options import DEFAULTS, TrustRegionOptions
+from ..least_squares import minimise, posture_grid
 
 Array = NDArray[np.float64]
 BATCH_SIZE = 24  # hypotheses that are evaluated at once
+GRID, GRID_TWO = 12, 8  # postures per joint, for one swapped pair, and for two: there are many more hypotheses
+FIRST_PAIRS = 6  # best single pairs that are extended by a second one
+REFINED = 3  # best postures that are refined by least squares
+GAIN = 0.1  # of E without a swap: what a swap must leave, to be accepted where E is not small
 
 
 def swapped(images: Array, pairs: Pairs) -> Array:
@@ -38,29 +39,9 @@ def transpositions(order: NDArray[np.int_]) -> Pairs:
     return tuple(pairs)
 
 
-@dataclass(frozen=True)
-class SwappedResiduals:
-    """Residuals with pairs of the demonstrator's points swapped: those of own points that are swapped back instead."""
-
-    residuals: ResidualFunction
-    pairs: Pairs
-
-    def __call__(
-        self, own: Array, transfer: str | None = None, noise_reference: NoiseReference | None = None, rig: int = 0
-    ) -> Array:
-        """Compute residuals, as `ResidualFunction`."""
-        if noise_reference is not None and noise_reference.own is not None:
-            noise_reference = replace(noise_reference, own=swapped(noise_reference.own, self.pairs[::-1]))
-        return self.residuals(swapped(own, self.pairs[::-1]), transfer, noise_reference, rig)
-
-    def with_partially_visible(self) -> ResidualFunction:
-        """Include points that only one camera sees."""
-        return SwappedResiduals(self.residuals.with_partially_visible(), self.pairs)
-
-
 def with_swaps(residuals: ResidualFunction, pairs: Pairs) -> ResidualFunction:
-    """Return residuals with pairs of the demonstrator's points swapped."""
-    return SwappedResiduals(residuals, pairs) if pairs else residuals
+    """Return residuals with pairs of the demonstrator's points swapped: own points are swapped back instead."""
+    return (lambda own: residuals(swapped(own, pairs[::-1]))) if pairs else residuals
 
 
 def find_swaps(
@@ -69,7 +50,7 @@ def find_swaps(
     lower: Array,
     upper: Array,
     objective_floor: float,
-    options: TrustRegionOptions = DEFAULTS,
+    seed: int = 0,
     name_all: Callable[[], Pairs] = tuple,
 ) -> Pairs:
     """Find the pairs of the demonstrator's points that are swapped.
@@ -83,7 +64,8 @@ def find_swaps(
         Joint limits [rad].
     objective_floor : float
         E that needs no explanation [px²].
-    options : TrustRegionOptions, optional
+    seed : int, optional
+        Of random postures, of three joints or more.
     name_all : callable, optional
         Names all points again and returns the swaps that this takes, none if it finds nothing. It is asked where points
         are mixed up, and no single pair explains how: what seem to be two pairs may be a part of it.
@@ -97,7 +79,7 @@ def find_swaps(
     def smallest(pairs: Pairs, postures: Array, E: Array) -> float:
         """Refine the best postures of a hypothesis, and return E there."""
         residual_at = lambda theta: residuals(swapped(predict(theta), pairs))
-        return minimise(residual_at, postures[np.argsort(E)[: options.swap_refined]], lower, upper).E
+        return minimise(residual_at, postures[np.argsort(E)[:REFINED]], lower, upper).E
 
     def evaluate(postures: Array, hypotheses: Sequence[Pairs]) -> Array:
         """Return E of all hypotheses at all postures, (hypotheses, postures) px²."""
@@ -109,7 +91,7 @@ def find_swaps(
             found.append(conflict(residuals(batch.transpose(2, 3, 0, 1))))
         return np.concatenate(found)
 
-    postures = posture_grid(lower, upper, options.swap_grid, options.seed)
+    postures = posture_grid(lower, upper, GRID, seed)
     known = np.flatnonzero(np.isfinite(predict(postures)).all((0, 2))).tolist()
     E_none = smallest((), postures, evaluate(postures, [()])[0]) if len(known) >= 2 else np.nan
     if not objective_floor <= E_none < np.inf:
@@ -123,12 +105,12 @@ def find_swaps(
         return one
     if mixed_up := name_all():
         return mixed_up
-    postures = posture_grid(lower, upper, options.swap_grid_two, options.seed)
-    first = [single[k] for k in order[: options.swap_first_pairs]]
+    postures = posture_grid(lower, upper, GRID_TWO, seed)
+    first = [single[k] for k in order[:FIRST_PAIRS]]
     double = [(*pair, *other) for pair in first for other in single if not {*pair[0]} & {*other[0]}]
     E = evaluate(postures, double)
     k = int(E.min(1).argmin())
     two, E_two = double[k], smallest(double[k], postures, E[k])
-    if E_two < options.swap_gain * min(E_one, E_none):
+    if E_two < GAIN * min(E_one, E_none):
         return two
-    return one if E_one < options.swap_gain * E_none else ()
+    return one if E_one < GAIN * E_none else ()

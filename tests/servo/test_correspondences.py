@@ -91,7 +91,7 @@ def test_two_swapped_points_near_each_other_are_not_taken_for_points_elsewhere()
     settings = Settings(points=16, swapped=0.1, seed=2070545506, demonstrator_deg=(20, -106), start_deg=(4, -73))
     last = Session(settings).run(100).last
     assert set(last.exchanged) == swapped(settings, 16) == {(14, 15)}
-    assert last.status == "converged" and last.servo_state.explanation is None and error_deg(last) < 1e-3
+    assert last.status == "converged" and last.misfit is None and error_deg(last) < 1e-3
 
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.5])

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from viewimit.estimation.residuals import NoiseReference
 from viewimit.experiments.bench.draws import distant_scene
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.snapshot import predicted_residuals
 
 NOISE_PX = 0.25
 FALSE_DEG, TIMES = 1.0, 3.0  # off, and times the expected error: beyond both a claim is false
@@ -37,14 +35,7 @@ def test_a_learner_does_not_stall_at_the_best_posture_behind_a_demonstrator_far_
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 3))])
-def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_false_claim(seed):
-    session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
-    now = session.snapshot
-    noise_px = session.observer.image_noise_std(session.settings)
-    ask = predicted_residuals(now, noise_px=noise_px, past=tuple(session.history))
-    assert ask.head_rectification is None
-    own = now.views.own
-    weighed = ask(own, noise_reference=NoiseReference(own, 1.0))
-    weights = np.linalg.lstsq(now.residual, weighed, rcond=None)[0]  # the same (4, 4) for all points, not one for each
-    np.testing.assert_allclose(now.residual @ weights, weighed, atol=1e-6 * np.abs(weighed).max())
+def test_toed_in_cameras_whose_images_are_not_rectified_make_no_false_claim(seed):
+    """No affine geometry fits their matches, so no body explains the own images."""
+    _, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
     assert not is_false(last, error_deg)

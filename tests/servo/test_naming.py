@@ -107,7 +107,7 @@ def test_points_of_another_body_are_not_named():
     )
     ended = session.run(80)
     assert ended.status == ServoStatus.NO_PROGRESS and not session.snapshot.naming.accepted
-    assert ended.message.endswith("No naming of the demonstrator's points explains its images.") and np.isnan(ended.E)
+    assert ended.message.endswith("No naming of the demonstrator's points explains its pictures.") and np.isnan(ended.E)
 
 
 def test_points_in_one_place_have_uncertain_names_of_equal_probability():
@@ -142,7 +142,7 @@ def test_names_stay_when_the_demonstrator_moves():
 
 
 def test_a_servo_that_cannot_name_points_is_refused():
-    with pytest.raises(ValueError, match="'broyden' needs points with names; trust-region"):
+    with pytest.raises(ValueError, match="'broyden' needs points with names; likelihood"):
         Session(Settings(servo="broyden", matched=False))
     session = Session(Settings(matched=False))
     with pytest.raises(ValueError, match="'gradient'"):

@@ -1,4 +1,4 @@
-"""The adjustment of own and demonstrator's images: errors are as large as expected where noise hides what moves a point."""
+"""The adjustment of both bodies: errors are as expected where noise hides which joints move a point."""
 
 import sys
 from pathlib import Path

@@ -86,10 +86,10 @@ class PredictedResiduals:
         views = FourViews(self.demo, own, self.views.visible)
         views = views if count == len(known) else views.select(known)
         fitted = fit_transfer(self.method, views, self.rectification) if self._converged is None else self._converged
-        e, mirrored = fitted.residual(views), self._mirror_residual(views.own, known)
+        e, mirrored = fitted.residual(views), self.mirror_residual(views.own, known)
         return e if mirrored is None else np.concatenate([e, mirrored], -1)
 
-    def _mirror_residual(self, own: NDArray[np.float64], points: NDArray[np.bool_]) -> NDArray[np.float64] | None:
+    def mirror_residual(self, own: NDArray[np.float64], points: NDArray[np.bool_]) -> NDArray[np.float64] | None:
         """Compute `Handedness.mirror_residual` of own images (..., n, 4) px; None without such columns.
 
         points: (N,) bool, the n points; both cameras see them.

@@ -90,6 +90,8 @@ def describe_status(state: EstimatorState, status: ServoStatus) -> str:
         return state.misfit.describe()
     if status == ServoStatus.CONVERGED:
         return "Noise explains all pictures, and nothing is worth another step."
+    if status == ServoStatus.SETTLED and state.naming is not None and state.naming.is_ambiguous:
+        return "There are two answers: other names of the points explain the pictures as well, in another pose."
     if status == ServoStatus.SETTLED:
         return "The expected error is too large for a claim, and nothing is worth another step."
     if status == ServoStatus.UNOBSERVABLE:

@@ -74,7 +74,7 @@ class Estimate:
         return why.misfit.kind in GOALS and why.is_convincing(options.max_sigmas, CLEAR)
 
     def open_joints(self, options: EstimatorOptions, noise_px: float) -> NDArray[np.bool_]:
-        """Which joints the images leave open, (m,) bool. noise_px: of an own image's coordinate, if nothing is fitted."""
+        """Which joints the images leave open, (m,) bool. noise_px: of an own image, without a fit."""
         return ~(self.std < options.max_std_per_px * (noise_px if self.fit is None else self.fit.std))
 
     def is_clear(self, options: EstimatorOptions) -> bool:

@@ -27,6 +27,7 @@ from ...geometry.kinematics.model import ProjectiveKinematics
 from ...geometry.kinematics.two_bodies import MAX_ITER, BodyPair, PairAdjustment
 
 Array = NDArray[np.float64]
+FEW_STEPS = 25  # that show whether a start leads anywhere
 MAX_SIGMAS = 3.09  # standard deviations; the right hypothesis contradicts by more once in a thousand
 
 
@@ -106,15 +107,18 @@ class CommonAdjustment:
         return PairFit(pair, cost, raised, sigmas, float(np.sqrt(noise)))
 
     def best_fit(self, starts: Iterable[BodyPair], max_sigmas: float) -> PairFit | None:
-        """Fit from each pair in turn, until one fit contradicts by less than `max_sigmas`; return the best."""
+        """Fit from each pair in turn, until one fit contradicts by less than `max_sigmas`; return the best.
+
+        A few steps of each show which one leads farthest; that one is fitted to the end.
+        """
         best: PairFit | None = None
         for start in starts:
-            found = self.fit(start)
+            found = self.fit(start, FEW_STEPS)
             if best is None or found.raised < best.raised:
                 best = found
             if best.sigmas < max_sigmas:
                 break
-        return best
+        return None if best is None else self.fit(best.pair)
 
     def estimate(self, fit: PairFit, demo: Array) -> PostureEstimate:
         """Return the first posture of a fit. demo: (N, 4) px, the images that it is of."""

@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX
+from ...geometry.kinematics.adjustment import MIN_POINTS, NOISE_FLOOR_PX, BundleAdjustment
 from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.disturbed import N_LENS, fit_lens
 from ...geometry.kinematics.model import N_FRAME, ProjectiveKinematics
@@ -35,6 +35,7 @@ FEW_ITER = 4  # steps that show which points fit best
 FD_STEP = 1e-6  # of differences of a link's length
 N_FUNDAMENTAL = 7  # unknowns of a fundamental matrix, which a rectification rests on
 MAX_REASON_SIGMAS = 3.72  # as MAX_SIGMAS, of a reason why another body differs: once in ten thousand
+HOPEFUL = 0.5  # share of the price of a lens that it has to save of the own images, to be fitted to all
 MIRROR_GRID = 13  # postures per joint, in which a mirror image is looked for
 MIN_LEVER = 0.1  # of the body's extent: a shorter link has no relative length
 
@@ -199,6 +200,12 @@ class Reasons:
             return None
         kinematics, lens = found
         own, theirs = lens.straightened(seen.images), lens.straightened(demo[None])[0]
+        replaced = N_FUNDAMENTAL if straight.rectification is not None and kinematics.rectification is None else 0
+        price = (N_LENS - replaced) * self._log_coordinates
+        alone = BundleAdjustment.of(kinematics, replace(seen, images=own), noise_px).restricted_to_known(kinematics)
+        left = float((alone.residuals(kinematics) ** 2).sum())
+        if self.adjustment.own_cost - left < HOPEFUL * price * self.adjustment.variance:
+            return None
         weight = self.adjustment.problem.weight
         like_own = fit_same_body(
             kinematics, replace(seen, images=own), theirs[None], noise_px, self.theta[None], weight
@@ -207,8 +214,6 @@ class Reasons:
             return None
         adjustment, fit = like_own
         saved = (self.adjustment.own_cost - adjustment.own_cost) / self.adjustment.variance
-        replaced = N_FUNDAMENTAL if straight.rectification is not None and kinematics.rectification is None else 0
-        price = (N_LENS - replaced) * self._log_coordinates
         kind = MisfitKind.LENS if saved > price else MisfitKind.NONE
         bent = float(np.nanmax(np.abs([*(own - seen.images), theirs - demo])))
         return Candidate(kind, adjustment, fit, fit.raised - saved + price, amount=bent)

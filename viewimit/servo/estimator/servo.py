@@ -145,7 +145,8 @@ class Estimator:
         if beyond := self._beyond_limits(best, see):
             refused = replace(state, misfit=Misfit(MisfitKind.LIMIT, limits=beyond))
             return rest(refused, see, ServoStatus.NO_PROGRESS)
-        claims = error.max() < options.max_claimed_error
+        two_answers = state.naming is not None and state.naming.is_ambiguous
+        claims = error.max() < options.max_claimed_error and not two_answers
         return rest(state, see, ServoStatus.CONVERGED if claims else ServoStatus.SETTLED)
 
     def _is_lost(self, best: Estimate, evidence: Evidence) -> bool:

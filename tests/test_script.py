@@ -37,7 +37,7 @@ ACTIONS = st.lists(
         st.tuples(st.just("pose"), st.tuples(st.floats(0.1, 1.4), st.floats(-2.9, -0.2))),
         st.tuples(
             st.just("change"),
-            st.sampled_from([{"noise_px": 0.4}, {"servo": "broyden"}, {"servo": "trust-region"}, {"frames": 3},
+            st.sampled_from([{"noise_px": 0.4}, {"servo": "broyden"}, {"servo": "likelihood"}, {"frames": 3},
                              {"transfer": "linear"}, {"start_deg": (30.0123456789012, -40.0)}, {"missing": 0.3}]),
         ),
         st.tuples(st.just("scrub"), st.integers(0, 6)),

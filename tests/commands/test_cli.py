@@ -83,7 +83,7 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
 
 
 def test_no_motion_of_a_run_is_longer_than_it_may_be_nor_leads_out_of_the_workspace(ask_json):
-    bound = "--start 25,-45 --max-step-deg 5 --workspace-deg 10:60,-95:-30 --restarts 0"
+    bound = "--start 25,-45 --max-step-deg 5 --workspace-deg 10:60,-95:-30"
     _, told = ask_json("imitate", "--demonstrator", "45,-90", *bound.split())
     theta_deg = np.array([moment["theta_deg"] for moment in told["history"]])
     assert told["converged"] and told["error_deg"] < 0.01
@@ -224,7 +224,6 @@ BAD_INPUT = [
     ),
     ("imitate --workspace-deg -10:90,-90:0", "range 1, -10° … 90°, is not inside its joint's limits 0° … 90°"),
     ("imitate --max-step-deg 0", "--max-step-deg: max_step_deg must be between 0.01 and 360"),
-    ("rehearse --restarts -1 --out b.npz", "--restarts: restarts must be between 0 and"),
     ("imitate --start 1,-2,3", "--start: its posture needs 2 angles, of joints 2, 4, got 3"),
     ("imitate --start 45,left", "--start: needs degrees separated by commas"),
     ("imitate --transfer magic", "--transfer: no transfer 'magic'; there are epipolar, linear"),

@@ -62,7 +62,7 @@ def test_rehearse_tells_where_it_was_and_repeats_itself(tmp_path, ask_json, body
     [
         (("--n-points", 16), "rehearsed with points 10, here it is 16"),
         (("--robot", "iiwa"), "rehearsed with robot panda"),
-        (("--servo", "broyden"), "broyden learns from its own steps alone; --servo trust-region"),
+        (("--servo", "broyden"), "broyden learns from its own steps alone; --servo likelihood"),
     ],
 )
 def test_a_rehearsal_of_no_use_is_refused(ask, body, words, named):

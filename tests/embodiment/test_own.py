@@ -111,7 +111,7 @@ def test_a_demonstrator_that_has_moved_is_seen_and_imitated_anew():
     assert error_deg(one.run(120).last, robot.demo) < 0.5 and one.snapshot.status == "converged"
 
 
-@pytest.mark.parametrize("servo", ["trust-region", "broyden", "gradient-retuned"])
+@pytest.mark.parametrize("servo", ["likelihood", "broyden", "gradient-retuned"])
 def test_a_demonstrator_that_has_moved_is_told_to_the_servo_as_one_that_was_posed(servo):
     settings, robot = msgspec.structs.replace(ONE, servo=servo, rectify="off"), Robot()
     one = session(robot, settings)
@@ -222,7 +222,7 @@ def test_other_laws_and_transfers_serve_as_well(servo):
     one = session(Robot(), Settings.paper(transfer="linear", servo=servo))
     one.run(300)
     assert error_deg(one.snapshot) < 3  # METHOD: an affine transfer's bias
-    one.change(transfer="projective", servo="trust-region")
+    one.change(transfer="projective", servo="likelihood")
     assert error_deg(one.run(360).last) < 0.5
 
 
@@ -323,7 +323,7 @@ def test_looks_that_do_not_match_the_first_are_told_so():
 @pytest.mark.parametrize("transfer", TRANSFERS)
 def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
     """One in ten, by turns, of either body: a loop that took them for seen fits them, and at 1e5 px claims falsely."""
-    settings = Settings.paper(transfer=transfer, servo="trust-region", frames=1)
+    settings = Settings.paper(transfer=transfer, servo="likelihood", frames=1)
     told, marked = Robot(points=16), Robot(points=16)
 
     def marking(robot, mark):
@@ -346,7 +346,7 @@ def test_points_that_a_tracker_has_lost_are_not_seen(transfer, place):
 @pytest.mark.parametrize("own", [np.zeros((10, 4)), np.outer(np.arange(10.0), (1, 2, 1, 3))], ids=["place", "line"])
 def test_a_body_whose_points_are_lost_to_one_place_is_no_evidence(transfer, own):
     """As trackers write what they have lost; E of it would be 0 wherever the arm is."""
-    settings = Settings.paper(transfer=transfer, servo="trust-region")
+    settings = Settings.paper(transfer=transfer, servo="likelihood")
     robot, whole = Robot(), Robot()
     seen, expected = robot.look, session(whole, settings).run(60).last
     robot.look = lambda: seen().with_own(own) if robot.looks == 13 else seen()

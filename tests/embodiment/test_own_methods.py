@@ -70,7 +70,7 @@ def test_a_function_that_does_what_a_named_transfer_does_leads_the_arm_the_same_
 
 
 def test_a_transfer_of_ones_own_serves_rectified_images_and_every_servo():
-    for scene, servo in (("panda", "trust-region"), ("panda-toed", "trust-region"), ("panda", "gradient-retuned")):
+    for scene, servo in (("panda", "likelihood"), ("panda-toed", "likelihood"), ("panda", "gradient-retuned")):
         session = Session(Settings(scene=scene, servo=servo, **START), transfer=affine_map)
         assert session.snapshot.E > 0 and (session.snapshot.rectification is None) == (scene == "panda")
         before = session.snapshot.E

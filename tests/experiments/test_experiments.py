@@ -96,9 +96,9 @@ def test_fig9_a_run_is_the_sessions_own(ninth):
 
 
 def test_fig9_of_seven_joints_starts_about_the_demonstrator_and_shows_the_settings_own_servo():
-    settings = Settings.paper(joints=tuple(range(1, 8)), points=16, transfer="projective", servo="trust-region")
-    result = fig9.run(settings, starts=(1, 2), max_motions=25, laws=("trust-region",))
-    assert result.laws == ("gradient", "gradient-retuned", "trust-region")
+    settings = Settings.paper(joints=tuple(range(1, 8)), points=16, transfer="projective", servo="likelihood")
+    result = fig9.run(settings, starts=(1, 2), max_motions=25, laws=("likelihood",))
+    assert result.laws == ("gradient", "gradient-retuned", "likelihood")
     np.testing.assert_allclose([run.start_deg for run in result.runs], result.starts_deg)
     assert len(result.runs) == 3
     offsets = np.abs(np.array(result.starts_deg[1:]) - result.settings.demonstrator_deg)

@@ -16,14 +16,14 @@ DOCS = Path(__file__).parents[2] / "docs"
 FEW = {  # of each group: a case that takes little, and the servo that suits it
     "success": ("random starts", "broyden"),
     "grid": ("4 x 5 starts", "kalman"),
-    "robustness": ("gain error 5 %", "trust-region"),
-    "tracking": ("0.5° a step", "trust-region"),
-    "scenes": ("any head, rectified", "trust-region"),
-    "calibration": ("16 points on rigid groups of links", "trust-region"),
+    "robustness": ("gain error 5 %", "likelihood"),
+    "tracking": ("0.5° a step", "likelihood"),
+    "scenes": ("any head, rectified", "likelihood"),
+    "calibration": ("16 points on rigid groups of links", "likelihood"),
     "compare": ("default scene", "broyden"),
     "pictures": ("projected", "gauss-newton"),
-    "unmatched": ("one extra", "trust-region"),
-    "misfits": ("mirrored", "trust-region"),
+    "unmatched": ("one extra", "likelihood"),
+    "misfits": ("mirrored", "likelihood"),
 }
 
 
@@ -37,7 +37,7 @@ def test_a_group_runs_by_a_servo_that_is_asked_for_and_is_laid_out(name):
     group = GROUPS[name]
     if name == "robots":
         cases = group.of_folder(Path(__file__).parents[2] / "assets/robots/panda/panda.urdf")
-        servo = "trust-region"
+        servo = "likelihood"
     else:
         case, servo = FEW[name]
         cases = chosen(group.cases, case)

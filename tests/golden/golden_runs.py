@@ -254,7 +254,7 @@ RUNS = (
     Run("distorted lenses", {"scene": DISTORTED}),
     Run("seven joints, noise", SEVEN | {"noise_px": 0.25}),
     # Transfers and servos
-    Run("rank 3, trust region", {"transfer": "rank3", "noise_px": 0.1}, elsewhere=3e-5, why=FLAT),
+    Run("rank 3, likelihood", {"transfer": "rank3", "noise_px": 0.1}, elsewhere=3e-5, why=FLAT),
     Run("epipolar, gradient", _paper("gradient", "epipolar", start_deg=(30, -60))),
     Run("linear, Broyden, noise, seen in part", _paper("broyden", "linear", noise_px=0.3, missing=0.1, seed=3)),
     Run("rank 3, Kalman, noise", _paper("kalman", "rank3", noise_px=0.25)),
@@ -263,7 +263,7 @@ RUNS = (
     Run("demonstrator keeps moving", {"noise_px": 0.1}, shown_deg=ROUND),
     Run("rehearsed", {"noise_px": 0.1}, rehearsed_deg=TWO_REHEARSED),
     # Arms and eyes of one's own
-    _own("own arm, whole pixels, no restarts", {"grid_px": 1.0, "offset_deg": 0.5}, frames=1, restarts=0),
+    _own("own arm, whole pixels", {"grid_px": 1.0, "offset_deg": 0.5}, frames=1),
     _own(
         "own arm, half-seen points, late, workspace",
         {"noise_added_px": 0.1, "half_seen": 0.6, "late": 1},

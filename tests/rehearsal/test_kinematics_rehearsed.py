@@ -12,7 +12,7 @@ SEVEN = (1, 2, 3, 4, 5, 6, 7)
 @pytest.mark.parametrize("postures", [10, pytest.param(12, marks=pytest.mark.slow)])
 def test_seven_joints_are_imitated_at_once_and_then_checked_one_by_one(postures):
     for seed in range(2):
-        settings = Settings.paper(transfer="projective", servo="trust-region", joints=SEVEN, points=16)
+        settings = Settings.paper(transfer="projective", servo="likelihood", joints=SEVEN, points=16)
         session = Session(settings)
         session.calibrate(postures, seed, within_deg=60.0)
         session.reset()
@@ -27,7 +27,7 @@ def test_two_joints_need_five_postures():
     """Three to know how the joints turn the points, two more that are far apart."""
     motions = []
     for seed in range(4):
-        session = Session(Settings.paper(transfer="projective", servo="trust-region"))
+        session = Session(Settings.paper(transfer="projective", servo="likelihood"))
         session.calibrate(5, seed)
         session.reset()
         lower, upper = session.embodiment.lower, session.embodiment.upper
@@ -39,9 +39,9 @@ def test_two_joints_need_five_postures():
 
 
 def test_a_head_that_has_moved_is_noticed_though_kinematics_foretold_everything():
-    session = Session(Settings.paper(transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(transfer="projective", servo="likelihood"))
     body = session.calibrate(12, 0)
-    moved = Session(Settings.paper(transfer="projective", servo="trust-region", scene="panda-verged"))
+    moved = Session(Settings.paper(transfer="projective", servo="likelihood", scene="panda-verged"))
     moved.use_calibration(body)
     moved.pose((moved.embodiment.lower + moved.embodiment.upper) / 2)
     last = moved.run(60).last

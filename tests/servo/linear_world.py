@@ -20,7 +20,7 @@ class LinearWorld:
     def images(self, theta):
         return self.y + self.J @ theta
 
-    def residuals(self, own, transfer=None, noise_reference=None, rig=0):
+    def residuals(self, own):
         return own - self.images(self.aim) + self.least
 
     def seen(self, theta, motion=0, noise=0.0, noise_px=0.0, limit=None):

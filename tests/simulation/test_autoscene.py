@@ -221,6 +221,6 @@ def test_public_robots_are_imitated_from_their_urdf_alone(name):
         pytest.skip("no pybullet_data")
     path = Path(spec.origin).parent / name
     assert len(Robot.from_urdf(path).joints) == COLLECTION[name]
-    session = Session(Settings.paper(scene=str(path), transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(scene=str(path), transfer="projective", servo="likelihood"))
     last = session.run(100).last
     assert last.status == "converged" and np.degrees(np.abs(last.theta - last.theta_demo).max()) < 0.5

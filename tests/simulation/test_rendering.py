@@ -101,7 +101,7 @@ def test_a_ball_is_drawn_where_the_camera_projects_it(lens):
 
 
 def test_only_detections_reach_a_session():
-    session = Session(Settings.paper(sensor="rendered", transfer="projective", servo="trust-region"))
+    session = Session(Settings.paper(sensor="rendered", transfer="projective", servo="likelihood"))
     now = session.snapshot
     found = session.eyes.detections
     np.testing.assert_array_equal(now.views.visible, np.stack([found[view].found for view in VIEWS], -1))

@@ -120,7 +120,7 @@ class Session(Learner):
             As of `Session`.
         **changes
             Fields of `Settings` that differ from `Settings.best()`: frames (images averaged at each posture), rectify,
-            matched, start_deg (replaces the arm's start), seed, max_step_deg, workspace_deg and restarts. The limits
+            matched, start_deg (replaces the arm's start), seed, max_step_deg and workspace_deg. The limits
             hold for every motion, also for undo and reset. Only the first motion, to the start, may be of any length,
             because the arm's posture before it is unknown.
 

@@ -28,17 +28,19 @@ def average_looks(looks: Sequence[Images], noise_px: float, fixed_px: float) -> 
     Returns
     -------
     images : (N, 4) and (N, 2) arrays
-        The mean of each point that some look shows. Too few looks to outvote an outlier: the first of them.
+        The mean of each point that some look shows. Too few looks to outvote an outlier, or equal
+        ones: the first of those that show the most points.
     noise_px : float
         Standard deviation of a coordinate of the mean. It is measured by what the looks differ. Equal images show no
         noise, but an error that all have.
     """
+    fullest = max(looks, key=lambda look: int(np.count_nonzero(look[1])))
     if len(looks) < MIN_FRAMES:
-        return looks[0], noise_px
+        return fullest, noise_px
     points, visible = np.array([one for one, _ in looks]), np.array([seen for _, seen in looks])
     measured = noise_std(points, visible)
     if measured == 0:
-        return looks[0], noise_px
+        return fullest, noise_px
     differences = 2 * int(np.count_nonzero(visible[1:] & visible[:-1]))
     squares = OWN_NOISE_COUNTS * noise_px**2 + differences * measured**2
     single = np.sqrt(squares / (OWN_NOISE_COUNTS + differences))

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...estimation.residuals import ResidualFunction, conflict
+from ...geometry.kinematics.clusters import Observations
 from ...geometry.kinematics.own_body import OwnBody, idle_joints, learn
 from ..certificate import Certificate
 from ..misfit import BeyondLimit, Misfit, MisfitKind
@@ -69,6 +70,7 @@ class Estimator:
         state, is_new = state.recorded(see, self.options)
         if not is_new and given.status.is_at_rest:
             return given, np.zeros_like(see.displacement)
+        see = replace(see, noise_px=see.noise_px * repetition(state.seen), demo_noise_px=see.demonstrator[1])
         if state.joints_to_probe:
             joint, *left = state.joints_to_probe
             state = replace(state, joints_to_probe=tuple(left), probe=True, purpose=Purpose.PROBE)
@@ -244,6 +246,18 @@ class Estimator:
         E = np.array([float(conflict(residuals(visit.own))) for visit in state.visits])
         place = state.visits[int(E.argmin())].displacement if np.isfinite(E).any() else see.displacement
         return nearest(state, None, see, place, status)
+
+
+def repetition(seen: Observations) -> float:
+    """By how much rounded images raise the noise, 1 for others: looks that show a coordinate alike count as one look.
+
+    A point that does not move is rounded alike at each visit, so that no number of visits lessens the error.
+    """
+    counts, distinct = seen.visible_in_both.sum(0), np.ones(seen.images.shape[1:])
+    for k, column in enumerate(seen.images.reshape(len(seen.images), -1).T):
+        distinct.flat[k] = len(np.unique(column[np.isfinite(column)]))
+    share = np.maximum(counts[:, None] / distinct, 1.0)[counts > 0]
+    return float(np.sqrt(share.mean())) if len(share) else 1.0
 
 
 def nearest(

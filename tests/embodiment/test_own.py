@@ -170,7 +170,7 @@ def test_rounding_is_noise_that_pictures_at_rest_do_not_show_and_that_more_of_th
 
 @pytest.mark.parametrize("noise_px", [0.0, 0.2])
 def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(noise_px):
-    """Taken for exact ones, none of eight such learners converged in forty motions."""
+    """A point that does not move is rounded alike at each visit: taken for independent noise, claims are false."""
     for seed in range(2):
         start, demo = np.radians(np.random.default_rng(seed).uniform((0, -140), (90, -40), (2, 2)))
         robot = WholePixels(demo, noise_px, points=16)
@@ -178,7 +178,8 @@ def test_whole_pixels_are_believed_and_the_learner_arrives_as_near_as_they_tell(
         one = session(robot)
         last = one.run(40).last
         assert all(moment.views.complete for moment in one.history)
-        assert last.status == "converged" and error_deg(last, demo) < 2.5
+        assert last.status.is_at_rest and error_deg(last, demo) < 2.5
+        assert not last.status.is_claim or error_deg(last, demo) < 3 * np.degrees(last.expected_error)
 
 
 @pytest.mark.parametrize("late", range(MAX_LATENCY_LOOKS + 1))

@@ -46,7 +46,7 @@ def test_F_is_the_matrix_of_rank_2_nearest_to_the_matches():
         F = fit_fundamental(left, right)
         first, _, last = np.linalg.svd(F, compute_uv=False)
         assert last < 1e-12 * first
-        cost = lambda matrix: (sampson_distance(matrix, left, right) ** 2).sum()
+        cost = lambda matrix, left=left, right=right: (sampson_distance(matrix, left, right) ** 2).sum()
         U, sizes, Vt = np.linalg.svd(F)
         for across in rng.normal(size=(6, 3)):  # turned a little, and so of rank 2 as well
             turn = Rotation.from_rotvec(1e-4 * across).as_matrix()

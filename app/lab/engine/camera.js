@@ -66,14 +66,10 @@ function inverseFactor(by, square) {
  * @param {Camera} camera @param {number} x px @param {number} y px @param {number} depth m */
 export const backProject = (camera, x, y, depth) => ray(camera, x, y).map((v, i) => camera.centre[i] + depth * v);
 
-/**
- * Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner has
- * no use of it.
- *
- * @param {Pair} pair
- * @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
- * @returns {number[]} m
- */
+/** Where the two rays of a point pass nearest to each other: the midpoint. It is drawn in the scene, and the learner
+ * has no use of it.
+ * @param {Pair} pair @param {ArrayLike<number>} image x, y in the left image, x, y in the right one, px
+ * @returns {number[]} m */
 export function triangulate([left, right], image) {
   const a = ray(left, image[0], image[1]), b = ray(right, image[2], image[3]), base = right.centre.map((c, i) => c - left.centre[i]);
   const product = (/** @type {number[]} */ p, /** @type {number[]} */ q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];

@@ -1,10 +1,7 @@
-/**
- * A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students' own
- * devices, so nothing but the fun of it depends on the result.
- *
+/** A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students'
+ * own devices, so nothing but the fun of it depends on the result.
  * @import {Person} from "./class-lecturer.js"
- * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered
- */
+ * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered */
 import {World} from "../engine/engine.js";
 import {squares} from "../challenge/game.js";
 import {drawChallenge, degreesOff, LEVELS, POINTS, robotSteps, toLink} from "../challenge/rules.js";

@@ -65,14 +65,9 @@ export function smallest(world, transfer, demo, stepDeg = MAP_DEG) {
   return theta;
 }
 
-/**
- * The posture within the limits where a function of it is smallest, on ever finer grids about the lowest posture of its
- * map; null where it is nowhere known.
- *
- * @param {Landscape} map
- * @param {(theta: number[]) => number} of
- * @returns {number[] | null} rad
- */
+/** The posture within the limits where a function of it is smallest, on ever finer grids about the lowest posture of
+ * its map; null where it is nowhere known.
+ * @param {Landscape} map @param {(theta: number[]) => number} of @returns {number[] | null} rad */
 export function lowest(map, of) {
   const {lower, upper} = map.world.scene;
   let best = map.minimum?.theta ?? null;

@@ -1,10 +1,6 @@
-/**
- * Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a turned
- * camera costs.
- *
- * @import {Stage, Measure} from "./stage.js"
- * @import {Run} from "./teach_by_showing.js"
- */
+/** Measures of the lesson on the image Jacobian: how well landings were predicted, and how many steps a gain or a
+ * turned camera costs.
+ * @import {Stage, Measure} from "./stage.js" @import {Run} from "./teach_by_showing.js" */
 import {fixed} from "../view/svg.js";
 import {measured} from "./measured.js";
 import {coordinatesOf, stepsTo, teachByShowing} from "./teach_by_showing.js";

@@ -70,17 +70,14 @@ export function through(p, q) {
 export const angleBetween = (first, second) =>
   Math.asin(Math.min(1, Math.abs(first.a * second.b - second.a * first.b)));
 
-/**
- * Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the matches
- * best. The line of match i is where (b - first·s_i) of the second picture is 0.
- *
+/** Lines in two pictures by hand: parallel ones at an angle in each, with the spacing and the shift that fit the
+ * matches best. The line of match i is where (b - first·s_i) of the second picture is 0.
  * @param {number[][]} first px, points in the first picture
  * @param {number[][]} second px, their matches in the second
  * @param {number} angle rad, of the lines in the first picture, clockwise from the right
  * @param {number} otherAngle rad, of those in the second
  * @returns {{first: Line[], second: Line[], left: number[], rms: number}} left: px from each point of the second
- *   picture to its line, with a sign
- */
+ * picture to its line, with a sign */
 export function pencil(first, second, angle, otherAngle) {
   const n = [-Math.sin(angle), Math.cos(angle)], m = [-Math.sin(otherAngle), Math.cos(otherAngle)];
   const s = first.map(p => dot(n, p)), t = second.map(p => dot(m, p)), count = s.length;

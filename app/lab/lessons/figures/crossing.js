@@ -1,13 +1,9 @@
-/**
- * Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and the
- * ellipse holds the transferred point if pixels are off.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {Line} from "../../engine/affine.js"
- * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l and r,
- *   where they cross, and the same with the second one moved by a pixel
- * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad
- */
+/** Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and
+ * the ellipse holds the transferred point if pixels are off.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Line} from "../../engine/affine.js"
+ * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l
+ * and r, where they cross, and the same with the second one moved by a pixel
+ * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad */
 import {fixed, px} from "../../view/svg.js";
 import {
   arrows, diamonds, Drawing, legend, legendHeight, path, pill, polyline, rectangle, sketched, text, within,

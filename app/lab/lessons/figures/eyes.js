@@ -1,9 +1,6 @@
-/**
- * Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three marks,
- * the lines of their rays, and the epipole in which these meet.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- */
+/** Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three
+ * marks, the lines of their rays, and the epipole in which these meet.
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {projectPoint} from "../../engine/camera.js";
 import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";

@@ -89,13 +89,9 @@ const matchesShown = stage => stage.isRevealed ? Math.round(stage.sliders.get("m
 /** @type {WeakMap<World, number[]>} */
 const orders = new WeakMap();
 
-/**
- * The points as they are added: the four whose shape is the least flat, by the third singular value, then one after the
- * other the one that makes it least flat.
- *
- * @param {Stage} stage
- * @returns {number[]}
- */
+/** The points as they are added: the four whose shape is the least flat, by the third singular value, then one after
+ * the other the one that makes it least flat.
+ * @param {Stage} stage @returns {number[]} */
 export function bestOrder({world, moment: {views, usable}}) {
   const known = orders.get(world);
   if (known) return known;

@@ -1,10 +1,7 @@
-/**
- * A drawing with a window on something measured in its own unit: px of an image, px of a view from outside, metres of a
- * plan. The window can glide.
- *
- * @typedef {{x: number, y: number, scale: number}} Window what lies at the drawing's corner, and drawing units per unit
- * @typedef {[number, number, number, number]} Box left, top, right, bottom
- */
+/** A drawing with a window on something measured in its own unit: px of an image, px of a view from outside, metres of
+ * a plan. The window can glide.
+ * @typedef {{x: number, y: number, scale: number}} Window what lies at the drawing's corner, and drawing units per
+ * unit @typedef {[number, number, number, number]} Box left, top, right, bottom */
 import {add, drawingSize, px, set} from "../../view/svg.js";
 
 const GLIDE = 0.16; // share of its way that a window goes in a frame

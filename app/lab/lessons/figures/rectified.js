@@ -1,11 +1,7 @@
-/**
- * Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which lie
- * in equal rows then.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {World} from "../../engine/world.js"
- * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row
- */
+/** Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which
+ * lie in equal rows then.
+ * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
+ * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row */
 import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
 import {lowest, MAP_DEG, mapOf, smallest} from "../maps.js";

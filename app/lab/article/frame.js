@@ -1,22 +1,14 @@
-/**
- * What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
- *
- * @import {Scene} from "../engine/world.js"
- * @import {Camera} from "../engine/camera.js"
+/** What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
+ * @import {Scene} from "../engine/world.js" @import {Camera} from "../engine/camera.js"
  * @typedef {Object} Data what all figures share
  * @property {Scene} scene
  * @property {Scene} turned the same with a demonstrator that is turned
  * @property {Record<string, number[][]>} hulls outermost vertices of links
  * @property {{value: number, cameras: Camera[]}[]} distances of `turned`, times the first one
  * @property {{value: number, cameras: Camera[]}[]} baselines of `scene`, cm
- *
- * @typedef {Object} Figure
- * @property {() => void} measure the sizes of the panels have changed, or the colours
- * @property {() => void} draw
- * @property {() => Record<string, number | number[] | string>} state what it shows, for its still
- *
- * @typedef {(frame: Frame, data: Data) => Figure} FigureKind
- */
+ * @typedef {{measure: () => void, draw: () => void, state: () => Record<string, number | number[] | string>}} Figure
+ * measure: the sizes of the panels have changed, or the colours; state: what it shows, for its still
+ * @typedef {(frame: Frame, data: Data) => Figure} FigureKind */
 import {make, track} from "../lessons/dom.js";
 import {draggable} from "../view/drag.js";
 

@@ -1,16 +1,11 @@
-/**
- * The loop of the paper, as a session that can be posed, stepped, undone and reset:
+/** The loop of the paper, as a session that can be posed, stepped, undone and reset:
  *
  *     posture → body points → four views → transfer → recovered points → residual e → E → servo → next posture
  *
  * Every pass leaves one moment, which is never changed: pictures and texts read only that.
- *
- * @import {Views} from "./world.js"
- * @import {Fitted} from "./transfers.js"
- * @import {ServoState} from "./servo.js"
- * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet; too-few-points:
- *   too few points are seen in all four images
- *
+ * @import {Views} from "./world.js" @import {Fitted} from "./transfers.js" @import {ServoState} from "./servo.js"
+ * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet;
+ * too-few-points: too few points are seen in all four images
  * @typedef {Object} Moment
  * @property {number} motion how many were made until then
  * @property {number} look how often the learner had looked at itself
@@ -26,16 +21,9 @@
  * @property {ServoState | null} servoState null before the servo was asked
  * @property {number | null} lag looks that images come late, null until a motion has shown it
  * @property {Fitted | null} frozen the transfer as it was fitted when the servo last rested at a minimum
- *
- * @typedef {Object} Settings
- * @property {string} transfer of TRANSFERS
- * @property {string} servo of SERVOS
- * @property {number[]} demonstrator rad
- * @property {number[]} start rad
- * @property {number} [noisePx]
- * @property {number} [missing] share of points that an image does not show
- * @property {number} [seed]
- */
+ * @typedef {{transfer: string, servo: string, demonstrator: number[], start: number[], noisePx?: number, missing?:
+ * number, seed?: number}} Settings transfer: of TRANSFERS; servo: of SERVOS; demonstrator: rad; start: rad; missing:
+ * share of points that an image does not show */
 import {EpipolarGeometry} from "./affine.js";
 import {clamp} from "./algebra.js";
 import {mirrorFinder} from "./handedness.js";

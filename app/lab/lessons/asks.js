@@ -1,18 +1,10 @@
-/**
- * What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
+/** What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
  * figure is made in marks.js, sliders are made in sliders-row.js.
- *
  * @import {Stage} from "./stage.js"
- * @typedef {Object} Asked
- * @property {HTMLElement} element
- * @property {() => void} update
- * @property {(key: string) => boolean} [key] whether it has taken the key
- * @typedef {Object} Host what the page does about it
- * @property {() => void} answered
- * @property {() => void} startAgain
- * @property {() => boolean} isLocked
- * @property {(k: number) => {count: number, share: number} | null} bar how many of a class have given an answer
- */
+ * @typedef {{element: HTMLElement, update: () => void, key?: (key: string) => boolean}} Asked key: whether it has
+ * taken the key
+ * @typedef {{answered: () => void, startAgain: () => void, isLocked: () => boolean, bar: (k: number) => {count:
+ * number, share: number} | null}} Host what the page does about it; bar: how many of a class have given an answer */
 import {isAnswered, isReached, rightChoice} from "./answers.js";
 import {inline, isTouched, letGo, make, plain, touched, track} from "./dom.js";
 import {fill, measure} from "./measures.js";

@@ -14,14 +14,12 @@ import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
-/**
- * @import {Lesson, Step, Mark, Answer} from "./stage.js"
- * @import {Screen} from "./step-screen.js"
- * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
- *   catalogue?: {name: string, title: string, short: string, about: string, afterwards: string, minutes: number,
- *   here: boolean}[]}} Data catalogue: all
- *   lessons that are served, those here and others
- * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}} Place
+/** @import {Lesson, Step, Mark, Answer} from "./stage.js" @import {Screen} from "./step-screen.js"
+ * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
+ * string, short: string, about: string, afterwards: string, minutes: number, here: boolean}[]}} Data catalogue: all
+ * lessons that are served, those here and others
+ * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}}
+ * Place
  * @typedef {Object} Shown what a page shows, for others to follow
  * @property {string} lesson
  * @property {string} step the screen, as addresses name it
@@ -35,9 +33,8 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
  * @property {number} reveal 0 … 1
  * @property {number} run
- * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was given, or
- *   where marks were made
- */
+ * @typedef {{counts: number[]} | {marks: Mark[]} | null} Others what a class has answered: how often each answer was
+ * given, or where marks were made */
 
 const WORDS_A_MINUTE = 200, LOOKING_S = 25, ACTING_S = 50, ROUND_S = 15; // of a step: to estimate the time that is left
 const FIRST_SEEDS = 97, MAX_SHARED = 60; // motions that others are sent

@@ -1,9 +1,7 @@
-/**
- * The screen of a step: its card, its figures and its sliders, and what hands do with them.
- *
+/** The screen of a step: its card, its figures and its sliders, and what hands do with them.
  * @import {Stage, Mark, Slider, Figure, FigureUse} from "./stage.js"
- * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure,
- *   isAsked: boolean}} Mounted
+ * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure, isAsked:
+ * boolean}} Mounted
  * @typedef {Object} Course what the page around it does
  * @property {() => boolean} isLocked
  * @property {() => boolean} isHeld whether others show the right answer
@@ -15,16 +13,11 @@
  * @property {(seed: number) => void} restart the step
  * @property {(by: number) => void} go
  * @property {() => {counts?: number[]} | null} others
- * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state opens
- *
+ * @property {(stage: Stage) => {href: string, words: string, of: string}[]} links to where else the step's state
+ *   opens
  * @typedef {{words: string, key?: string, filled?: boolean, disabled?: boolean, act: () => void}} Button
- * @typedef {Object} Screen
- * @property {() => void} draw
- * @property {(event: KeyboardEvent) => boolean} key whether it has taken the key
- * @property {() => Button} primary
- * @property {() => Button | null} skip
- * @property {() => void} remove
- */
+ * @typedef {{draw: () => void, key: (event: KeyboardEvent) => boolean, primary: () => Button, skip: () => Button |
+ * null, remove: () => void}} Screen key: whether it has taken the key */
 import {arePlayed, isAnswered, isReached} from "./answers.js";
 import {isSet} from "./asks.js";
 import {Card} from "./card.js";

@@ -1,6 +1,5 @@
 /**
  * Answers that are kept in the browser, lesson by lesson. Where a browser keeps nothing, they live as long as the page.
- *
  * @import {Answer, Mark} from "./stage.js"
  * @typedef {Object} KeptStep
  * @property {Answer} answer
@@ -14,9 +13,8 @@
  * @property {Record<string, import("./stage.js").Measured> | null} [graded] the numbers that judged the answer
  * @property {number} [run]
  * @property {(number | null)[]} [bets]
- * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens,
- *   after: import("./questions.js").Givens, person: number}} Kept
- */
+ * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens, after:
+ * import("./questions.js").Givens, person: number}} Kept */
 const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 
 export class Store {

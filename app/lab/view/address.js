@@ -1,20 +1,8 @@
-/**
- * The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&steps=3&demo=50,-80.
+/** The state of the lab in the address, to be read by people: #preset=paper&demo=45,-90&steps=3&demo=50,-80.
  * It is read from left to right: what stands behind `steps` happens at that moment, as in the links of viewimit's page.
- *
- * @typedef {Object} Preset
- * @property {string} name
- * @property {string} title
- * @property {string} says
- * @property {string} scene
- * @property {number} points
- * @property {string} transfer
- * @property {string} servo
- * @property {number} noisePx
- * @property {number} missing
- * @property {number} seed
- * @property {number[]} [start] rad; the scene's if it is not given
- *
+ * @typedef {{name: string, title: string, says: string, scene: string, points: number, transfer: string, servo:
+ * string, noisePx: number, missing: number, seed: number, start?: number[]}} Preset start: rad; the scene's if it is
+ * not given
  * @typedef {Object} State the page follows from it
  * @property {string} preset
  * @property {number[]} demonstrator rad
@@ -27,8 +15,7 @@
  * @property {number} seed
  * @property {number} steps that were made, up to the first move of the demonstrator
  * @property {{demonstrator: number[], steps: number}[]} [later] its moves, rad, and the steps after each
- * @property {number} [point] that the visitor chose
- */
+ * @property {number} [point] that the visitor chose */
 import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 

@@ -1,12 +1,9 @@
-/**
- * The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
- *
- * @import {World} from "../engine/world.js"
- * @import {Moment} from "../engine/session.js"
+/** The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
+ * @import {World} from "../engine/world.js" @import {Moment} from "../engine/session.js"
  * @import {Line} from "../engine/affine.js"
- * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
- * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
- * @property {number[][][] | null} steps in l, r, L, R: px
+ * @typedef {{ellipses: {x: number, y: number, long: number, short: number, turn: number}[], steps: number[][][] |
+ * null}} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it;
+ * ellipses: in L, R; px, turn in degrees; steps: in l, r, L, R: px
  * @typedef {Object} Picture the contents of one frame
  * @property {Pick<Moment, "theta" | "thetaDemo" | "views" | "usable" | "fitted">} moment
  * @property {Float64Array} recovered (4 N) px, NaN where not usable
@@ -16,8 +13,7 @@
  * @property {number[][][] | null} [bones] the demonstrator's arm as it is transferred to L and R, px: null for none;
  *   computed from the moment if it is left out
  * @property {Construction | null} [construction]
- * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once
- */
+ * @property {number} ease share of their way that the windows go to fit the drawing: 1 for the whole way at once */
 import {projectPoint, transform} from "../engine/engine.js";
 import {add, drawingSize, drawingUnit, px, set} from "./svg.js";
 

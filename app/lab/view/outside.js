@@ -1,17 +1,12 @@
-/**
- * Arms, cameras and rays as somebody beside them sees them, as SVG: a parallel projection, in which parallel rays stay
+/** Arms, cameras and rays as somebody beside them sees them, as SVG: a parallel projection, in which parallel rays stay
  * parallel and a place on a line is easy to drag.
- *
  * @typedef {[number, number, number]} Vector m in the world
- * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as vi-demo
+ * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as
+ * vi-demo
  * @typedef {{camera: import("../engine/camera.js").Camera, kind: string, name: string}} Eye
- * @typedef {Object} Seen
- * @property {Body[]} bodies the farthest first
- * @property {Eye[]} eyes
- * @property {[ArrayLike<number>, ArrayLike<number>, string][]} lines from, to, class
- * @property {[ArrayLike<number>, string][]} dots place, class
- * @property {[ArrayLike<number>, string, string][]} labels place, text, class
- */
+ * @typedef {{bodies: Body[], eyes: Eye[], lines: [ArrayLike<number>, ArrayLike<number>, string][], dots:
+ * [ArrayLike<number>, string][], labels: [ArrayLike<number>, string, string][]}} Seen bodies: the farthest first;
+ * lines: from, to, class; dots: place, class; labels: place, text, class */
 import {backProject, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
 import {add, drawingSize, px, set} from "./svg.js";

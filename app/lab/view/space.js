@@ -1,11 +1,10 @@
 /**
  * A small WebGL view of the scene: two arms, the head, its image plates, points and lines. Matt, with one light and its
  * shadow. It knows no kinematics: it is given where the links are.
- *
  * @typedef {[number, number, number]} Vector
  * @typedef {"demonstrator" | "learner"} Who
- * @typedef {{low: number[], step: number[], vertices: [number, number], faces: [number, number], wide: boolean}} Mesh
- *   where in the packed bytes its vertices and faces are, and how to read them
+ * @typedef {{low: number[], step: number[], vertices: [number, number], faces: [number, number], wide: boolean}}
+ * Mesh where in the packed bytes its vertices and faces are, and how to read them
  * @typedef {Mesh & {link: number}} LinkMesh
  * @typedef {Object} Stage what stands still in a scene
  * @property {number} size of the scene; 1 with a robot of a metre
@@ -15,7 +14,7 @@
  * @property {Vector[]} landmarks what the first view must hold
  * @property {Record<Who, number>} points m across
  * @typedef {{links: LinkMesh[], looks: Record<string, any>, view: {fov: number, margin: number, azimuth: number,
- *   elevation: number}}} Common what all scenes of a robot share
+ * elevation: number}}} Common what all scenes of a robot share
  * @typedef {Object} Shown what moves
  * @property {Record<Who, ArrayLike<number>[]>} frames T_world_link of every link, 3 x 4, row by row
  * @property {Record<Who, Vector[]>} points body points
@@ -23,8 +22,7 @@
  * @property {(Vector | null)[][]} plates each point on the four image plates
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
- * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity
- */
+ * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity */
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line

@@ -1,14 +1,8 @@
-/**
- * The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
- *
+/** The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
  * @import {Stage, FigureKind} from "../stage.js"
- * @typedef {Object} Way over the map
- * @property {string} name
- * @property {string} role you, learner, opponent or slow
- * @property {number[][]} postures rad
- * @property {boolean[]} probes whether each was made to learn from
- * @property {number} best the one with the smallest E, after which it only looked for something lower
- */
+ * @typedef {{name: string, role: string, postures: number[][], probes: boolean[], best: number}} Way over the map;
+ * role: you, learner, opponent or slow; postures: rad; probes: whether each was made to learn from; best: the one
+ * with the smallest E, after which it only looked for something lower */
 import {stageMap, stageSmallest} from "../maps.js";
 import {EnergyMap} from "../../view/map.js";
 import {add, fixed, px} from "../../view/svg.js";

@@ -1,6 +1,4 @@
-/**
- * Curves over two axes, named where they end.
- *
+/** Curves over two axes, named where they end.
  * @typedef {Object} Curve
  * @property {number[][]} points x and y; y that is not finite makes a gap
  * @property {string} role one of the roles of figures.css: learner, opponent, plain, demonstrator, E
@@ -9,17 +7,9 @@
  * @property {boolean} [line] false for dots alone
  * @property {boolean[]} [hollow] points that are drawn hollow
  * @property {number} [named] the point beside which its name stands, the last one by default
- *
- * @typedef {Object} Axes
- * @property {[number, number]} x least and most
- * @property {[number, number]} y
- * @property {boolean} [log] whether y is logarithmic
- * @property {[number, string][]} xTicks
- * @property {number[]} [yTicks]
- * @property {string} [xName]
- * @property {string} [yName]
- * @property {[number, string, string][]} [levels] a y with its name and role, as a line across
- */
+ * @typedef {{x: [number, number], y: [number, number], log?: boolean, xTicks: [number, string][], yTicks?: number[],
+ * xName?: string, yName?: string, levels?: [number, string, string][]}} Axes x: least and most; log: whether y is
+ * logarithmic; levels: a y with its name and role, as a line across */
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";
 import {escaped, widthOf} from "./drawing.js";

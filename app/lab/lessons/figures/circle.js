@@ -1,11 +1,8 @@
-/**
- * A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
+/** A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
  * a viewer can stand.
- *
- * @import {Stage, FigureKind} from "../stage.js"
- * @import {World} from "../../engine/world.js"
- * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those by
- *   which the learner followed
+ * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
+ * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those
+ * by which the learner followed
  * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} CircleRuns rad
  * @typedef {Object} Way of one hand, frame by frame
  * @property {number[][][]} arms px in L, base to hand
@@ -16,8 +13,7 @@
  * @property {number[]} handMm from the demonstrator's hand, both bases laid over each other
  * @property {number[][]} still px in L: the arm when the lines were found
  * @typedef {{role: string, name: string, path: number[][], arms: number[][][] | null, still?: boolean}} Hand
- * @typedef {{title: string, unit: string, values: [string, number[]][], low: number, high: number}} Curve by role
- */
+ * @typedef {{title: string, unit: string, values: [string, number[]][], low: number, high: number}} Curve by role */
 import {projectPoint, TRANSFERS} from "../../engine/engine.js";
 import {px} from "../../view/svg.js";
 import {short} from "../measured.js";

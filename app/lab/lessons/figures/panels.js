@@ -1,6 +1,4 @@
-/**
- * Small maps of E beside each other, each with its title and what it comes to.
- *
+/** Small maps of E beside each other, each with its title and what it comes to.
  * @import {Landscape} from "../../engine/landscape.js"
  * @typedef {Object} MapOfE
  * @property {string} title
@@ -9,8 +7,7 @@
  * @property {string} [instead] large words on a plane without relief
  * @property {number[] | null} demonstrator rad
  * @property {number[][]} lowest rad, the smallest E first
- * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator
- */
+ * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator */
 import {EnergyMap} from "../../view/map.js";
 import {add} from "../../view/svg.js";
 import {crosses, diamonds, path, polyline, text} from "./drawing.js";

@@ -1,7 +1,5 @@
-/**
- * A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
+/** A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
  * own certificate.
- *
  * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {Object} Run as the library records it
  * @property {string} name of its difference
@@ -16,8 +14,7 @@
  * @property {number | null} certificate the probability that the learner gives its claim; null if it gives none
  * @property {string} because one sentence on the claim
  * @property {number[]} own (4 N) px of the seen points at the end
- * @property {number[]} recovered (4 N) px
- */
+ * @property {number[]} recovered (4 N) px */
 import {Outlines} from "../../view/images.js";
 import {energyText, fixed, px} from "../../view/svg.js";
 import {card, ending, table, written} from "./cards.js";

@@ -1,7 +1,6 @@
 /**
  * What an image shows, layer by layer. A layer is a function that returns SVG; those of a step's figures are drawn in the
  * order of this table.
- *
  * @import {Stage} from "../stage.js"
  * @typedef {Object} Frame one image as it is drawn
  * @property {"l" | "r" | "L" | "R"} name
@@ -18,8 +17,7 @@
  * @property {number[]} shown the points that this image shows
  * @property {Set<string>} layers
  * @property {import("../../view/images.js").Outlines} outlines
- * @typedef {(frame: Frame, stage: Stage) => string} Layer
- */
+ * @typedef {(frame: Frame, stage: Stage) => string} Layer */
 import {px} from "../../view/svg.js";
 
 const HEAD = 7.5; // drawing units of an arrow's tip

@@ -27,8 +27,7 @@ export class Frame {
     box.append(this.panels, this.controls, this.hint);
     /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
     this.maps = [];
-    /** @type {Figure | null} */
-    this.figure = null;
+    this.figure = /** @type {Figure | null} */ (null);
     this.waits = false;
   }
 

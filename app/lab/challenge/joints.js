@@ -39,8 +39,7 @@ export class Joints {
   constructor(box, joints, go, ...beside) {
     /** Where the sliders stand, and the arm, rad. @type {number[]} */
     this.target = [];
-    /** @type {number[]} */
-    this.stands = [];
+    this.stands = /** @type {number[]} */ ([]);
     this.isLocked = this.isMoving = false;
     this.button = make("button", {type: "button", class: "filled go", onclick: () => this.#go(go)}, "Go");
     this.rows = joints.map(({name, low, high}, k) => {

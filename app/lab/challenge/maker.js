@@ -24,8 +24,7 @@ export class Maker {
     this.pose = {demonstrator: [], start: []};
     /** @type {Level} */
     this.level = "points";
-    /** @type {Challenge | null} */
-    this.made = null;
+    this.made = /** @type {Challenge | null} */ (null);
     this.name = make("input", {type: "text", maxlength: 20, autocomplete: "nickname", oninput: () => this.#show()});
     this.levels = levelButtons(level => {
       this.level = level;

@@ -35,8 +35,7 @@ export class Screen {
     this.ways = ways;
     this.world = new World(scene, POINTS);
     this.played = new Played();
-    /** @type {Game | null} */
-    this.game = null;
+    this.game = /** @type {Game | null} */ (null);
     /** Brings the arm to the end of its glide. @type {(() => void) | null} */
     this.stop = null;
     this.isMoving = false;

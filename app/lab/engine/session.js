@@ -175,8 +175,7 @@ export class Session {
     const bodies = [[views.demo, shown], [views.own, seenTwice(views.ownSeen)]];
     const matches = Float64Array.from(bodies.flatMap(([images, points]) =>
       [...select(/** @type {Float64Array} */ (images), /** @type {number[]} */ (points))]));
-    /** @type {Map<string, ReturnType<typeof mirrorFinder>>} */
-    const mirrors = new Map();
+    const mirrors = /** @type {Map<string, ReturnType<typeof mirrorFinder>>} */ (new Map());
     return images => {
       const known = shown.filter(i => images.every(own => own.subarray(4 * i, 4 * i + 4).every(Number.isFinite)));
       if (known.length < this.minPoints) return {residuals: images.map(() => Float64Array.of(Infinity)), count: 1};

@@ -57,8 +57,7 @@ export class Observer {
     this.disturbance = disturbance;
     /** Standard deviation of a coordinate, px, as measured at rest. */
     this.noisePx = this.#noiseAt(rest);
-    /** @type {{key: string, look: Look} | null} */
-    this.last = null;
+    this.last = /** @type {{key: string, look: Look} | null} */ (null);
   }
 
   /** @param {number[]} theta @param {number[]} thetaDemo @param {number} look which one it is, of the own body @returns {Views} */

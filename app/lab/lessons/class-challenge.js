@@ -21,10 +21,8 @@ export class ClassChallenge {
     this.robot = {scene: page.scenes[page.lessons[0].steps[0].state.scene], hulls: page.hulls};
     this.world = new World(this.robot.scene, POINTS);
     this.changed = changed;
-    /** @type {Place | null} */
-    this.place = null;
-    /** @type {Screen | null} */
-    this.screen = null;
+    this.place = /** @type {Place | null} */ (null);
+    this.screen = /** @type {Screen | null} */ (null);
     this.dialog = make("dialog", {class: "challenge class-challenge", "aria-label": "A challenge of the class"});
     this.dialog.addEventListener("cancel", event => event.preventDefault());
     document.body.append(this.dialog);

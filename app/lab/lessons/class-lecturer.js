@@ -25,16 +25,12 @@ export class Lecturer {
     this.room = room;
     this.isLeader = false;
     this.showsAnswers = false; // whether answers are shown here before they are revealed
-    /** @type {Map<number, Person>} */
-    this.people = new Map();
-    /** @type {import("./class.js").Results | null} */
-    this.results = null;
+    this.people = /** @type {Map<number, Person>} */ (new Map());
+    this.results = /** @type {import("./class.js").Results | null} */ (null);
     /** @type {any} */
     this.count = {problem: null, asked: []};
-    /** @type {any} */
-    this.gain = null;
-    /** @type {{address: string, qr: string} | null} */
-    this.invitation = null;
+    this.gain = /** @type {any} */ (null);
+    this.invitation = /** @type {{address: string, qr: string} | null} */ (null);
     this.tab = "";
     this.sort = "step";
     this.note = "";

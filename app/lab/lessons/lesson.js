@@ -57,16 +57,13 @@ function begin(data) {
   let lesson = data.lessons[0];
   /** @type {Place} */
   let place = {kind: "home"};
-  /** @type {Map<string, Stage>} */
-  let stages = new Map();
+  let stages = /** @type {Map<string, Stage>} */ (new Map());
   /** @type {Map<string, number>} that the address or a button has asked for */
   let seeds = new Map();
-  /** @type {Screen | null} */
-  let screen = null;
+  let screen = /** @type {Screen | null} */ (null);
   /** @type {Stage | null} of the step on display */
   let stage = null;
-  /** @type {Others} */
-  let others = null;
+  let others = /** @type {Others} */ (null);
   /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was
    * suspended */
   let before = null;

@@ -32,8 +32,7 @@ export class Altered extends World {
 /** @param {string} transfer @param {Look} demo */
 const seenBy = (transfer, demo) => `${transfer} ${demo.images.join()} ${demo.seen.join("")}`;
 
-/** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */
-const maps = new WeakMap();
+const maps = /** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */ (new WeakMap());
 
 /** The map of E. The same one comes back until something is asked for that changes it.
  * @param {World} world @param {string} transfer @param {Look} demo images of the demonstrator
@@ -50,8 +49,7 @@ export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
   return made;
 }
 
-/** @type {WeakMap<World, {key: string, theta: number[] | null}>} */
-const minima = new WeakMap();
+const minima = /** @type {WeakMap<World, {key: string, theta: number[] | null}>} */ (new WeakMap());
 
 /** The posture where E is smallest, null where it is nowhere known.
  * @param {World} world @param {string} transfer @param {Look} demo
@@ -105,8 +103,7 @@ function matched(world, demo, theta) {
     : {demo: select(demo.images, points), own: select(own.images, points)};
 }
 
-/** @type {WeakMap<World, {key: string, median: number}>} */
-const conditions = new WeakMap();
+const conditions = /** @type {WeakMap<World, {key: string, median: number}>} */ (new WeakMap());
 
 /** The median of cond(A) over the postures of a grid.
  * @param {World} world @param {string} transfer @param {Look} demo @param {number} stepDeg */

@@ -90,8 +90,7 @@ class Paper {
 
 /** The steps as if nobody had answered them, from start 1. @param {Page} page @param {Lesson} lesson */
 function stagesOf(page, {steps}) {
-  /** @type {Map<string, Stage>} */
-  const made = new Map();
+  const made = /** @type {Map<string, Stage>} */ (new Map());
   for (const step of steps) {
     const stage = new Stage(page, step, {seed: 1, previous: made.get(step.carry ?? "") ?? null});
     stage.unit = FIGURES[step.ask.figure ?? ""]?.unit ?? "px";
@@ -160,8 +159,7 @@ function table(heads, rows) {
  * @param {Page} page @param {() => Lesson[]} lessons to print now */
 export function printable(page, lessons) {
   const root = document.documentElement;
-  /** @type {HTMLElement | null} */
-  let shown = null;
+  let shown = /** @type {HTMLElement | null} */ (null);
   let scheme = root.dataset.scheme;
   addEventListener("beforeprint", () => {
     scheme = root.dataset.scheme;

@@ -139,8 +139,7 @@ export class Stage {
     this.chosen = step.chosen ?? 0;
     /** 0 before the answer, 1 after it; between, while the reveal is played. */
     this.reveal = 0;
-    /** @type {Answer} */
-    this.answer = {};
+    this.answer = /** @type {Answer} */ ({});
     /** @type {Mark | null} in the asking figure's unit */
     this.mark = null;
     /** @type {Record<string, Measured> | null} measures that judge the answer, as they were when the truth was shown */
@@ -159,8 +158,7 @@ export class Stage {
     this.bets = [];
     /** Called when something has changed that is drawn. */
     this.changed = () => {};
-    /** @type {Record<string, Race>} */
-    this.raced = {};
+    this.raced = /** @type {Record<string, Race>} */ ({});
     this.scene = page.scenes[this.state.scene];
     this.world = new World(this.scene, this.state.points);
     const {transfer, servo, demonstrator, start, noisePx, missing, seed: noise} = this.state;

@@ -19,8 +19,7 @@ const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 
 export class Store {
   constructor() {
-    /** @type {Record<string, Kept>} */
-    this.lessons = {};
+    this.lessons = /** @type {Record<string, Kept>} */ ({});
     /** Whether the browser keeps what it is given. */
     this.keeps = true;
     /** What the store kept before it was suspended. @type {Record<string, Kept> | null} */
@@ -34,8 +33,7 @@ export class Store {
   /** @param {string} lesson @returns {Kept} */
   of(lesson) {
     if (!this.lessons[lesson]) {
-      /** @type {Partial<Kept>} */
-      let kept = {};
+      let kept = /** @type {Partial<Kept>} */ ({});
       try { kept = JSON.parse(localStorage.getItem(PREFIX + lesson)
         ?? "{}"); } catch { /* nothing is kept, or not by this page */ }
       this.lessons[lesson] = {steps: kept.steps ?? {}, before: kept.before ?? {}, after: kept.after ?? {},

@@ -33,10 +33,8 @@ export function beginning(preset, scene) {
  * @param {string} hash @param {Preset[]} presets @param {Record<string, import("../engine/world.js").Scene>} scenes
  * @param {string[]} [wrong] where what it says wrongly is added @returns {State} */
 export function fromAddress(hash, presets, scenes, wrong = []) {
-  /** @type {Map<string, string>} */
-  const asked = new Map();
-  /** @type {string[][]} */
-  const later = [];
+  const asked = /** @type {Map<string, string>} */ (new Map());
+  const later = /** @type {string[][]} */ ([]);
   for (const [name, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
     if (!name) continue;
     const isLater = asked.has("steps") && (name === "demo" || name === "steps");
@@ -69,8 +67,7 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
   const point = Number(asked.get("point") || NaN);
   const exists = Number.isInteger(point) && point >= 0 && point < scene.layouts[points].length;
   const steps = Math.round(number("steps", 0, 0, MAX_STEPS)), demonstrator = posture("demo", state.demonstrator);
-  /** @type {NonNullable<State["later"]>} */
-  const moves = [];
+  const moves = /** @type {NonNullable<State["later"]>} */ ([]);
   let left = MAX_STEPS - steps;
   for (const [name, text] of later) {
     const last = moves[moves.length - 1];

@@ -108,8 +108,7 @@ export class Angles extends Plot {
       const places = history.slice(from, to + 1).map((one, k) => `${px(xs[from + k])} ${px(y(of(one)))}`);
       return `<path class="${kind}" d="M${places.join("L")}"/>`;
     };
-    /** @type {number[]} */
-    const taken = [];
+    const taken = /** @type {number[]} */ ([]);
     const parts = symbols.map((symbol, j) => {
       const end = y(history[history.length - 1].theta[j]);
       const isFree = taken.every(other => Math.abs(other - end) > ROOM_PX);

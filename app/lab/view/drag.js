@@ -18,8 +18,7 @@ export function draggable(element, begin, held) {
     event.preventDefault();
     element.setPointerCapture(event.pointerId);
     held(true);
-    /** @type {PointerEvent | null} */
-    let last = null;
+    let last = /** @type {PointerEvent | null} */ (null);
     const move = (/** @type {Event} */ moved) => {
       if (!last) requestAnimationFrame(() => {
         if (last) follow(last);

@@ -46,8 +46,7 @@ export class Outlines {
   /** @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(hulls) {
     this.hulls = outermost(hulls);
-    /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */
-    this.known = {};
+    this.known = /** @type {Record<string, {scene: World["scene"], key: string, outlines: Outline[]}>} */ ({});
   }
 
   /** Silhouettes of the links and the line through their origins, in both images.

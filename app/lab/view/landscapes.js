@@ -16,8 +16,7 @@ export class Landscapes {
     this.changed = changed;
     /** By their steps, in degrees. @type {Map<number, Landscape>} */
     this.known = new Map();
-    /** @type {Landscape | null} */
-    this.shown = null;
+    this.shown = /** @type {Landscape | null} */ (null);
     /** Where E is lowest, refined between the grid's postures. @type {number[] | null} */
     this.minimum = null;
     /** What the fine one on display was computed for. @type {{transfer: string, demo: Look} | null} */

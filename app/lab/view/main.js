@@ -13,13 +13,10 @@ import {View} from "./view.js";
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {
-  /** @type {Lab | Replay | null} */
-  let shown = null;
+  let shown = /** @type {Lab | Replay | null} */ (null);
   returnFocus();
-  /** @type {Lab | null} */
-  let lab = null;
-  /** @type {View | null} */
-  let made = null;
+  let lab = /** @type {Lab | null} */ (null);
+  let made = /** @type {View | null} */ (null);
   const viewed = () => {
     if (!made) new ResizeObserver(() => shown?.resized()).observe($("map"));
     return made ??= new View(data, meshes, () => shown?.redraw());
@@ -61,8 +58,7 @@ function begin(data, meshes) {
 /** The lab, or the challenge that the address asks for. @param {Data} data @param {(address: string) => Lab} openLab */
 function play(data, openLab) {
   const challenges = new Challenges(data);
-  /** @type {Lab | null} */
-  let lab = null;
+  let lab = /** @type {Lab | null} */ (null);
   const route = () => {
     if (challenges.route()) lab?.close();
     else if (lab) lab.open();

@@ -149,8 +149,7 @@ export class EnergyMap {
     const middle = this.place(landscape.minimum?.theta ?? landscape.posture(0));
     const corners = [[left, top], [right, top], [left, bottom], [right, bottom]], away = (/** @type {number[]} */ p) => Math.hypot(p[0] - middle[0], p[1] - middle[1]);
     const far = corners.reduce((a, b) => away(b) > away(a) ? b : a), ray = Math.atan2(far[1] - middle[1], far[0] - middle[0]);
-    /** @type {number[][]} */
-    const taken = [];
+    const taken = /** @type {number[][]} */ ([]);
     let labels = "";
     const levels = LEVELS.filter(v => Math.log(v) > least && Math.log(v) < most).slice(-MAX_LEVELS);
     this.drawn = {rows, columns, levels: levels.map(Math.log)};

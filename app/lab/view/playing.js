@@ -23,8 +23,7 @@ export class Player {
     this.isTicking = false;
     this.isDue = false;
     this.due = 0;
-    /** @type {{from: number[], began: number, lasts: number} | null} */
-    this.glide = null;
+    this.glide = /** @type {{from: number[], began: number, lasts: number} | null} */ (null);
     /** When the demonstrator begins to nod; 0 once it has. */
     this.nodsAt = 0;
     /** At which the servo had no motion to make. @type {import("../engine/session.js").Moment | null} */

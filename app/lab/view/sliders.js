@@ -15,10 +15,8 @@ export class Sliders {
     this.who = who;
     this.moved = moved;
     this.held = held;
-    /** @type {number[]} */
-    this.lower = [];
-    /** @type {number[]} */
-    this.upper = [];
+    this.lower = /** @type {number[]} */ ([]);
+    this.upper = /** @type {number[]} */ ([]);
     /** @type {{input: HTMLInputElement, output: HTMLElement, label: HTMLElement, gap: SVGPathElement | null}[]} */
     this.rows = [];
     /** @type {HTMLInputElement | null} that a finger is on */

@@ -121,8 +121,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     }
     ATTRIBUTES.forEach((name, k) => gl.bindAttribLocation(made, k, name));
     gl.linkProgram(made);
-    /** @type {Record<string, WebGLUniformLocation | null>} */
-    const known = {};
+    const known = /** @type {Record<string, WebGLUniformLocation | null>} */ ({});
     return {made, at: (/** @type {string} */ name) => name in known ? known[name] : known[name] = gl.getUniformLocation(made, name)};
   };
   /** @typedef {ReturnType<typeof program>} Program */
@@ -218,8 +217,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   };
 
   // Colours, of the stylesheet's roles
-  /** @type {Record<string, number[]>} */
-  const colours = {};
+  const colours = /** @type {Record<string, number[]>} */ ({});
   let look = common.looks.light;
   const recolour = () => {
     look = common.looks[document.documentElement.dataset.scheme === "dark" ? "dark" : "light"];
@@ -277,8 +275,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight, w];
   };
 
-  /** @type {number[]} */
-  const spans = [];
+  const spans = /** @type {number[]} */ ([]);
   /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @param {number[]} colour @param {number} width
    * @param {number} [alpha] */
   const addLine = (a, b, colour, width, alpha = 1) => {
@@ -299,8 +296,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
       for (const {link, shape: what} of links) draw(how, what, columns(frames[who][link]), colours[`${who}Arm`]);
     for (const {T, colour, shape: what} of set.solids) draw(how, what, T, colours[colour]);
   };
-  /** @type {Shown | null} */
-  let shown = null;
+  let shown = /** @type {Shown | null} */ (null);
   let waits = false;
   const resize = () => {
     const ratio = Math.min(devicePixelRatio || 1, 2);
@@ -404,8 +400,7 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   };
 
   // Hands: one turns, two pinch and shift; the wheel zooms where it does not scroll
-  /** @type {Map<number, {x: number, y: number}>} */
-  const hands = new Map();
+  const hands = /** @type {Map<number, {x: number, y: number}>} */ (new Map());
   const turn = (/** @type {number} */ dx, /** @type {number} */ dy) => {
     azimuth -= .008 * dx;
     elevation = Math.min(1.5, Math.max(-.15, elevation + .008 * dy));

@@ -44,8 +44,7 @@ export class View {
     this.isSpaceDue = false;
     /** @type {() => void} */
     this.show = () => {};
-    /** @type {Scene | null} */
-    this.scene = null;
+    this.scene = /** @type {Scene | null} */ (null);
     for (const [drawing, box] of /** @type {const} */ ([[this.images, $("images")], [this.curve, $("curve")]])) {
       drawing.measure();
       new ResizeObserver(() => { drawing.measure(); changed(); }).observe(box);

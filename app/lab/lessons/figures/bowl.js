@@ -31,8 +31,7 @@ export const LANDSCAPE = {
     add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);
     let ground = "";
-    /** @type {string | null} */
-    let over = null;
+    let over = /** @type {string | null} */ (null);
     return {
       resize() {
         ground = "";
@@ -134,8 +133,7 @@ const racesOf = stage => (stage.step.race ?? []).flatMap(servo => {
 
 /** The visitor's own way and those of servos, up to the motion that is shown. @param {Stage} stage @param {Set<string>} layers */
 function waysOf(stage, layers) {
-  /** @type {Way[]} */
-  const ways = [];
+  const ways = /** @type {Way[]} */ ([]);
   if (layers.has("others")) {
     const races = racesOf(stage), longest = Math.max(1, ...races.map(([, race]) => race.postures.length));
     const shown = 1 + stage.played(longest);

@@ -73,8 +73,7 @@ export const drawnEllipse = (at, [a, b], direction) => `<ellipse class="vi-sprea
 
 /** @param {Drawing} drawing @param {Stage} stage @param {Set<string>} layers @param {Crossing} found */
 function drawn({width, height}, stage, layers, found) {
-  /** @type {[string, string][]} */
-  const rows = [];
+  const rows = /** @type {[string, string][]} */ ([]);
   if (layers.has("lines")) rows.push([path("vi-line lesson-line", "M0 0h30"), "line from l"],
     [path("vi-line lesson-line vi-from-right", "M0 0h30"), "line from r"]);
   if (layers.has("moved line")) rows.push([path("lesson-line-moved", "M0 0h30"), "line from r, moved by one pixel"]);
@@ -89,8 +88,7 @@ function drawn({width, height}, stage, layers, found) {
   let svg = pixels(found.at, scale, size, middle);
   const spread = layers.has("ellipse") ? ellipseOf(stage) : null;
   if (spread) svg += drawnEllipse(middle, spread.halfAxes.map(v => v * scale), spread.direction);
-  /** @type {[Line, string][]} */
-  const strokes = [];
+  const strokes = /** @type {[Line, string][]} */ ([]);
   if (layers.has("lines")) strokes.push([found.lines[0], "vi-line lesson-line"],
     [found.lines[1], "vi-line lesson-line vi-from-right"]);
   if (layers.has("moved line")) strokes.push([found.moved, "lesson-line-moved"]);

@@ -6,10 +6,8 @@ import {add, drawingSize, px, set} from "../../view/svg.js";
 const LETTER_PX = 12.5; // size of letters, in units
 const PILL_HIGH = 21;
 
-/** @type {CanvasRenderingContext2D | null} */
-let brush = null;
-/** @type {Map<string, number>} */
-const widths = new Map();
+let brush = /** @type {CanvasRenderingContext2D | null} */ (null);
+const widths = /** @type {Map<string, number>} */ (new Map());
 
 /** How wide words are, in units. @param {string} words @param {boolean} [bold] @param {number} [size] of letters */
 export function widthOf(words, bold = false, size = LETTER_PX) {

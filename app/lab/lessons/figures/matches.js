@@ -86,8 +86,7 @@ const total = stage => bestOrder(stage).length;
 /** How many matches are used: few before the answer, then as the slider says. @param {Stage} stage */
 const matchesShown = stage => stage.isRevealed ? Math.round(stage.sliders.get("matches") ?? FEWEST) : FEWEST;
 
-/** @type {WeakMap<World, number[]>} */
-const orders = new WeakMap();
+const orders = /** @type {WeakMap<World, number[]>} */ (new WeakMap());
 
 /** The points as they are added: the four whose shape is the least flat, by the third singular value, then one after
  * the other the one that makes it least flat.
@@ -115,8 +114,7 @@ function subsets(of, count) {
   return of.flatMap((first, k) => subsets(of.slice(k + 1), count - 1).map(rest => [first, ...rest]));
 }
 
-/** @type {WeakMap<World, Map<string, Altered>>} */
-const worlds = new WeakMap();
+const worlds = /** @type {WeakMap<World, Map<string, Altered>>} */ (new WeakMap());
 
 /** @param {World} world @param {string} name @param {() => World["body"]} body */
 function worldWith(world, name, body) {

@@ -65,8 +65,7 @@ export function mappedAsSeen({world, session: {settings: {transfer}}, moment}) {
   return {map: mapOf(world, transfer, demo), least: smallest(world, transfer, demo)};
 }
 
-/** @type {WeakMap<World, Mapped>} */
-const known = new WeakMap();
+const known = /** @type {WeakMap<World, Mapped>} */ (new WeakMap());
 
 /** E of a transfer between rectified images. It is measured in the images as they are.
  * @param {Stage} stage @returns {Mapped} */

@@ -85,8 +85,7 @@ class Room {
       sight(bases.learner);
       places.slice(0, count).forEach(({x, y}) => sight([bases.demonstrator[0] - y, bases.demonstrator[1] - x]));
     }
-    /** @type {[number[], string, string][]} */
-    const said = [];
+    const said = /** @type {[number[], string, string][]} */ ([]);
     moved.slice(0, count).forEach((hulls, k) => {
       const {x, y, E} = places[k];
       const base = body(hulls, [bases.demonstrator[0] - y, bases.demonstrator[1] - x], "vi-demo draw-moved");

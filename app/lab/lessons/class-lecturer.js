@@ -7,10 +7,10 @@
  * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
-import {escaped, inline, make, plain} from "./dom.js";
+import {inline, make, plain} from "./dom.js";
 import {isForPage} from "../view/keys.js";
 import {EnergyMap} from "../view/map.js";
-import {add, energyText} from "../view/svg.js";
+import {add, energyText, escaped} from "../view/svg.js";
 
 const SURE_MS = 5000; // in which a second press means it
 const TABS = ["Students", "Paths", "Standings", "Gain", "Join", "More"];

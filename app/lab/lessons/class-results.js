@@ -3,8 +3,9 @@
  * @typedef {{asked: import("./class.js").Asked, question: any, stage: any, isNarrow: boolean}} About question: one
  * of the eight, null for a step; isNarrow: on a phone, where the answers' own bars have to do */
 import {isRight, rightChoice} from "./answers.js";
-import {escaped, inline, make} from "./dom.js";
+import {inline, make} from "./dom.js";
 import {fill, measure} from "./measures.js";
+import {escaped} from "../view/svg.js";
 
 const MAX_BINS = 14, DEGREE = Math.PI / 180;
 const WIDTH = 300, HEIGHT = 96, FOOT = 18; // of a histogram

@@ -1,4 +1,5 @@
 /** Elements, and the words of lessons as HTML. */
+import {escaped} from "../view/svg.js";
 
 /** @template {keyof HTMLElementTagNameMap} K @param {K} tag
  * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html`
@@ -15,10 +16,6 @@ export function make(tag, properties = {}, ...children) {
     /** @type {Node | string} */ (child)));
   return made;
 }
-
-/** @param {string} text */
-export const escaped = text => text.replace(/[&<>"]/g, c =>
-  ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})[c] ?? c);
 
 /** Whether a finger is what points here. */
 export const isTouched = () => matchMedia("(pointer: coarse)").matches;

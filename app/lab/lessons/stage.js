@@ -106,6 +106,9 @@ import {clamp, draws, geometry, recovered, SERVOS, Session, World} from "../engi
 
 const DEGREE = Math.PI / 180;
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
+/** How servos are drawn and named: role, name. @type {Record<string, [string, string]>} */
+export const RACERS = {"trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],
+  "gradient-retuned": ["plain", "gradient law"], gradient: ["plain", "the paper’s law"]};
 const MAX_MOTIONS = 200, MAX_RACE = 400;
 const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a knob's full turn, times these
 const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});

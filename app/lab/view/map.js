@@ -1,6 +1,6 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
 import {clamp} from "../engine/engine.js";
-import {add, drawingUnit, px, set} from "./svg.js";
+import {add, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
@@ -268,6 +268,3 @@ function nice(low, high, most) {
   for (let k = Math.ceil((low - 1e-6) / step); k * step <= high + 1e-6; k++) found.push(k * step);
   return found;
 }
-
-/** A URDF names its joints as it likes. @param {string} text */
-const escaped = text => text.replace(/[&<>]/g, sign => `&#${sign.charCodeAt(0)};`);

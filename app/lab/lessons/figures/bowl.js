@@ -4,18 +4,14 @@
  * role: you, learner, opponent or slow; postures: rad; probes: whether each was made to learn from; best: the one
  * with the smallest E, after which it only looked for something lower */
 import {stageMap, stageSmallest} from "../maps.js";
+import {RACERS} from "../stage.js";
 import {EnergyMap} from "../../view/map.js";
 import {add, fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
 
 const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
-const ROLES = new Map([["trust-region", "learner"], ["broyden", "opponent"]]);
 const ORDER = ["slow", "learner", "opponent", "you"]; // in which ways are drawn: where two coincide both are seen
-const TITLES = new Map([
-  ["trust-region", "trust region"], ["broyden", "Broyden"], ["gradient", "the paper's law"],
-  ["gradient-retuned", "gradient law"],
-]);
 const NOTE = "hollow: a test move", NOTE_WIDE = 122;
 const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is at its right; with its name
 
@@ -139,8 +135,9 @@ function waysOf(stage, layers) {
     const shown = 1 + stage.played(longest);
     for (const [servo, race] of races) {
       const until = races.length > 1 ? Math.min(shown, stage.last(race) + 1) : shown; // several race to the goal
-      const E = race.E.slice(0, until), name = races.length === 1 ? "the learner" : TITLES.get(servo) ?? servo;
-      ways.push({name, role: ROLES.get(servo) ?? "slow", postures: race.postures.slice(0, until), probes: race.probes,
+      const E = race.E.slice(0, until), [role, title] = RACERS[servo] ?? ["plain", servo];
+      ways.push({name: races.length === 1 ? "the learner" : title, role: role === "plain" ? "slow" : role,
+        postures: race.postures.slice(0, until), probes: race.probes,
         best: E.indexOf(Math.min(...E))});
     }
   }

@@ -100,7 +100,7 @@ function drawn({width, height}, stage, layers, found) {
   if (layers.has("moved line")) {
     const from = place(found.at), to = place(found.movedAt);
     names.keepLine([from, to], 8);
-    svg += `<g class="lesson-large-arrow">${arrows([from], [to], 12)}</g>`;
+    svg += `<g class="lesson-large-arrow">${arrows([[from, to]], 12)}</g>`;
     svg += pill(from, to, `${fixed(shiftOf(found))} px`, names);
   }
   svg += path("vi-found lesson-found", diamonds([middle], 7));

@@ -7,7 +7,8 @@ import {outermost, silhouette} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, through} from "../rays.js";
 import {Names} from "./names.js";
-import {around, arrow, clipped, disc, isStill, Plane} from "./plane.js";
+import {around, arrows, circles, clipped, polyline} from "./drawing.js";
+import {isStill, Plane} from "./plane.js";
 
 const MARGIN = /** @type {[number, number, number, number]} */ ([24, 40, 24, 36]); // drawing units, that stay free
 const STICK_PX = 60; // of a stick that the window of picture 1 holds
@@ -60,18 +61,18 @@ class Picture {
     if (layers.has("epipolar line") && reveal > 0 && slide.reached > PLACES[0]) {
       const whole = plane.ends(rayLine(cameras[1], first, mark));
       const part = reveal < 1 ? [at(onRay(first, mark, PLACES[0])), at(onRay(first, mark, slide.reached))] : whole;
-      html += `<path class="draw-line" d="M${part.map(p => p.map(px).join(" ")).join("L")}"/>`;
+      html += `<path class="draw-line" d="${polyline(part)}"/>`;
       if (part.length) names.keepLine(part, 4);
     }
     if (layers.has("dots")) for (const share of PLACES.filter(slide.passed)) {
       const p = at(onRay(first, mark, share));
-      html += `<path class="draw-place" d="${disc(...p, 4.5)}"/>`;
+      html += `<path class="draw-place" d="${circles([p], 4.5)}"/>`;
       names.keep(p, 6);
     }
     if (layers.has("chosen")) {
       const p = at(now), foot = at([now[0], now[1], 0]);
       html += `<path class="draw-stick" d="M${px(foot[0])} ${px(foot[1])}L${px(p[0])} ${px(p[1])}"/>` +
-        `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`;
+        `<path class="draw-mark-dot" d="${circles([p], 6.5)}"/>`;
       names.keep(p, 8);
       names.keepLine([p, foot], 4);
     }
@@ -109,15 +110,15 @@ class Picture {
       lines.forEach((line, k) => {
         const ends = grown < 1 ? towards(at[k], hole, grown, plane) : plane.ends(line);
         if (!ends.length) return;
-        html += `<path class="draw-line" d="M${ends.map(p => p.map(px).join(" ")).join("L")}"/>`;
+        html += `<path class="draw-line" d="${polyline(ends)}"/>`;
         names.keepLine(ends);
       });
     }
-    at.forEach(p => { html += `<path class="draw-mark-dot" d="${disc(...p, 6.5)}"/>`; });
+    at.forEach(p => { html += `<path class="draw-mark-dot" d="${circles([p], 6.5)}"/>`; });
     if (layers.has("epipole") && opened === 1) {
       const isIn = hole[0] > 12 && hole[0] < plane.width - 12 && hole[1] > 12 && hole[1] < plane.height - 12;
       if (isIn) {
-        html += `<path class="draw-hole" d="${disc(...hole, 8)}"/>`;
+        html += `<path class="draw-hole" d="${circles([hole], 8)}"/>`;
         names.keep(hole, 10);
         names.put(plane.width < 340 ? "epipole" : "epipole: camera 1, as camera 2 sees it", hole, "vi-chosen",
           {away: 13});
@@ -141,10 +142,9 @@ class Picture {
     const edge = ends.find(isAhead) ?? ends[1];
     const u = [edge[0] - from[0], edge[1] - from[1]].map((v, _, all) => v / Math.hypot(...all));
     const tip = [edge[0] - 8 * u[0], edge[1] - 8 * u[1]], tail = [tip[0] - 34 * u[0], tip[1] - 34 * u[1]];
-    const [shaft, head] = arrow(tail, tip, 9);
     names.keepLine([tail, tip], 6);
     names.put(`epipole, ${Math.round(far)} px that way`, tail, "vi-chosen", {away: 10});
-    return `<path class="draw-beyond" d="${shaft}"/><path class="draw-beyond-tip" d="${head}"/>`;
+    return arrows([[tail, tip]], 9, "draw-beyond", "draw-beyond-tip");
   }
 }
 

@@ -7,7 +7,7 @@ import {
   camerasOf, FIRST_SHARE, LAST_SHARE, MARKS, markOf, marksOf, onRay, OUTSIDE, outsideMark, PLACES, sliding, targetOf,
 } from "../rays.js";
 import {Names} from "./names.js";
-import {disc} from "./plane.js";
+import {circles} from "./drawing.js";
 
 const FLOOR_M = 0.5; // from line to line
 const NAME_PX = 13, SMALL_PX = 300, SMALL_SIDE = 170; // drawings that are smaller have shorter names, or fewer
@@ -128,7 +128,7 @@ class Room {
       const marks = marksOf(stage);
       marks.forEach(p => draws("draw-ray", segment(cameras[0].centre, p)));
       marks.forEach((p, k) => {
-        draws("draw-mark-dot", disc(...at(p), 5));
+        draws("draw-mark-dot", circles([at(p)], 5));
         names.keep(at(p), 7);
         if (!isSmall) names.put(MARKS[k], at(p), "vi-chosen", {away: 8});
       });
@@ -147,13 +147,13 @@ class Room {
       const place = onRay(cameras[0], mark, share);
       draws("draw-sight", segment(cameras[1].centre, place));
       draws("draw-stick draw-faint", segment(foot(place), place));
-      draws("draw-place", disc(...at(place), 5));
+      draws("draw-place", circles([at(place)], 5));
       names.keep(at(place), 6);
     }
     if (layers.has("stick")) {
       draws("draw-stick", segment(foot(now), now));
-      draws("draw-foot", disc(...at(foot(now)), 2.5));
-      draws("draw-mark-dot", disc(...at(now), isSmall ? 6 : 8));
+      draws("draw-foot", circles([at(foot(now))], 2.5));
+      draws("draw-mark-dot", circles([at(now)], isSmall ? 6 : 8));
       names.keep(at(now), 8);
       if (!(slide.isMoving && layers.has("sliding mark")))
         names.put("the mark", at(now), "vi-chosen", {size: NAME_PX, away: 12, first: [1, -1]});

@@ -6,7 +6,8 @@ import {energyText, px} from "../../view/svg.js";
 import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
 import {Names} from "./names.js";
-import {around, Plane} from "./plane.js";
+import {around} from "./drawing.js";
+import {Plane} from "./plane.js";
 
 const GRID_M = 0.5, PEDESTAL_M = 0.15; // between lines; half its side
 const HEAD_M = 0.05; // half a head's depth in the drawing

@@ -6,9 +6,10 @@ import {outermost, silhouette} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {GAIN_STEPS, GAINS, gainRuns, THERE_PX, turnedPoint, turnedRuns, TURNED_STEPS} from "../measures_jacobian.js";
 import {rolled, stepsTo} from "../teach_by_showing.js";
-import {Chart, stepTicks} from "./chart.js";
+import {charted, stepTicks} from "./chart.js";
 import {Names} from "./names.js";
-import {around, disc, Plane} from "./plane.js";
+import {around, circles} from "./drawing.js";
+import {Plane} from "./plane.js";
 
 const DEGREE = Math.PI / 180;
 const ROLES = ["plain", "learner", "opponent"]; // of the three gains, and of still, old, Broyden
@@ -73,7 +74,7 @@ class Gains {
       const each = Array.from({length: points}, (_, i) => i);
       plane.aim(spans, {margin: [10, 10, 10, 10], glide: false});
       const dots = (/** @type {Float64Array} */ of, /** @type {number} */ r) => each
-        .map(i => disc(...plane.at([of[4 * i], of[4 * i + 1]]), r)).join("");
+        .map(i => circles([plane.at([of[4 * i], of[4 * i + 1]])], r)).join("");
       const isDone = now === arrived && steps >= arrived;
       let html = `<g class="draw-dim">` +
         `<path class="vi-hull" d="${arm.hulls.map(points => plane.path(points, true)).join("")}"/></g>` +
@@ -143,15 +144,15 @@ class Turned {
       const at = points.map(p => plane.at(p));
       html += `<path class="draw-track draw-of-${role}" d="${plane.path(points)}"/>`;
       if (role !== "plain") html +=
-        `<path class="draw-dots draw-of-${role}" d="${at.map(p => disc(...p, 2.8)).join("")}"/>`;
+        `<path class="draw-dots draw-of-${role}" d="${circles(at, 2.8)}"/>`;
       names.keepLine(at, 4);
     }
     const now = plane.at(shown.find(([layer]) => layer === "old Jacobian")?.[2].slice(-1)[0] ?? start);
     const ring = plane.at(goal), from = plane.at(start);
     names.keep(ring, 12);
     names.keep(from, 14);
-    if (layers.has("goal")) html += `<path class="draw-goal" d="${disc(...ring, 9)}"/>`;
-    html += `<path class="vi-ring" d="${disc(...from, 11)}"/><path class="draw-own-dot" d="${disc(...now, 5.5)}"/>`;
+    if (layers.has("goal")) html += `<path class="draw-goal" d="${circles([ring], 9)}"/>`;
+    html += `<path class="vi-ring" d="${circles([from], 11)}"/><path class="draw-own-dot" d="${circles([now], 5.5)}"/>`;
     const inset = layers.has("camera") ? this.#inset(stage, arms, names, roll) : "";
     if (layers.has("goal")) names.put("goal", ring, "vi-2nd", {away: 12, first: [1, -1]});
     names.put(stage.reveal > 0 ? "start" : "the dot", from, "vi-chosen", {away: 14, first: [-1, 1]});
@@ -211,31 +212,25 @@ export const dotToGoal = {
   layers: ["curves"],
   title: "Off the goal, px",
   aspect: 1.1,
-  create: box => {
-    const chart = new Chart(box);
-    return {
-      resize: () => chart.resize(),
-      draw: (stage, layers) => {
-        const isTurned = stage.sliders.has("roll"), last = isTurned ? TURNED_STEPS : GAIN_STEPS;
-        const runs = isTurned ? Object.values(turnedRuns(stage)) : gainRuns(stage);
-        const titles = isTurned ? ["not turned", "old Jacobian", "Broyden"] : GAINS.map(gain => `gain ${gain}`);
-        const steps = layers.has("curves") ? Math.round(stage.reveal * last) : 0;
-        const curves = runs.map((run, k) => {
-          const arrived = stepsTo(run, THERE_PX), isThere = stage.reveal === 1 && layers.has("curves");
-          const most = run.errors.slice(0, steps + 1)
-            .reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
-          const named = isTurned && k === 2 ? most : isTurned ? (k ? 9 : 4) : [8, 1, 6][k];
-          return {
-            points: run.errors.map((error, step) => [step, error]), role: ROLES[k], shown: steps + 1, named,
-            name: steps ? `${titles[k]}${isThere ? `: ${Number.isFinite(arrived) ? arrived : "never"}` : ""}` : "",
-          };
-        });
-        const most = Math.max(...runs.flatMap(({errors}) => errors));
-        chart.draw({
-          x: [0, last], y: [0, most * 1.12], xTicks: stepTicks(last), xName: "steps",
-          levels: [[THERE_PX, "there: 2 px", "goal"]],
-        }, curves, runs.map((run, k) => `${titles[k]}: ${steps ? stepsText(run) : "at the start"}`).join("; "));
-      },
-    };
-  },
+  create: charted((stage, layers) => {
+    const isTurned = stage.sliders.has("roll"), last = isTurned ? TURNED_STEPS : GAIN_STEPS;
+    const runs = isTurned ? Object.values(turnedRuns(stage)) : gainRuns(stage);
+    const titles = isTurned ? ["not turned", "old Jacobian", "Broyden"] : GAINS.map(gain => `gain ${gain}`);
+    const steps = layers.has("curves") ? Math.round(stage.reveal * last) : 0;
+    const curves = runs.map((run, k) => {
+      const arrived = stepsTo(run, THERE_PX), isThere = stage.reveal === 1 && layers.has("curves");
+      const most = run.errors.slice(0, steps + 1)
+        .reduce((best, error, at, all) => error > all[best] && at < 8 ? at : best, 0);
+      const named = isTurned && k === 2 ? most : isTurned ? (k ? 9 : 4) : [8, 1, 6][k];
+      return {
+        points: run.errors.map((error, step) => [step, error]), role: ROLES[k], shown: steps + 1, named,
+        name: steps ? `${titles[k]}${isThere ? `: ${Number.isFinite(arrived) ? arrived : "never"}` : ""}` : "",
+      };
+    });
+    const most = Math.max(...runs.flatMap(({errors}) => errors));
+    return [{
+      x: [0, last], y: [0, most * 1.12], xTicks: stepTicks(last), xName: "steps",
+      levels: [[THERE_PX, "there: 2 px", "goal"]],
+    }, curves, runs.map((run, k) => `${titles[k]}: ${steps ? stepsText(run) : "at the start"}`).join("; ")];
+  }),
 };

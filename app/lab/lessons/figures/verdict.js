@@ -1,15 +1,14 @@
 /** How the learner came to rest, as every front end tells it, and beside it the truth, which the learner cannot know.
  * @import {Stage, FigureKind} from "../stage.js" */
-import {energyText, fixed} from "../../view/svg.js";
+import {energyText, escaped, fixed} from "../../view/svg.js";
 import {card, ending, written} from "./cards.js";
-import {escaped} from "./drawing.js";
 
 /** @type {FigureKind} */
 export const VERDICT = {
   layers: ["learner", "truth"],
   title: "How it ended",
   aspect: 4,
-  create: written("lesson-verdict", "How the learner's run ended, and the truth", drawn),
+  create: written("lesson-verdict", (stage, layers) => [drawn(stage, layers), "How the learner's run ended, and the truth"]),
 };
 
 /** @param {Stage} stage @param {Set<string>} layers */

@@ -10,7 +10,7 @@
  * measure: the sizes of the panels have changed, or the colours; state: what it shows, for its still
  * @typedef {(frame: Frame, data: Data) => Figure} FigureKind */
 import {make, track} from "../lessons/dom.js";
-import {draggable} from "../view/drag.js";
+import {arrowKeys, draggable} from "../view/drag.js";
 
 export const DEGREE = Math.PI / 180;
 
@@ -123,11 +123,8 @@ export class Frame {
   /** Arrow keys on a panel, with Shift five times as far.
    * @param {HTMLElement} panel @param {(right: number, up: number) => void} turn */
   arrows(panel, turn) {
-    panel.addEventListener("keydown", event => {
-      const move = {ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowRight: [1, 0], ArrowLeft: [-1, 0]}[event.key];
-      if (!move || event.ctrlKey || event.metaKey || event.altKey) return;
-      event.preventDefault();
-      turn(move[0] * (event.shiftKey ? 5 : 1), move[1] * (event.shiftKey ? 5 : 1));
+    arrowKeys(panel, (right, up) => {
+      turn(right, up);
       this.redraw();
     });
   }

@@ -25,7 +25,7 @@ export {EpipolarGeometry, PAIRS} from "./affine.js";
 export {clamp} from "./algebra.js";
 export {backProject, projectPoint, triangulate} from "./camera.js";
 export {reachFor, transform} from "./kinematics.js";
-export {Landscape} from "./landscape.js";
+export {energyAt, Landscape, lowest, matched} from "./landscape.js";
 export {draws, Generator} from "./random.js";
 export {SERVOS} from "./servo.js";
 export {geometry, MIN_POINTS, recovered, Session} from "./session.js";

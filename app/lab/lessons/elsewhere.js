@@ -1,6 +1,5 @@
 /** The addresses at which the lab, and the page of viewimit, open in the state of a step. */
-import {fieldsOf} from "../view/address.js";
-import {pageLink} from "../view/link.js";
+import {fieldsOf, pageLink} from "../view/address.js";
 
 /** @import {Stage} from "./stage.js" */
 
@@ -19,7 +18,7 @@ const areEyesMoved = ({scene, world}) => world.scene !== scene
 export function labAddress(stage, back) {
   const {preset} = stage.scene.page ?? {};
   if (!preset || areEyesMoved(stage)) return null;
-  const fields = fieldsOf(stateOf(stage, preset), /** @type {any} */ ({}));
+  const fields = fieldsOf(stateOf(stage, preset));
   return `#${[`preset=${preset}`, ...fields, `back=${encodeURIComponent(back)}`].join("&")}`;
 }
 

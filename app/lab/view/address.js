@@ -20,6 +20,8 @@ import {clamp} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
 const DEGREE = Math.PI / 180, MAX_STEPS = 3000, MAX_MOVES = 500;
+const VALUES = /** @type {const} */ ([["servo", "servo"], ["transfer", "transfer"], ["points", "points"], ["noisePx", "noise"],
+  ["missing", "missing"], ["seed", "seed"]]); // of a state, and their names in an address
 const FIELDS = ["preset", "demo", "start", "servo", "transfer", "points", "noise", "missing", "seed", "steps", "point", "back"];
 
 /** @param {Preset} preset @param {import("../engine/world.js").Scene} scene @returns {State} */
@@ -95,17 +97,11 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
 export const inDegrees = angles => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
 
 /** The fields of a state, without the values that are those of the preset.
- * @param {State} state @param {State} usual */
-export function fieldsOf(state, usual) {
-  const parts = [`demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`];
-  if (state.servo !== usual.servo) parts.push(`servo=${state.servo}`);
-  if (state.transfer !== usual.transfer) parts.push(`transfer=${state.transfer}`);
-  if (state.points !== usual.points) parts.push(`points=${state.points}`);
-  if (state.noisePx !== usual.noisePx) parts.push(`noise=${state.noisePx}`);
-  if (state.missing !== usual.missing) parts.push(`missing=${state.missing}`);
-  if (state.seed !== usual.seed) parts.push(`seed=${state.seed}`);
-  return parts;
-}
+ * @param {State} state @param {Partial<State>} [usual] */
+export const fieldsOf = (state, usual = {}) => [
+  `demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`,
+  ...VALUES.filter(([field]) => state[field] !== usual[field]).map(([field, name]) => `${name}=${state[field]}`),
+];
 
 /** What was done since the beginning, as fields. @param {State} state */
 export function actionsOf({steps, later = []}) {
@@ -118,4 +114,14 @@ export function actionsOf({steps, later = []}) {
 export function toAddress(state, preset, scene) {
   const point = Number(state.point) < scene.layouts[state.points].length ? [`point=${state.point}`] : [];
   return `#${[`preset=${state.preset}`, ...fieldsOf(state, beginning(preset, scene)), ...point, ...actionsOf(state)].join("&")}`;
+}
+
+/** The address at which the page of viewimit opens in the lab's state: a query that it reads as it reads its own.
+ * @param {State} state
+ * @param {string} scene as the page's settings name it: a shipped one, or the text of a scene file
+ * @param {string[]} layouts of body points that the scene has there */
+export function pageLink(state, scene, layouts) {
+  const points = layouts.includes(String(state.points)) ? state.points : Math.min(...layouts.map(Number));
+  return ["preset=paper", `scene=${encodeURIComponent(scene)}`, ...fieldsOf({...state, points}),
+    "frames=1", "rectify=off", ...actionsOf(state)].join("&");
 }

@@ -1,7 +1,6 @@
 /** What the lab is about: a preset with its changes, its scene, the session, and the address that says it. */
 import {select, Session, World} from "../engine/engine.js";
-import {beginning, fromAddress, toAddress} from "./address.js";
-import {pageLink} from "./link.js";
+import {beginning, fromAddress, pageLink, toAddress} from "./address.js";
 
 const DEGREE = Math.PI / 180;
 

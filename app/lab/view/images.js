@@ -31,6 +31,12 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
 
+/** The outline of each link in a drawing.
+ * @param {ReturnType<typeof outermost>} hulls @param {ArrayLike<number>[]} frames T_world_link
+ * @param {(p: number[]) => number[]} see from the world to the drawing */
+export const silhouettes = (hulls, frames, see) =>
+  hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
+
 /** A convex outline: the outermost points in sixteen directions. @param {number[][]} points @returns {number[][]} */
 export const silhouette = points => COMPASS.map(([a, b]) => {
   let best = points[0], most = -Infinity;
@@ -57,8 +63,7 @@ export class Outlines {
     if (known?.key === key && known.scene === world.scene) return known.outlines;
     const frames = world.arms[who].linkFrames(theta);
     const outlines = world.pairs[who].map(camera => ({
-      hulls: this.hulls.map(({link, vertices}) =>
-        silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
+      hulls: silhouettes(this.hulls, frames, p => projectPoint(camera, p, NEAREST_M)),
       bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
     }));
     this.known[name] = {scene: world.scene, key, outlines};

@@ -40,8 +40,8 @@ export class EnergyMap {
   /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {SVGSVGElement} */ (box.querySelector("svg"));
+    this.canvas = box.querySelector("canvas") ?? box.appendChild(document.createElement("canvas"));
+    this.over = box.querySelector("svg") ?? add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     this.image = document.createElement("canvas");
     /** @type {{lower: number[], upper: number[], joints: string[]}} */
     this.range = {lower: [0, 0], upper: [1, 1], joints: ["", ""]};
@@ -175,6 +175,14 @@ export class EnergyMap {
     this.numbers = taken;
     this.#write(this.levels, labels);
     this.#axes();
+  }
+
+  /** Leave out the contours' numbers that something covers. @param {(box: [number, number, number, number]) => boolean} isFree */
+  clear(isFree) {
+    for (const level of this.levels.querySelectorAll(".vi-level")) {
+      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
+      level.classList.toggle("lesson-covered", !isFree([x - 13, y - 12, x + 13, y + 4]));
+    }
   }
 
   /** @param {SVGGElement} group @param {string} html */

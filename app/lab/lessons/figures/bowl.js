@@ -6,7 +6,7 @@
 import {stageMap, stageSmallest} from "../maps.js";
 import {RACERS} from "../stage.js";
 import {EnergyMap} from "../../view/map.js";
-import {add, fixed, px} from "../../view/svg.js";
+import {fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
 
@@ -23,8 +23,6 @@ export const LANDSCAPE = {
   aspect: 1.7,
   create(box) {
     box.classList.add("bare", "lesson-map");
-    box.append(document.createElement("canvas"));
-    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
     const map = new EnergyMap(box);
     let ground = "";
     let over = /** @type {string | null} */ (null);
@@ -81,10 +79,7 @@ function marks(map, stage, layers) {
   if (demo) names.put("demonstrator", demo, "vi-of-demo", {first: [1, 0], lead: "vi-lead-demo"});
   if (cross) names.put("smallest E", cross, "", {first: [-1, 0]});
   if (ways.some(({probes, best}) => probes.slice(0, best + 1).some(Boolean))) above += noted(map.plot, names);
-  for (const level of map.levels.querySelectorAll(".vi-level")) {
-    const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
-    level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
-  }
+  map.clear(box => names.isFree(box));
   return below + above + names.html;
 }
 

@@ -52,19 +52,27 @@ export const shiftOf = ({at, movedAt}) => Math.hypot(movedAt[0] - at[0], movedAt
 export function ellipseOf(stage, side = 0) {
   const {fitted, views, usable} = stage.moment, {chosen} = stage;
   if (!fitted || !usable.includes(chosen)) return null;
-  const at = views.demo.subarray(4 * chosen, 4 * chosen + 4), near = new Float64Array(36);
+  return spreadOf(fitted, views.demo.subarray(4 * chosen, 4 * chosen + 4))[side];
+}
+
+/** The same in L and R, of any point. @param {import("../../engine/transfers.js").Fitted} fitted
+ * @param {Float64Array} at its x, y in l and r, px @param {number} [noisePx] @returns {Ellipse[]} */
+export function spreadOf(fitted, at, noisePx = 1) {
+  const near = new Float64Array(36);
   for (let k = 0; k < 9; k++) for (let c = 0; c < 4; c++)
     near[4 * k + c] = at[c] + (k < 4 && c === k ? FD_STEP_PX : k < 8 && c === k - 4 ? -FD_STEP_PX : 0);
-  const found = fitted.recover(near), x = 2 * side;
-  let xx = 0, xy = 0, yy = 0;
-  for (let k = 0; k < 4; k++) {
-    const u = found[4 * k + x] - found[4 * k + 16 + x], v = found[4 * k + x + 1] - found[4 * k + 17 + x];
-    [xx, xy, yy] = [xx + u * u, xy + u * v, yy + v * v];
-  }
-  const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
-  const shortest = longest > 0 ? (xx * yy - xy * xy) / longest : 0; // mean - radius would cancel
-  const halfAxes = [longest, Math.max(shortest, 0)].map(v => Math.sqrt(CHI2_95 * v) / (2 * FD_STEP_PX));
-  return {at: [found[32 + x], found[33 + x]], halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2};
+  const found = fitted.recover(near);
+  return [0, 2].map(x => {
+    let xx = 0, xy = 0, yy = 0;
+    for (let k = 0; k < 4; k++) {
+      const u = found[4 * k + x] - found[4 * k + 16 + x], v = found[4 * k + x + 1] - found[4 * k + 17 + x];
+      [xx, xy, yy] = [xx + u * u, xy + u * v, yy + v * v];
+    }
+    const mean = (xx + yy) / 2, radius = Math.hypot((xx - yy) / 2, xy), longest = mean + radius;
+    const shortest = longest > 0 ? (xx * yy - xy * xy) / longest : 0; // mean - radius would cancel
+    const halfAxes = [longest, Math.max(shortest, 0)].map(v => noisePx * Math.sqrt(CHI2_95 * v) / (2 * FD_STEP_PX));
+    return {at: [found[32 + x], found[33 + x]], halfAxes, direction: Math.atan2(2 * xy, xx - yy) / 2};
+  });
 }
 
 /** @param {number[]} at @param {number[]} halfAxes in units of the drawing @param {number} direction rad */

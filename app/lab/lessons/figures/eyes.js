@@ -2,8 +2,7 @@
  * marks, the lines of their rays, and the epipole in which these meet.
  * @import {Stage, FigureKind} from "../stage.js" */
 import {projectPoint} from "../../engine/camera.js";
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
+import {outermost, silhouettes} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {camerasOf, epipole, MARKS, markOf, marksOf, onRay, PLACES, rayLine, sliding, through} from "../rays.js";
 import {Names} from "./names.js";
@@ -91,7 +90,7 @@ class Picture {
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #arm(stage, layers, cameras, see, names) {
     const {plane} = this, frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
-    const hulls = this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
+    const hulls = silhouettes(this.hulls, frames, see);
     const body = around(hulls.flat()), middle = [(body[0] + body[2]) / 2, (body[1] + body[3]) / 2];
     const e = epipole(cameras[1], cameras[0]), away = [e[0] - middle[0], e[1] - middle[1]], far = Math.hypot(...away);
     const opened = layers.has("epipole") ? Math.min(1, stage.reveal / EASE) : 0;

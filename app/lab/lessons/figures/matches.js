@@ -6,7 +6,8 @@ import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
 import {Altered, mapOf, medianCondition} from "../maps.js";
 import {diamonds, Drawing, fitted, path, polyline, rectangle} from "./drawing.js";
-import {MapPanel, part} from "./panels.js";
+import {make} from "../dom.js";
+import {MapPanel} from "./panels.js";
 
 const FEWEST = 4, STEP_DEG = 1.5;
 const LEFT_OF_DEPTH = .1; // of the points' distances from the plane: exactly in it, rounding would shape the map
@@ -57,9 +58,10 @@ function relief(map) {
 
 /** The demonstrator's points in l: those that are matched are filled. @param {HTMLElement} within */
 function pointsPanel(within) {
-  const box = part(within, "lesson-panel"), head = part(box, "lesson-panel-head");
-  head.innerHTML = "<b>What is matched, in l</b><span></span>";
-  const note = /** @type {HTMLElement} */ (head.lastElementChild), drawing = new Drawing(part(box, "lesson-plain"), "");
+  const note = make("span"), box = make("div", {class: "lesson-plain"});
+  within.append(make("div", {class: "lesson-panel"},
+    make("div", {class: "lesson-panel-head"}, make("b", {}, "What is matched, in l"), note), box));
+  const drawing = new Drawing(box, "");
   return {
     resize: () => drawing.measure(),
     /** @param {Stage} stage @param {number} count */

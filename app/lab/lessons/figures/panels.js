@@ -9,28 +9,18 @@
  * @property {number[][]} lowest rad, the smallest E first
  * @property {boolean} [gap] whether a line leads from the smallest E to the demonstrator */
 import {EnergyMap} from "../../view/map.js";
-import {add} from "../../view/svg.js";
+import {make} from "../dom.js";
 import {crosses, diamonds, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
-
-/** Boxes of a figure that has several parts. @param {HTMLElement} within @param {string} kind */
-export function part(within, kind) {
-  const box = document.createElement("div");
-  box.className = kind;
-  within.append(box);
-  return box;
-}
 
 export class MapPanel {
   /** @param {HTMLElement} within */
   constructor(within) {
-    this.box = part(within, "lesson-panel");
-    const head = part(this.box, "lesson-panel-head");
-    this.title = head.appendChild(document.createElement("b"));
-    this.words = head.appendChild(document.createElement("span"));
-    const box = part(this.box, "lesson-map");
-    box.append(document.createElement("canvas"));
-    add(box, "svg", {class: "vi lesson-drawing", role: "img"});
+    this.title = make("b");
+    this.words = make("span");
+    const box = make("div", {class: "lesson-map"});
+    this.box = within.appendChild(make("div", {class: "lesson-panel"},
+      make("div", {class: "lesson-panel-head"}, this.title, this.words), box));
     this.map = new EnergyMap(box);
     this.ground = "";
   }
@@ -60,10 +50,7 @@ export class MapPanel {
     const middle = (top + bottom) / 2 + (instead.length > 1 ? 6 : 17);
     if (instead) over += text((left + right) / 2, middle, instead, `${size} vi-b vi-mid`);
     map.moving.innerHTML = over + names.html;
-    for (const level of map.levels.querySelectorAll(".vi-level")) {
-      const x = Number(level.getAttribute("x")), y = Number(level.getAttribute("y"));
-      level.classList.toggle("lesson-covered", !names.isFree([x - 13, y - 12, x + 13, y + 4]));
-    }
+    map.clear(box => names.isFree(box));
     map.over.setAttribute("aria-label", `Map of E, ${title}: ${instead || words || "hidden"}`);
   }
 }

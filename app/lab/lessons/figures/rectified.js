@@ -4,7 +4,7 @@
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row */
 import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
-import {lowest, MAP_DEG, mapOf, smallest} from "../maps.js";
+import {lowestOf, MAP_DEG, mapOf, smallest} from "../maps.js";
 import {farthest} from "./bowl.js";
 import {around, diamonds, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
@@ -82,7 +82,7 @@ export function mappedRectified({world, session: {settings: {transfer}}, moment,
   };
   const landscape = new Landscape(world, MAP_DEG);
   for (let g = 0; g < landscape.count; g++) landscape.E[g] = energyAt(landscape.posture(g));
-  const mapped = {map: {landscape, key: "rectified"}, least: lowest(landscape, energyAt)};
+  const mapped = {map: {landscape, key: "rectified"}, least: lowestOf(landscape, energyAt)};
   known.set(world, mapped);
   return mapped;
 }

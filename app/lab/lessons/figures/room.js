@@ -1,7 +1,6 @@
 /** The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
  * @import {Stage, FigureKind} from "../stage.js" */
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
+import {outermost, silhouettes} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
 import {movedPlaces} from "../places.js";
 import {Chart} from "./chart.js";
@@ -54,10 +53,8 @@ class Room {
     const {plane} = this, {arms, scene} = stage.world, {moment} = stage;
     const names = new Names([0, 0, plane.width, plane.height]);
     const places = placesOf(stage), count = layers.has("places") ? Math.ceil(stage.reveal * places.length) : 0;
-    const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) => {
-      const frames = arms[who].linkFrames(theta);
-      return this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => above(transform(frames[link], v)))));
-    };
+    const outline = (/** @type {"demonstrator" | "learner"} */ who, /** @type {number[]} */ theta) =>
+      silhouettes(this.hulls, arms[who].linkFrames(theta), above);
     const demonstrator = outline("demonstrator", moment.thetaDemo), learner = outline("learner", moment.theta);
     const moved = places.map(({x, y}) => demonstrator.map(points => points.map(([u, v]) => [u - y, v - x])));
     const head = above(scene.cameras[0].centre.map((v, i) => (v + scene.cameras[1].centre[i]) / 2));

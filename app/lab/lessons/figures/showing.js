@@ -1,11 +1,10 @@
 /** Teaching by showing as it goes: three gains side by side, a turned camera, and how far the dots are from the goal.
  * @import {Stage, FigureKind} from "../stage.js" @import {Run} from "../teach_by_showing.js" */
-import {projectPoint} from "../../engine/camera.js";
-import {transform} from "../../engine/kinematics.js";
-import {outermost, silhouette} from "../../view/images.js";
+import {Outlines} from "../../view/images.js";
 import {px} from "../../view/svg.js";
 import {GAIN_STEPS, GAINS, gainRuns, THERE_PX, turnedPoint, turnedRuns, TURNED_STEPS} from "../measures_jacobian.js";
 import {rolled, stepsTo} from "../teach_by_showing.js";
+import {make} from "../dom.js";
 import {charted, stepTicks} from "./chart.js";
 import {Names} from "./names.js";
 import {around, circles} from "./drawing.js";
@@ -13,21 +12,12 @@ import {Plane} from "./plane.js";
 
 const DEGREE = Math.PI / 180;
 const ROLES = ["plain", "learner", "opponent"]; // of the three gains, and of still, old, Broyden
-const NEAREST_M = 0.05;
 const REACH_PX = 12; // around paths, that the window of the turned picture holds
 const INSET = 0.3, INSET_MOST = 170; // of the drawing's width; drawing units
 const SWINGS = 4; // last postures of which a gain that never arrives shows the way
 
-/** The links' outlines and the chain in L.
- * @param {Stage} stage @param {ReturnType<typeof outermost>} hulls @param {number[]} theta */
-function seenInL({world}, hulls, theta) {
-  const frames = world.arms.learner.linkFrames(theta), camera = world.pairs.learner[0];
-  return {
-    hulls: hulls.map(({link, vertices}) =>
-      silhouette(vertices.map(v => projectPoint(camera, transform(frames[link], v), NEAREST_M)))),
-    bones: frames.map(T => projectPoint(camera, [T[3], T[7], T[11]], NEAREST_M)),
-  };
-}
+/** The links' outlines and the chain in L. @param {Stage} stage @param {Outlines} outlines @param {number[]} theta */
+const seenInL = ({world}, outlines, theta) => outlines.of(world, "learner", theta, "in L")[0];
 
 /** A point's path in L. @param {Run} run @param {number} point @param {number} [upTo] how many steps */
 const pathOf = ({images}, point, upTo = images.length - 1) => images.slice(0, upTo + 1)
@@ -43,14 +33,11 @@ export const threeGains = {
 class Gains {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
-    this.box = box.appendChild(document.createElement("div"));
-    this.box.className = "draw-gains";
-    this.hulls = outermost(stage.page.hulls);
+    this.box = box.appendChild(make("div", {class: "draw-gains"}));
+    this.outlines = new Outlines(stage.page.hulls);
     this.panels = GAINS.map((gain, k) => {
-      const panel = this.box.appendChild(document.createElement("div"));
-      const title = panel.appendChild(document.createElement("p"));
-      const drawing = panel.appendChild(document.createElement("div"));
-      drawing.className = "draw-gain";
+      const title = make("p"), drawing = make("div", {class: "draw-gain"});
+      this.box.append(make("div", {}, title, drawing));
       return {gain, k, title, plane: new Plane(drawing)};
     });
   }
@@ -62,14 +49,14 @@ class Gains {
   /** @param {Stage} stage @param {Set<string>} layers */
   draw(stage, layers) {
     const runs = gainRuns(stage), steps = layers.has("paths") ? Math.round(stage.reveal * GAIN_STEPS) : 0;
-    const goal = seenInL(stage, this.hulls, stage.state.demonstrator);
-    const start = seenInL(stage, this.hulls, stage.state.start);
-    const shown = runs.flatMap(run => run.postures.slice(-SWINGS)).map(theta => seenInL(stage, this.hulls, theta));
+    const goal = seenInL(stage, this.outlines, stage.state.demonstrator);
+    const start = seenInL(stage, this.outlines, stage.state.start);
+    const shown = runs.flatMap(run => run.postures.slice(-SWINGS)).map(theta => seenInL(stage, this.outlines, theta));
     const spans = around([goal, start, ...shown].flatMap(one => one.hulls.flat()));
     for (const {gain, k, title, plane} of this.panels) {
       const run = runs[k], arrived = stepsTo(run, THERE_PX);
       const now = Math.min(steps, Number.isFinite(arrived) ? Math.max(arrived, 1) : steps);
-      const arm = seenInL(stage, this.hulls, run.postures[now]), images = run.images[now];
+      const arm = seenInL(stage, this.outlines, run.postures[now]), images = run.images[now];
       const points = stage.world.body.length;
       const each = Array.from({length: points}, (_, i) => i);
       plane.aim(spans, {margin: [10, 10, 10, 10], glide: false});
@@ -105,7 +92,7 @@ class Turned {
   /** @param {HTMLElement} box @param {Stage} stage */
   constructor(box, stage) {
     this.plane = new Plane(box);
-    this.hulls = outermost(stage.page.hulls);
+    this.outlines = new Outlines(stage.page.hulls);
   }
 
   resize() {
@@ -133,7 +120,7 @@ class Turned {
     const moves = plane.aim([left - reach, top - reach, right + reach, bottom + reach],
       {margin: [20, 30, 20, 20], most: 14});
     const arms = [[stage.state.demonstrator, "draw-ghost"], [stage.state.start, ""]].map(([theta, kind]) => {
-      const {hulls} = seenInL(stage, this.hulls, /** @type {number[]} */ (theta));
+      const {hulls} = seenInL(stage, this.outlines, /** @type {number[]} */ (theta));
       return {hulls: hulls.map(turn), kind};
     });
     const names = new Names([0, 0, plane.width, plane.height]);

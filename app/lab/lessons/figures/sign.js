@@ -17,6 +17,7 @@
  * @property {number[]} recovered (4 N) px */
 import {Outlines} from "../../view/images.js";
 import {energyText, escaped, fixed, px} from "../../view/svg.js";
+import {make} from "../dom.js";
 import {card, ending, table, written} from "./cards.js";
 import {Chart, stepTicks} from "./chart.js";
 import {axis, diamonds, dots, Drawing, fitted, path, polyline, rectangle, text} from "./drawing.js";
@@ -78,8 +79,7 @@ export const BETS = {
   aspect: 2.2,
   create(box) {
     box.classList.add("bare", "lesson-bets");
-    const said = document.createElement("p"), plain = document.createElement("div");
-    plain.className = "lesson-plain";
+    const said = make("p"), plain = make("div", {class: "lesson-plain"});
     box.append(said, plain);
     const drawing = new Drawing(plain, "");
     return {

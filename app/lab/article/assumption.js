@@ -1,9 +1,8 @@
 /** As if both stood alike: the bold assumption, with the ghost of the goal that the learner cannot see. */
-import {geometry, recovered, World} from "../engine/engine.js";
+import {DEGREE, geometry, recovered, World} from "../engine/engine.js";
 import {pulled, turned} from "../view/drag.js";
 import {Images} from "../view/images.js";
 import {energyText, fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
 const DEMONSTRATOR = [45 * DEGREE, -90 * DEGREE], START = [25 * DEGREE, -45 * DEGREE], HAND = 8;

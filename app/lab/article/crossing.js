@@ -1,11 +1,10 @@
 /** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
  */
-import {Generator, geometry, World} from "../engine/engine.js";
+import {DEGREE, Generator, geometry, World} from "../engine/engine.js";
 import {spreadOf} from "../lessons/figures/crossing.js";
 import {diamonds} from "../lessons/figures/drawing.js";
 import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
 /** @import {Fitted} from "../engine/transfers.js" */

@@ -1,8 +1,7 @@
 /** Why it is off: perspective, which fades as the eyes move back and zoom in. */
-import {energyAt, lowest, recovered, World} from "../engine/engine.js";
+import {DEGREE, energyAt, farthest, lowest, recovered, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
 import {add, drawingUnit, energyText, fixed, px, set} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {Ground} from "./ground.js";
 import {sessionOf} from "./views.js";
 
@@ -46,7 +45,7 @@ export function distance(frame, data) {
     if (Number.isNaN(rig.shift)) {
       const demo = rig.world.look("demonstrator", POSE);
       rig.lowest = lowest(theta => energyAt(rig.world, "epipolar", demo, theta), POSE, STEP_RAD, rig.world.scene);
-      rig.shift = Math.max(...rig.lowest.map((v, i) => Math.abs(v - POSE[i]))) / DEGREE;
+      rig.shift = farthest(rig.lowest, POSE);
     }
     return rig.shift;
   };

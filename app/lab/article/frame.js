@@ -12,8 +12,6 @@
 import {make, track} from "../lessons/dom.js";
 import {arrowKeys, draggable} from "../view/drag.js";
 
-export const DEGREE = Math.PI / 180;
-
 let named = 0;
 
 export class Frame {

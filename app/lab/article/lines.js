@@ -1,11 +1,10 @@
 /** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
  */
-import {geometry, projectPoint, World} from "../engine/engine.js";
+import {DEGREE, geometry, projectPoint, World} from "../engine/engine.js";
 import {twoCameras} from "../lessons/rays.js";
 import {Images} from "../view/images.js";
 import {Outside} from "../view/outside.js";
 import {fixed} from "../view/svg.js";
-import {DEGREE} from "./frame.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, GRIP_PX = 28;

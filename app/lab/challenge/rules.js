@@ -4,9 +4,8 @@
  * @typedef {{demonstrator: number[], start: number[], level: Level, by: string, day: string}} Challenge
  * demonstrator: rad, whole degrees; start: rad, whole degrees; by: who made it, "" if that is not said; day:
  * 2026-11-28 of a daily one, "" otherwise */
-import {draws, Session} from "../engine/engine.js";
+import {DEGREE, draws, Session} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 
 /** How far off the referee still says "There", and how many steps may be made. @type {Record<Level, {title: string, says: string, withinDeg: number, tries: number}>} */
 export const LEVELS = {

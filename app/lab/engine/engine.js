@@ -22,7 +22,7 @@
  * two other transfers.
  */
 export {EpipolarGeometry, PAIRS} from "./affine.js";
-export {clamp} from "./algebra.js";
+export {clamp, cross, DEGREE, dot, farthest, unit} from "./algebra.js";
 export {backProject, projectPoint, triangulate} from "./camera.js";
 export {reachFor, transform} from "./kinematics.js";
 export {energyAt, Landscape, lowest, matched} from "./landscape.js";

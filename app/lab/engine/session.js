@@ -25,7 +25,7 @@
  * number, seed?: number}} Settings transfer: of TRANSFERS; servo: of SERVOS; demonstrator: rad; start: rad; missing:
  * share of points that an image does not show */
 import {EpipolarGeometry} from "./affine.js";
-import {clamp} from "./algebra.js";
+import {clamp, DEGREE} from "./algebra.js";
 import {mirrorFinder} from "./handedness.js";
 import {SERVOS} from "./servo.js";
 import {conflict as energyOf, residual, TRANSFERS} from "./transfers.js";
@@ -33,7 +33,6 @@ import {MAX_LOOKS_WAITED, Observer, seenTwice, select} from "./world.js";
 
 export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhere
 const MAX_HISTORY = 200, MAX_TRACE = 3000; // snapshots that can be undone; postures and E that are remembered
-const DEGREE = Math.PI / 180;
 
 export class Session {
   /** @param {import("./world.js").World} world @param {Settings} settings */

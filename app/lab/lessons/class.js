@@ -74,7 +74,7 @@ class Classroom {
     this.chip = make("button", {type: "button", class: "class-chip", onclick: () => this.dialog.showModal()});
     lesson.head.append(this.chip);
     this.dialog = document.body.appendChild(this.#makeDialog());
-    this.challenge = new ClassChallenge(lesson.page, () => this.#sendWhere());
+    this.challenge = new ClassChallenge(lesson.data, () => this.#sendWhere());
     this.lecturer = new Lecturer(this);
     this.#watch();
     this.link.open();

@@ -410,7 +410,6 @@ function begin(data) {
   }
 
   const hooks = {
-    page: data,
     /** Called with every answer.
      * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
     onAnswer: () => {},

@@ -1,9 +1,8 @@
 /** Maps of E for the figures of lessons, and where E is smallest. Images are projected once for each world, so that
  * moving the demonstrator costs transfers only.
  * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
-import {energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
+import {DEGREE, energyAt, Landscape, lowest, matched, TRANSFERS, World} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 const MOVING_DEG = 3; // of maps that a slider of the eyes updates
 const WORST_CONDITION = 1e6;
 export const MAP_DEG = 2;

@@ -1,8 +1,7 @@
 /** Measures of the lessons on limits and claims that the browser computes.
  * @import {Stage, Measure, Measured} from "./stage.js" @import {Crossing} from "./figures/crossing.js" */
-import {energyAt, projectPoint} from "../engine/engine.js";
+import {energyAt, farthest, projectPoint} from "../engine/engine.js";
 import {angleOf, crossingOf, ellipseOf, shiftOf} from "./figures/crossing.js";
-import {farthest} from "./figures/bowl.js";
 import {conditionOf, largestOf} from "./figures/matches.js";
 import {runOf} from "./figures/sign.js";
 import {Altered} from "./maps.js";

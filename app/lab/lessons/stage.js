@@ -102,9 +102,8 @@
  * @property {Record<string, string>} [legend] of layers, as HTML; equal ones stand once
  * @property {(box: HTMLElement, stage: Stage) => Figure} create */
 import {stageMap} from "./maps.js";
-import {clamp, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
+import {clamp, DEGREE, draws, geometry, recovered, SERVOS, Session, World} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180;
 const RACE_GOAL = 3; // px², of E in a race whose step names no other
 /** How servos are drawn and named: role, name. @type {Record<string, [string, string]>} */
 export const RACERS = {"trust-region": ["learner", "trust region"], broyden: ["opponent", "Broyden"],

@@ -28,11 +28,10 @@ import {grade, measure} from "./measures.js";
 import {isSteered, SlidersRow} from "./sliders-row.js";
 import {solution} from "./solution.js";
 import {between, Joints, play} from "../challenge/joints.js";
-import {smoothstep} from "../view/svg.js";
+import {DEGREE, smoothstep} from "../view/svg.js";
 
 const MEET_MS = 1500, MOVE_MS = 350, SOLVE_MS = 1400;
 const MAX_SEED = 9999;
-const DEGREE = Math.PI / 180;
 const FIRST = "A guess is enough: answer first. Or press “Show me” once more.";
 
 /** @implements {Screen} */

@@ -16,10 +16,10 @@
  * @property {number} steps that were made, up to the first move of the demonstrator
  * @property {{demonstrator: number[], steps: number}[]} [later] its moves, rad, and the steps after each
  * @property {number} [point] that the visitor chose */
-import {clamp} from "../engine/engine.js";
+import {clamp, DEGREE} from "../engine/engine.js";
 import {SERVO_WORDS, TRANSFER_WORDS} from "./words.js";
 
-const DEGREE = Math.PI / 180, MAX_STEPS = 3000, MAX_MOVES = 500;
+const MAX_STEPS = 3000, MAX_MOVES = 500;
 const VALUES = /** @type {const} */ ([["servo", "servo"], ["transfer", "transfer"], ["points", "points"], ["noisePx", "noise"],
   ["missing", "missing"], ["seed", "seed"]]); // of a state, and their names in an address
 const FIELDS = ["preset", "demo", "start", "servo", "transfer", "points", "noise", "missing", "seed", "steps", "point", "back"];

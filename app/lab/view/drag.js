@@ -1,7 +1,7 @@
 /** Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page. */
-import {clamp, projectPoint, reachFor} from "../engine/engine.js";
+import {clamp, DEGREE, projectPoint, reachFor} from "../engine/engine.js";
 
-const DEGREE = Math.PI / 180, LARGE_STEP = 5; // by an arrow key, with Shift
+const LARGE_STEP = 5; // by an arrow key, with Shift
 const FINGER_PX = 24, POINTER_PX = 16, BESIDE_PX = 12; // around dots of a map
 
 /** @param {HTMLElement | SVGElement} element

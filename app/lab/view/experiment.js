@@ -1,8 +1,7 @@
 /** What the lab is about: a preset with its changes, its scene, the session, and the address that says it. */
-import {select, Session, World} from "../engine/engine.js";
+import {DEGREE, select, Session, World} from "../engine/engine.js";
 import {beginning, fromAddress, pageLink, toAddress} from "./address.js";
 
-const DEGREE = Math.PI / 180;
 
 /** @import {State} from "./address.js" @import {Moment} from "../engine/session.js" @import {Scene} from "./view.js"
  * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[]}} Offered */

@@ -1,9 +1,8 @@
 /** When the map of E is computed: a quick one at once, the fine one in slices once nothing moves. */
-import {energyAt, Landscape, lowest} from "../engine/engine.js";
+import {DEGREE, energyAt, Landscape, lowest} from "../engine/engine.js";
 
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps: at rest, in motion, in motion for slow transfers
 const SLICE_MS = 7, REST_MS = 120, BLOCK = 256; // postures computed between two looks at the clock
-const DEGREE = Math.PI / 180;
 
 /** @import {Look} from "../engine/world.js" */
 

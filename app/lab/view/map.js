@@ -1,5 +1,5 @@
 /** The landscape of E: shading and contours on a canvas, marks over it as SVG. */
-import {clamp} from "../engine/engine.js";
+import {clamp, DEGREE} from "../engine/engine.js";
 import {add, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
@@ -7,7 +7,6 @@ import {add, drawingUnit, escaped, px, set} from "./svg.js";
 
 /** @typedef {{clientX: number, clientY: number}} Pointer */
 
-const DEGREE = Math.PI / 180;
 const LEVELS = [0.01, 0.1, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]; // px²
 const MAX_LEVELS = 7, RANGE = 2000, BRIGHTEST = 1000, DARKEST = 0.01; // E is shaded over this factor, up to these px²
 const NAME_PX = 7.2, NUMBER_PX = [10, 7]; // of a letter; half width and height of a contour's number

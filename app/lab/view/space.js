@@ -23,6 +23,7 @@
  * @property {(Vector | null)[]} recovered
  * @property {boolean} [rays] whether all points are joined with their images
  * @property {[Vector, Vector, string, number, number][]} [lines] from, to, role, width px, opacity */
+import {cross, dot, unit as normalised} from "../engine/algebra.js";
 import {LINE_FS, LINE_VS, FLAT_FS, FLOOR_FS, SOLID_FS, SOLID_VS} from "./shaders.js";
 
 const VIEWS = ["l", "r", "L", "R"], NAME_PX = 13, ROOM_PX = 9; // of an image's name from its plate, and from any line
@@ -31,13 +32,10 @@ const SHADOW_PX = 1600, FLOATS_PER_CORNER = 13;
 const ATTRIBUTES = ["place", "normal", "one", "other", "corner", "tint"];
 const ROLES = ["learner", "demonstrator", "recovered", "residual", "paper", "secondary", "chosen"];
 
-const dot = (/** @type {ArrayLike<number>} */ a, /** @type {ArrayLike<number>} */ b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-/** @param {Vector} a @param {Vector} b @returns {Vector} */
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 /** @param {Vector} a @param {Vector} b @param {number} [s] @returns {Vector} */
 const sum = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
 /** @param {Vector} a @returns {Vector} */
-const unit = a => { const n = Math.hypot(...a); return [a[0] / n, a[1] / n, a[2] / n]; };
+const unit = a => /** @type {Vector} */ (normalised(a));
 
 /** A 4 x 4 matrix column by column, as WebGL has it, of a transform 3 x 4 row by row. @param {ArrayLike<number>} T */
 const columns = T => Float32Array.of(T[0], T[4], T[8], 0, T[1], T[5], T[9], 0, T[2], T[6], T[10], 0, T[3], T[7], T[11], 1);

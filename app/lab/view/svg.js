@@ -1,4 +1,5 @@
 /** SVG elements whose attributes are rewritten in place, numbers as text, and the pace of what moves. */
+export {DEGREE} from "../engine/algebra.js";
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 

@@ -6,11 +6,11 @@
 import {stageMap, stageSmallest} from "../maps.js";
 import {RACERS} from "../stage.js";
 import {EnergyMap} from "../../view/map.js";
-import {fixed, px} from "../../view/svg.js";
+import {DEGREE, fixed, px} from "../../view/svg.js";
 import {circles, crosses, diamonds, dots, path, polyline, text} from "./drawing.js";
 import {Names} from "./names.js";
 
-const DEGREE = Math.PI / 180, MOST_DOTS = 60; // motions: of a longer way only the line is drawn
+const MOST_DOTS = 60; // motions: of a longer way only the line is drawn
 const ORDER = ["slow", "learner", "opponent", "you"]; // in which ways are drawn: where two coincide both are seen
 const NOTE = "hollow: a test move", NOTE_WIDE = 122;
 const NEAR_EDGE = 110, MARK_WIDE = 104; // units: left of it, the mark's name is at its right; with its name
@@ -142,9 +142,6 @@ function waysOf(stage, layers) {
   }
   return ways.sort((a, b) => ORDER.indexOf(a.role) - ORDER.indexOf(b.role));
 }
-
-/** Degrees, of the joint that is farthest. @param {ArrayLike<number>} a @param {ArrayLike<number>} b rad */
-export const farthest = (a, b) => Math.max(...Array.from(a, (v, k) => Math.abs(v - b[k]))) / DEGREE;
 
 /** @param {Stage} stage @param {Set<string>} layers */
 function described(stage, layers) {

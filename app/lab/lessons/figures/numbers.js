@@ -1,5 +1,6 @@
 /** Figures that are numbers: E with its formula, how E went, who came how far, and what the crossing is near to.
  * @import {Stage, FigureKind, Race} from "../stage.js" */
+import {farthest} from "../../engine/engine.js";
 import {energyText, escaped, fixed} from "../../view/svg.js";
 import {verdicts} from "../../view/words.js";
 import {measure} from "../measures.js";
@@ -8,7 +9,6 @@ import {RACERS} from "../stage.js";
 import {written} from "./cards.js";
 import {Chart, charted, stepTicks} from "./chart.js";
 
-const DEGREE = Math.PI / 180;
 const MIN_E = 1e-3, MIN_STEPS = 6; // px², steps: of the axes at least
 const FILLED = .85; // of the width, by squares: the rest is for numbers that are wider than theirs
 const FEW = 30; // steps, of which test moves are hollow
@@ -93,7 +93,7 @@ function raceRow(stage, race) {
   const {E, postures, claim} = race, last = stage.last(race), {goal} = stage;
   const shown = stage.played(Math.max(...Object.values(stage.races).map(one => one.E.length)));
   if (shown < last) return ["…", energyText(E[shown]), "", ""];
-  const off = Math.max(...postures[last].map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+  const off = farthest(postures[last], stage.moment.thetaDemo);
   const isThere = goal !== null && E[last] < goal;
   return [isThere ? String(last) : "never", energyText(E[last]), `${fixed(off)}°`,
     isThere ? "" : verdicts[claim.status].label];
@@ -108,7 +108,7 @@ export const standings = words("draw-standings", 2.2, stage => {
   });
   if (steps) {
     const {E, theta} = motions[steps], isThere = goal !== null && E < goal;
-    const off = Math.max(...theta.map((v, k) => Math.abs(v - stage.moment.thetaDemo[k]))) / DEGREE;
+    const off = farthest(theta, stage.moment.thetaDemo);
     rows.unshift(["you", "you", isThere ? String(steps) : "never", energyText(E), `${fixed(off)}°`, ""]);
   }
   const sample = (/** @type {string} */ role) =>

@@ -2,10 +2,9 @@
  * lie in equal rows then.
  * @import {Stage, FigureKind} from "../stage.js" @import {World} from "../../engine/world.js"
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row */
-import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
+import {conflict, farthest, Landscape, select, TRANSFERS} from "../../engine/engine.js";
 import {fixed} from "../../view/svg.js";
 import {lowestOf, MAP_DEG, mapOf, smallest} from "../maps.js";
-import {farthest} from "./bowl.js";
 import {around, diamonds, path, polyline, rectangle, sketched, text, widthOf} from "./drawing.js";
 import {MapPanel} from "./panels.js";
 

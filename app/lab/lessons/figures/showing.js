@@ -1,7 +1,7 @@
 /** Teaching by showing as it goes: three gains side by side, a turned camera, and how far the dots are from the goal.
  * @import {Stage, FigureKind} from "../stage.js" @import {Run} from "../teach_by_showing.js" */
 import {Outlines} from "../../view/images.js";
-import {px} from "../../view/svg.js";
+import {DEGREE, px} from "../../view/svg.js";
 import {GAIN_STEPS, GAINS, gainRuns, THERE_PX, turnedPoint, turnedRuns, TURNED_STEPS} from "../measures_jacobian.js";
 import {rolled, stepsTo} from "../teach_by_showing.js";
 import {make} from "../dom.js";
@@ -10,7 +10,6 @@ import {Names} from "./names.js";
 import {around, circles} from "./drawing.js";
 import {Plane} from "./plane.js";
 
-const DEGREE = Math.PI / 180;
 const ROLES = ["plain", "learner", "opponent"]; // of the three gains, and of still, old, Broyden
 const REACH_PX = 12; // around paths, that the window of the turned picture holds
 const INSET = 0.3, INSET_MOST = 170; // of the drawing's width; drawing units

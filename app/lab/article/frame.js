@@ -9,7 +9,7 @@
  * @typedef {{measure: () => void, draw: () => void, state: () => Record<string, number | number[] | string>}} Figure
  * measure: the sizes of the panels have changed, or the colours; state: what it shows, for its still
  * @typedef {(frame: Frame, data: Data) => Figure} FigureKind */
-import {make, track} from "../lessons/dom.js";
+import {make, slider} from "../lessons/dom.js";
 import {arrowKeys, draggable} from "../view/drag.js";
 
 let named = 0;
@@ -50,19 +50,17 @@ export class Frame {
    * @param {number} what.step @param {number} what.value @param {(value: number) => string} what.text
    * @param {(value: number) => void} what.moved @param {string} [what.kind] whose it is: its class */
   slider({label, low, high, step, value, text, moved, kind = ""}) {
-    const input = make("input", {type: "range", min: low, max: high, step}), output = make("b", {class: "value"});
-    this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
-    const show = (/** @type {number} */ shown) => {
-      if (Number(input.value) !== shown) input.value = String(shown);
-      track(input);
-      output.textContent = text(shown);
-      input.setAttribute("aria-valuetext", text(shown));
-    };
-    input.addEventListener("input", () => {
-      show(Number(input.value));
-      moved(Number(input.value));
+    const output = make("b", {class: "value"});
+    const {input, show: stand} = slider({label, low, high, step}, now => {
+      show(now);
+      moved(now);
       this.redraw();
     });
+    this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
+    const show = (/** @type {number} */ shown) => {
+      output.textContent = text(shown);
+      stand(shown, text(shown));
+    };
     show(value);
     return {show, input};
   }

@@ -99,6 +99,7 @@ export class Screen {
     say(this.words.task, `${wrong}${whose} Copy it in fewer steps than the robot: ${game.robot ?? "–"}.`);
     say(this.words.rule, `Set both joints, press Go: one step. Within ${withinDeg}° you are there. ${says}`);
     for (const element of [this.said, this.words.change]) say(element, "");
+    say(this.verdict, "Not over yet");
     this.joints.reset();
     this.images.measure();
     this.draw();

@@ -7,12 +7,12 @@ import {Images} from "../view/images.js";
 import {fixed} from "../view/svg.js";
 import {imageOf, Overlay, sessionOf} from "./views.js";
 
-/** @import {Fitted} from "../engine/transfers.js" */
+/** @import {Fitted} from "../engine/transfers.js" @import {FigureKind} from "./frame.js" */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
 const DRAWS = 100, SEED = 7, GRIP_PX = 28;
 
-/** @type {import("./frame.js").FigureKind} */
+/** @type {FigureKind} */
 export function crossing(frame, data) {
   const boxes = {
     l: frame.panel("l", "Picture <i>l</i>: drag the ringed point"), r: frame.panel("r", "Picture <i>r</i>: here, too"),

@@ -1,5 +1,5 @@
 /** What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
- * @import {Scene} from "../engine/world.js" @import {Camera} from "../engine/camera.js"
+ * @import {Scene} from "../engine/world.js" @import {EnergyMap} from "../view/map.js" @import {Camera} from "../engine/camera.js"
  * @typedef {Object} Data what all figures share
  * @property {Scene} scene
  * @property {Scene} turned the same with a demonstrator that is turned
@@ -23,7 +23,7 @@ export class Frame {
     this.controls = make("div", {class: "controls"});
     this.hint = make("p", {class: "hint"});
     box.append(this.panels, this.controls, this.hint);
-    /** Maps, which are drawn on canvases. @type {import("../view/map.js").EnergyMap[]} */
+    /** Maps, which are drawn on canvases. @type {EnergyMap[]} */
     this.maps = [];
     this.figure = /** @type {Figure | null} */ (null);
     this.waits = false;

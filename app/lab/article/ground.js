@@ -3,7 +3,7 @@ import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
 import {touchMap} from "../view/drag.js";
 
-/** @import {World} from "../engine/world.js" */
+/** @import {World} from "../engine/world.js" @import {Frame} from "./frame.js" */
 
 /** What a screen reader says of a map. */
 export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";
@@ -11,7 +11,7 @@ export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degre
 const STEP_DEG = 2;
 
 export class Ground {
-  /** @param {import("./frame.js").Frame} frame @param {HTMLElement} box @param {World} world */
+  /** @param {Frame} frame @param {HTMLElement} box @param {World} world */
   constructor(frame, box, world) {
     this.frame = frame;
     this.box = box;

@@ -1,5 +1,5 @@
 /** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
- */
+ * @import {FigureKind} from "./frame.js" */
 import {DEGREE, geometry, projectPoint, World} from "../engine/engine.js";
 import {twoCameras} from "../lessons/rays.js";
 import {Images} from "../view/images.js";
@@ -14,7 +14,7 @@ const AZIMUTH = -78 * DEGREE, ELEVATION = 22 * DEGREE; // from where the outside
 
 /** @typedef {[ArrayLike<number>, string]} Dot */
 
-/** @type {import("./frame.js").FigureKind} */
+/** @type {FigureKind} */
 export function lines(frame, data) {
   const world = new World(data.scene, 10), {now} = sessionOf(world, POSE, POSE), unseen = now.views.demo.map(() => NaN);
   const [l, beside] = twoCameras(world); // both arms stand alike: so L sees its own as `beside` sees the demonstrator

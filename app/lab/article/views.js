@@ -3,8 +3,7 @@ import {Session} from "../engine/engine.js";
 import {dots, polyline} from "../lessons/figures/drawing.js";
 import {add, px, set} from "../view/svg.js";
 
-/** @import {World} from "../engine/world.js"
- * @import {Images} from "../view/images.js" */
+/** @import {World} from "../engine/world.js" @import {Images} from "../view/images.js" */
 
 /** A session of the paper's transfer, for its snapshots.
  * @param {World} world @param {number[]} demonstrator @param {number[]} start @param {string} [servo] */

@@ -11,8 +11,8 @@ import {Played} from "./played.js";
 import {levelButtons} from "./levels.js";
 import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
-/** @import {Challenge, Level} from "./rules.js"
- * @typedef {{scene: import("../engine/world.js").Scene, hulls: Record<string, number[][]>}} Robot
+/** @import {Challenge, Level} from "./rules.js" @import {Scene} from "../engine/world.js"
+ * @typedef {{scene: Scene, hulls: Record<string, number[][]>}} Robot
  * @typedef {{address: (challenge: Challenge) => string, robot: (challenge: Challenge, steps: number) => void,
  * friend: (challenge: Challenge) => void, changed?: () => void}} Ways out of the game; address: to share, "" for
  * none; changed: the game has gone on */

@@ -2,7 +2,8 @@
  * is for people: a servo cannot see it.
  *
  * The learner's images do not depend on the demonstrator: they are projected once, and a new landscape needs transfers
- * only. Noise and lost points spoil the demonstrator's images alone. */
+ * only. Noise and lost points spoil the demonstrator's images alone.
+ * @import {World} from "./world.js" */
 import {scatter} from "./affine.js";
 import {clamp} from "./algebra.js";
 import {MIN_POINTS} from "./session.js";
@@ -12,7 +13,7 @@ import {seenTwice, select} from "./world.js";
 const MAX_ROUNDS = 24, NARROWER = 4, FINEST_RAD = .002 * Math.PI / 180; // of the search for the lowest E
 
 export class Landscape {
-  /** @param {import("./world.js").World} world of two moving joints @param {number} stepDeg */
+  /** @param {World} world of two moving joints @param {number} stepDeg */
   constructor(world, stepDeg) {
     const {lower, upper} = world.scene;
     this.world = world;
@@ -107,15 +108,14 @@ export class Landscape {
 }
 
 /** E of one posture, px²; NaN where too few points are seen.
- * @param {import("./world.js").World} world @param {string} transfer @param {import("./world.js").Look} demo
- * @param {number[]} theta */
+ * @param {World} world @param {string} transfer @param {import("./world.js").Look} demo @param {number[]} theta */
 export function energyAt(world, transfer, demo, theta) {
   const points = matched(world, demo, theta);
   return points ? conflict(residual(TRANSFERS[transfer].fit(points.demo, points.own), points.demo, points.own)) : NaN;
 }
 
 /** The images of the points that all four views show; null if these are too few.
- * @param {import("./world.js").World} world @param {import("./world.js").Look} demo @param {number[]} theta */
+ * @param {World} world @param {import("./world.js").Look} demo @param {number[]} theta */
 export function matched(world, demo, theta) {
   const own = world.look("learner", theta), shown = seenTwice(own.seen), both = seenTwice(demo.seen).filter(i => shown.includes(i));
   return both.length < Math.min(MIN_POINTS, world.body.length) ? null

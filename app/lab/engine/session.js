@@ -3,8 +3,8 @@
  *     posture → body points → four views → transfer → recovered points → residual e → E → servo → next posture
  *
  * Every pass leaves one moment, which is never changed: pictures and texts read only that.
- * @import {Views} from "./world.js" @import {Fitted} from "./transfers.js" @import {ServoState} from "./servo.js"
- * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet;
+ * @import {Views, World} from "./world.js" @import {Fitted} from "./transfers.js" @import {ServoState, ServoStatus, Conflict} from "./servo.js"
+ * @typedef {"ready" | "too-few-points" | ServoStatus} Status ready: no motion was made yet;
  * too-few-points: too few points are seen in all four images
  * @typedef {Object} Moment
  * @property {number} motion how many were made until then
@@ -35,7 +35,7 @@ export const MIN_POINTS = 5; // with four, any images fit: E would be 0 everywhe
 const MAX_HISTORY = 200, MAX_TRACE = 3000; // snapshots that can be undone; postures and E that are remembered
 
 export class Session {
-  /** @param {import("./world.js").World} world @param {Settings} settings */
+  /** @param {World} world @param {Settings} settings */
   constructor(world, settings) {
     this.world = world;
     /** A body of four points shows what becomes of E then. */
@@ -167,7 +167,7 @@ export class Session {
     return {own: views.own, seen: views.ownSeen, E, displacement: from(theta), lower: from(lower), upper: from(upper), motion};
   }
 
-  /** What the servo may ask about images that it predicts. @param {Moment} now @returns {import("./servo.js").Conflict} */
+  /** What the servo may ask about images that it predicts. @param {Moment} now @returns {Conflict} */
   #predictedConflict({views, frozen}) {
     const drift = this.#drift(), demo = drift ? views.demo.map((v, i) => v + drift[i]) : views.demo;
     const shown = seenTwice(views.demoSeen), transfer = TRANSFERS[this.settings.transfer], {noisePx} = this.observer;

@@ -1,5 +1,5 @@
 /** Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
- * @import {Joint, Link, BodyPoint} from "./kinematics.js" @import {Camera} from "./camera.js"
+ * @import {Joint, Link, BodyPoint} from "./kinematics.js" @import {Camera, Pair} from "./camera.js"
  * @typedef {"demonstrator" | "learner"} Who
  * @typedef {Object} Scene what Python writes, to the last digit; angles in rad, lengths in m
  * @property {string} title
@@ -39,7 +39,7 @@ export class World {
     const arm = (/** @type {Who} */ who) => new Arm(scene.chain, scene.links, scene.bases[who]);
     this.arms = {demonstrator: arm("demonstrator"), learner: arm("learner")};
     const [l, r, L, R] = scene.cameras;
-    /** @type {Record<Who, import("./camera.js").Pair>} */
+    /** @type {Record<Who, Pair>} */
     this.pairs = {demonstrator: [l, r], learner: [L, R]};
   }
 

@@ -1,6 +1,6 @@
 /** A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students'
  * own devices, so nothing but the fun of it depends on the result.
- * @import {Person} from "./class-lecturer.js"
+ * @import {Person} from "./class-lecturer.js" @import {Level} from "../challenge/rules.js"
  * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered */
 import {World} from "../engine/engine.js";
 import {squares} from "../challenge/game.js";
@@ -45,7 +45,7 @@ export class ClassChallenge {
 
   /** @param {Place} place */
   #challenge({seed, step}) {
-    return drawChallenge(this.world, seed, /** @type {import("../challenge/rules.js").Level} */ (step));
+    return drawChallenge(this.world, seed, /** @type {Level} */ (step));
   }
 
   /** Where this page's game is, as a class is told of a step; null for no game. */

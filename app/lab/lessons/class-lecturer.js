@@ -1,6 +1,6 @@
 /** What the lecturer's page has besides: a bar with what the class is to do, and a panel with persons and their steps,
  * everyone's paths, what the class has learned, and how to join.
- * @import {Message} from "./class-link.js"
+ * @import {Message} from "./class-link.js" @import {Results} from "./class.js"
  * @typedef {{lesson: string, step: string, number: number, count: number, answered: boolean, motions: number, E:
  * number | null, off: number | null, path: number[], demonstrator: number[] | null}} At
  * @typedef {{place: number, name: string, at: At | null}} Person
@@ -26,7 +26,7 @@ export class Lecturer {
     this.isLeader = false;
     this.showsAnswers = false; // whether answers are shown here before they are revealed
     this.people = /** @type {Map<number, Person>} */ (new Map());
-    this.results = /** @type {import("./class.js").Results | null} */ (null);
+    this.results = /** @type {Results | null} */ (null);
     /** @type {any} */
     this.count = {problem: null, asked: []};
     this.gain = /** @type {any} */ (null);

@@ -1,9 +1,9 @@
 /** The addresses at which the lab, and the page of viewimit, open in the state of a step. */
 import {fieldsOf, pageLink} from "../view/address.js";
 
-/** @import {Stage} from "./stage.js" */
+/** @import {Stage} from "./stage.js" @import {State} from "../view/address.js" */
 
-/** @param {Stage} stage @param {string} preset @returns {import("../view/address.js").State} */
+/** @param {Stage} stage @param {string} preset @returns {State} */
 function stateOf({moment, session: {settings}, state}, preset) {
   const {transfer, servo, noisePx = 0, missing = 0, seed = 7} = settings;
   return {preset, demonstrator: moment.thetaDemo, start: moment.theta, points: state.points, transfer, servo,

@@ -14,8 +14,8 @@ import {Store} from "./store.js";
 import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
-/** @import {Lesson, Step, Mark, Answer} from "./stage.js" @import {Screen} from "./step-screen.js"
- * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
+/** @import {Lesson, Step, Mark, Answer, Page, Round} from "./stage.js" @import {KeptStep} from "./store.js" @import {Given} from "./questions.js" @import {Screen, Course} from "./step-screen.js"
+ * @typedef {Page & {lessons: Lesson[], start?: string, catalogue?: {name: string, title:
  * string, short: string, about: string, afterwards: string, minutes: number, here: boolean}[]}} Data catalogue: all
  * lessons that are served, those here and others
  * @typedef {{kind: "home"} | {kind: "step", id: string} | {kind: "before" | "after", k: number} | {kind: "end"}}
@@ -28,7 +28,7 @@ import {byId as $, fault, unpacked} from "../view/page.js";
  * @property {[string, number][]} sliders
  * @property {Mark | null} mark
  * @property {Answer} answer
- * @property {import("./stage.js").Round[]} rounds
+ * @property {Round[]} rounds
  * @property {number[]} theta of the learner; empty without a step
  * @property {{theta: number[], E: number, probe: boolean}[]} motions the latest
  * @property {number} reveal 0 … 1
@@ -148,7 +148,7 @@ function begin(data) {
     return made;
   }
 
-  /** @param {Stage} made @param {import("./store.js").KeptStep} was */
+  /** @param {Stage} made @param {KeptStep} was */
   function recall(made, was) {
     made.answer = was.answer ?? {};
     made.mark = was.mark ?? null;
@@ -206,7 +206,7 @@ function begin(data) {
 
   // Screens
 
-  /** What the page around a step does for it. @type {import("./step-screen.js").Course} */
+  /** What the page around a step does for it. @type {Course} */
   const course = {
     isLocked, isHeld: () => isHeld, keep, go, note, announce, restart, redraw,
     answered: answered => hooks.onAnswer(answered.step.id, hooks.answer() ?? {}, isRight(answered)),
@@ -415,7 +415,7 @@ function begin(data) {
     onAnswer: () => {},
     /** Called at every screen. @type {(step: string) => void} */
     onStep: () => {},
-    /** @type {(phase: "before" | "after", item: string, given: import("./questions.js").Given) => void} */
+    /** @type {(phase: "before" | "after", item: string, given: Given) => void} */
     onQuestion: () => {},
     /** Called after anything that `state` or `summary` tells. @type {() => void} */
     onChange: () => {},

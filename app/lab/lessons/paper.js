@@ -1,6 +1,6 @@
 /** A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
  * solutions come on pages of their own.
- * @import {Lesson, Page} from "./stage.js" */
+ * @import {Lesson, Page, FigureUse} from "./stage.js" */
 import {rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {ending} from "./figures/cards.js";
@@ -79,7 +79,7 @@ class Paper {
         make("p", {class: "question", html: inline(onPaper(fill(ask.question, stage)))}), ...roomFor(stage)));
   }
 
-  /** @param {import("./stage.js").FigureUse} use @param {Stage} stage @param {string} [size] its class */
+  /** @param {FigureUse} use @param {Stage} stage @param {string} [size] its class */
   #figure(use, stage, size = "large") {
     const {element, box, kind} = framed(use, !stage.isRevealed && use.figure === stage.step.ask.figure);
     element.classList.add(size);

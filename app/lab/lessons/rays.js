@@ -1,6 +1,6 @@
 /** Two cameras and one arm: rays, epipoles, a dolly with its zoom, and the geometry that two pencils of lines make by
  * hand.
- * @import {Camera} from "../engine/camera.js" @import {World} from "../engine/world.js"
+ * @import {Camera} from "../engine/camera.js" @import {Stage} from "./stage.js" @import {World} from "../engine/world.js"
  * @typedef {[number, number, number]} Vector
  * @typedef {{a: number, b: number, c: number}} Line a x + b y + c = 0 px, with (a, b) of length 1 */
 import {dot} from "../engine/algebra.js";
@@ -132,19 +132,18 @@ export function markOf(world) {
   return [T[3] + STICK[0], T[7] + STICK[1], T[11] + STICK[2]];
 }
 
-/** The three marks on the arm, m. @param {import("./stage.js").Stage} stage */
+/** The three marks on the arm, m. @param {Stage} stage */
 export const marksOf = stage => MARKED
   .map(point => placeOf(stage.world, "demonstrator", stage.moment.thetaDemo, point));
 
-/** What both cameras move away from: the middle of the arm's points, m.
- * @param {import("./stage.js").Stage} stage @returns {Vector} */
+/** What both cameras move away from: the middle of the arm's points, m. @param {Stage} stage @returns {Vector} */
 export function targetOf({world, moment}) {
   const points = world.body.map((_, i) => placeOf(world, "demonstrator", moment.thetaDemo, i));
   return /** @type {Vector} */ ([0, 1, 2].map(k => points.reduce((sum, p) => sum + p[k], 0) / points.length));
 }
 
 /** Cameras 1 and 2 as the slider `camera distance` has them.
- * @param {import("./stage.js").Stage} stage @param {number} [distance] times the usual one */
+ * @param {Stage} stage @param {number} [distance] times the usual one */
 export function camerasOf(stage, distance = stage.sliders.get("camera distance") ?? 1) {
   const target = targetOf(stage);
   const {scene, world: {arms}} = stage; // the scene's cameras: the slider has moved the world's

@@ -2,7 +2,7 @@
  * and the card read it and nothing else. It touches no document.
  * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[], preset: string |
  * null}}} Scene page: as viewimit's page names it, and the lab's preset; null where there is none
- * @import {Moment} from "../engine/session.js"
+ * @import {Moment} from "../engine/session.js" @import {Camera} from "../engine/camera.js"
  * @typedef {[number, number]} Mark a place in a figure, in its unit
  * @typedef {{value: any, unit: string, text: string}} Measured value: a number, a place or a posture; text: with its
  * unit
@@ -10,7 +10,7 @@
  * @typedef {{scene: string, points: number, transfer: string, servo: string, demonstrator: number[], start:
  * number[], noisePx?: number, missing?: number, seed?: number}} State where a step begins; scene: its key;
  * demonstrator: rad; start: rad
- * @typedef {{value: number, cameras: import("../engine/camera.js").Camera[]}[]} Variants the eyes at a slider's
+ * @typedef {{value: number, cameras: Camera[]}[]} Variants the eyes at a slider's
  * values
  * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>, variants?:
  * Record<string, Variants>}} Sample one of those that the seed picks from, laid over the step's own

@@ -1,6 +1,6 @@
 /** The screen of a step: its card, its figures and its sliders, and what hands do with them.
- * @import {Stage, Mark, Slider, Figure, FigureUse} from "./stage.js"
- * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure, isAsked:
+ * @import {Stage, Mark, Slider, Figure, FigureUse, FigureKind} from "./stage.js"
+ * @typedef {{use: FigureUse, kind: FigureKind, box: HTMLElement, figure: Figure, isAsked:
  * boolean}} Mounted
  * @typedef {Object} Course what the page around it does
  * @property {() => boolean} isLocked

@@ -1,6 +1,6 @@
 /**
  * Answers that are kept in the browser, lesson by lesson. Where a browser keeps nothing, they live as long as the page.
- * @import {Answer, Mark} from "./stage.js"
+ * @import {Answer, Mark, Round, Measured} from "./stage.js" @import {Givens} from "./questions.js"
  * @typedef {Object} KeptStep
  * @property {Answer} answer
  * @property {Mark | null} mark
@@ -8,13 +8,13 @@
  * @property {boolean} revealed
  * @property {boolean | null} right
  * @property {{theta: number[], E: number, probe: boolean}[]} motions
- * @property {import("./stage.js").Round[]} rounds
+ * @property {Round[]} rounds
  * @property {[string, number][]} sliders
- * @property {Record<string, import("./stage.js").Measured> | null} [graded] the numbers that judged the answer
+ * @property {Record<string, Measured> | null} [graded] the numbers that judged the answer
  * @property {number} [run]
  * @property {(number | null)[]} [bets]
- * @typedef {{steps: Record<string, KeptStep>, before: import("./questions.js").Givens, after:
- * import("./questions.js").Givens, person: number}} Kept */
+ * @typedef {{steps: Record<string, KeptStep>, before: Givens, after:
+ * Givens, person: number}} Kept */
 const PREFIX = "viewimit-lesson-", PERSONS = 2 ** 31;
 
 export class Store {

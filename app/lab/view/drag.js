@@ -1,4 +1,5 @@
-/** Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page. */
+/** Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page.
+ * @import {World} from "../engine/world.js" @import {Images} from "./images.js" @import {EnergyMap} from "./map.js" */
 import {clamp, DEGREE, projectPoint, reachFor} from "../engine/engine.js";
 
 const LARGE_STEP = 5; // by an arrow key, with Shift
@@ -42,10 +43,9 @@ export function draggable(element, begin, held) {
 }
 
 /** Follow a body point of an arm under a pointer: the posture within the limits that brings the point there.
- * @param {import("../engine/world.js").World} world @param {import("./images.js").Images} images
- * @param {{view: number, point: number}} hit @param {PointerEvent} event where it is gripped
- * @param {() => number[]} posture of the arm @param {(theta: number[]) => void} moved
- * @returns {(event: PointerEvent) => void} */
+ * @param {World} world @param {Images} images @param {{view: number, point: number}} hit
+ * @param {PointerEvent} event where it is gripped @param {() => number[]} posture of the arm
+ * @param {(theta: number[]) => void} moved @returns {(event: PointerEvent) => void} */
 export function pulled(world, images, {view, point}, event, posture, moved) {
   const who = view < 2 ? "demonstrator" : "learner", camera = world.scene.cameras[view], body = [world.body[point]];
   const seen = (/** @type {number[]} */ theta) => projectPoint(camera, world.arms[who].points(theta, body)).slice(0, 2);
@@ -73,7 +73,7 @@ export const turned = (theta, right, up, {lower, upper}) =>
   theta.map((v, k) => clamp(v + (k ? right : up) * DEGREE, lower[k], upper[k]));
 
 /** Hands and keys on a map of E: the learner goes to any place, and the demonstrator's diamond where that may be moved.
- * @param {import("./map.js").EnergyMap} map
+ * @param {EnergyMap} map
  * @param {(box: HTMLElement, begin: (event: PointerEvent) => ((event: PointerEvent) => void) | null) => void} drag
  * @param {{isOn?: () => boolean, learner: () => number[], demonstrator: () => number[],
  * limits: () => {lower: number[], upper: number[]}, place: (theta: number[]) => void,

@@ -1,5 +1,5 @@
 /** The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
- * @import {World} from "../engine/world.js" @import {Moment} from "../engine/session.js"
+ * @import {World} from "../engine/world.js" @import {Camera} from "../engine/camera.js" @import {Moment} from "../engine/session.js"
  * @import {Line} from "../engine/affine.js"
  * @typedef {{ellipses: {x: number, y: number, long: number, short: number, turn: number}[], steps: number[][][] |
  * null}} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it;
@@ -199,9 +199,8 @@ export class Images {
     return off > .3;
   }
 
-  /** @param {Images["views"][number]} view @param {import("../engine/camera.js").Camera} camera
-   * @param {Picture} picture @param {Outline} outline @param {Outline | null} ghost
-   * @param {Float64Array | null} goalImages @param {number[][] | null} bones */
+  /** @param {Images["views"][number]} view @param {Camera} camera @param {Picture} picture @param {Outline} outline
+   * @param {Outline | null} ghost @param {Float64Array | null} goalImages @param {number[][] | null} bones */
   #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;

@@ -4,11 +4,10 @@ import {DEGREE, energyAt, Landscape, lowest} from "../engine/engine.js";
 const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps: at rest, in motion, in motion for slow transfers
 const SLICE_MS = 7, REST_MS = 120, BLOCK = 256; // postures computed between two looks at the clock
 
-/** @import {Look} from "../engine/world.js" */
+/** @import {Look} from "../engine/world.js" @import {EnergyMap} from "./map.js" @import {Experiment} from "./experiment.js" */
 
 export class Landscapes {
-  /** @param {import("./map.js").EnergyMap} map @param {import("./experiment.js").Experiment} experiment
-   * @param {() => void} changed when the fine one is drawn */
+  /** @param {EnergyMap} map @param {Experiment} experiment @param {() => void} changed when the fine one is drawn */
   constructor(map, experiment, changed) {
     this.map = map;
     this.experiment = experiment;

@@ -1,4 +1,5 @@
-/** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it. */
+/** Where the page's script begins: it unpacks what the file holds, and opens the lab or a replay on it.
+ * @import {Common} from "./view.js" @import {Offered} from "./experiment.js" @import {Run} from "./recorded.js" @import {State} from "./address.js" */
 import {Challenges} from "../challenge/challenges.js";
 import {today} from "../challenge/screen.js";
 import {listen, returnFocus} from "./keys.js";
@@ -7,9 +8,8 @@ import {byId as $, fault, unpacked} from "./page.js";
 import {Replay} from "./replay.js";
 import {View} from "./view.js";
 
-/** @typedef {import("./view.js").Common & import("./experiment.js").Offered & {run?: import("./recorded.js").Run,
- * words?: string}} Data run: of a replay, whose presets are empty where the lab cannot take over; words: the
- * glossary, in HTML */
+/** @typedef {Common & Offered & {run?: Run, words?: string}} Data run: of a replay, whose presets are empty where
+ * the lab cannot take over; words: the glossary, in HTML */
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {
@@ -32,7 +32,7 @@ function begin(data, meshes) {
   const view = viewed();
   $("words").innerHTML = data.words ?? "";
   const takes = data.presets.length > 0;
-  const takeOver = (/** @type {Partial<import("./address.js").State>} */ state, /** @type {string} */ says) => {
+  const takeOver = (/** @type {Partial<State>} */ state, /** @type {string} */ says) => {
     replay.close();
     data.presets[0].says = says;
     lab?.open();

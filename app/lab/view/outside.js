@@ -3,10 +3,10 @@
  * @typedef {[number, number, number]} Vector m in the world
  * @typedef {{frames: ArrayLike<number>[], kind: string}} Body T_world_link of every link; kind: its class, as
  * vi-demo
- * @typedef {{camera: import("../engine/camera.js").Camera, kind: string, name: string}} Eye
+ * @typedef {{camera: Camera, kind: string, name: string}} Eye
  * @typedef {{bodies: Body[], eyes: Eye[], lines: [ArrayLike<number>, ArrayLike<number>, string][], dots:
  * [ArrayLike<number>, string][], labels: [ArrayLike<number>, string, string][]}} Seen bodies: the farthest first;
- * lines: from, to, class; dots: place, class; labels: place, text, class */
+ * lines: from, to, class; dots: place, class; labels: place, text, class @import {Camera} from "../engine/camera.js" */
 import {backProject, dot, transform} from "../engine/engine.js";
 import {outermost, silhouette} from "./images.js";
 import {add, drawingSize, px, set} from "./svg.js";

@@ -32,7 +32,7 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
  * E_true: px², in the demonstrator's posture
  * @typedef {{chosen: number | null, snapshots: RecordedMoment[], methods: Method[], maps: RecordedMap[],
  * demonstrators: {theta: number[], images: (number | null)[], seen: string}[]}} Run
- * @import {Line} from "../engine/affine.js" */
+ * @import {Line} from "../engine/affine.js" @import {Scene} from "./view.js" @import {Construction} from "./images.js" @import {Ground} from "./map.js" */
 
 const PX = 100, RAD = 1e6, SHARE = 1000; // units of the recording in a px, a rad and the logarithm of E
 /** Pairs of the views l, r, L, R, and twelve lines of a point, in the library's order. */
@@ -49,7 +49,7 @@ const angles = values => values.map(v => v / RAD);
 const flags = (text, count) => Uint8Array.from({length: count}, (_, k) => +(text === "" || text[k] === "1"));
 
 export class Recorded {
-  /** @param {Run} run @param {import("./view.js").Scene} scene */
+  /** @param {Run} run @param {Scene} scene */
   constructor(run, scene) {
     this.run = run;
     this.scene = scene;
@@ -84,7 +84,7 @@ export class Recorded {
     return new EpipolarGeometry(select(demo, usable), select(own, usable)).lines(at(demo), at(own));
   }
 
-  /** @param {number} k @param {number} point @returns {import("./images.js").Construction | null} */
+  /** @param {number} k @param {number} point @returns {Construction | null} */
   construction(k, point) {
     const built = this.run.snapshots[k].constructed[point], {recovered} = this.snapshots[k];
     if (!built) return null;
@@ -106,8 +106,7 @@ export class Recorded {
     return `${found} With 1 px of noise 95 % fall in the ellipse.`;
   }
 
-  /** A map of E as map.js draws it; null where there is none.
-   * @param {RecordedMap} map @returns {import("./map.js").Ground | null} */
+  /** A map of E as map.js draws it; null where there is none. @param {RecordedMap} map @returns {Ground | null} */
   #ground({size, level, unknown, minimum}) {
     if (!size || !level || !unknown || !minimum) return null;
     const {lower, upper} = this.scene, count = level.length, E = new Float64Array(count);

@@ -1,4 +1,5 @@
-/** Cards and tables as HTML, for figures that are words and numbers. */
+/** Cards and tables as HTML, for figures that are words and numbers.
+ * @import {Stage, FigureKind, Claim} from "../stage.js" */
 import {told} from "../../view/words.js";
 import {make} from "../dom.js";
 import {escaped} from "../../view/svg.js";
@@ -10,9 +11,8 @@ const ICONS = {
 
 /** A figure of words and numbers in a named box, written again where they differ.
  * @param {string} kind class of the box
- * @param {(stage: import("../stage.js").Stage, layers: Set<string>) => [string, string]} write HTML, and what a screen
- * reader says @param {boolean} [isFramed] whether it stands in the frame of a drawing
- * @returns {import("../stage.js").FigureKind["create"]} */
+ * @param {(stage: Stage, layers: Set<string>) => [string, string]} write HTML, and what a screen reader says
+ * @param {boolean} [isFramed] whether it stands in the frame of a drawing @returns {FigureKind["create"]} */
 export const written = (kind, write, isFramed = false) => box => {
   const made = isFramed ? box.appendChild(make("div", {class: kind})) : box;
   if (!isFramed) box.classList.add("bare", kind);
@@ -38,7 +38,7 @@ export function card(kind, head, bold, more = "", dot = "") {
 }
 
 /** How a run ended, as every front end says it.
- * @param {import("../stage.js").Claim} claim @param {{E: number[]}} run @param {string[]} names of the joints */
+ * @param {Claim} claim @param {{E: number[]}} run @param {string[]} names of the joints */
 export const ending = ({status, seen, unobservable, expectedOffDeg}, {E}, names) => told(status, {
   steps: E.length - 1, E: E[E.length - 1], seen, expectedOffDeg,
   joints: unobservable.length ? `the ${unobservable.map(k => names[k]).join(" and the ")}` : undefined,

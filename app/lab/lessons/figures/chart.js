@@ -9,7 +9,8 @@
  * @property {number} [named] the point beside which its name stands, the last one by default
  * @typedef {{x: [number, number], y: [number, number], log?: boolean, xTicks: [number, string][],
  * xName?: string, yName?: string, levels?: [number, string, string][]}} Axes x: least and most; log: whether y is
- * logarithmic; levels: a y with its name and role, as a line across */
+ * logarithmic; levels: a y with its name and role, as a line across
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {escaped, px} from "../../view/svg.js";
 import {short} from "../measured.js";
 import {circles, widthOf} from "./drawing.js";
@@ -104,8 +105,7 @@ export class Chart {
 }
 
 /** A figure that is one chart, by what `draw` takes.
- * @param {(stage: import("../stage.js").Stage, layers: Set<string>) => [Axes, Curve[], string]} drawn
- * @returns {import("../stage.js").FigureKind["create"]} */
+ * @param {(stage: Stage, layers: Set<string>) => [Axes, Curve[], string]} drawn @returns {FigureKind["create"]} */
 export const charted = drawn => box => {
   const chart = new Chart(box);
   return {resize: () => chart.resize(), draw: (stage, layers) => chart.draw(...drawn(stage, layers))};

@@ -1,6 +1,6 @@
 /** Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and
  * the ellipse holds the transferred point if pixels are off.
- * @import {Stage, FigureKind} from "../stage.js" @import {Line} from "../../engine/affine.js"
+ * @import {Stage, FigureKind} from "../stage.js" @import {Fitted} from "../../engine/transfers.js" @import {Line} from "../../engine/affine.js"
  * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l
  * and r, where they cross, and the same with the second one moved by a pixel
  * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad */
@@ -55,7 +55,7 @@ export function ellipseOf(stage, side = 0) {
   return spreadOf(fitted, views.demo.subarray(4 * chosen, 4 * chosen + 4))[side];
 }
 
-/** The same in L and R, of any point. @param {import("../../engine/transfers.js").Fitted} fitted
+/** The same in L and R, of any point. @param {Fitted} fitted
  * @param {Float64Array} at its x, y in l and r, px @param {number} [noisePx] @returns {Ellipse[]} */
 export function spreadOf(fitted, at, noisePx = 1) {
   const near = new Float64Array(36);

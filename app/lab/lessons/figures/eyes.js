@@ -1,6 +1,6 @@
 /** Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three
  * marks, the lines of their rays, and the epipole in which these meet.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind} from "../stage.js" @import {Camera} from "../../engine/camera.js" */
 import {projectPoint} from "../../engine/camera.js";
 import {outermost, silhouettes} from "../../view/images.js";
 import {px} from "../../view/svg.js";
@@ -47,7 +47,7 @@ class Picture {
   }
 
   /** A mark on a stick, and where its slide takes it.
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #stick({world, reveal}, layers, cameras, see, names) {
     const {plane} = this, mark = markOf(world), slide = sliding(reveal), first = cameras[0];
@@ -86,7 +86,7 @@ class Picture {
   }
 
   /** An arm with three marks, the lines of their rays, and where these meet.
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras
    * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #arm(stage, layers, cameras, see, names) {
     const {plane} = this, frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);

@@ -1,5 +1,5 @@
 /** Names in a drawing that cover neither each other nor what has to be seen.
- * @typedef {import("./drawing.js").Rectangle} Box in drawing units */
+ * @typedef {Rectangle} Box in drawing units @import {Rectangle} from "./drawing.js" */
 import {escaped, px} from "../../view/svg.js";
 import {clipped, widthOf} from "./drawing.js";
 

@@ -1,6 +1,6 @@
 /** Cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, an arm with the
  * rays of three marks, or both arms with the eyes between them.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind, Mark} from "../stage.js" @import {Camera} from "../../engine/camera.js" */
 import {Outside} from "../../view/outside.js";
 import {add, px} from "../../view/svg.js";
 import {
@@ -108,7 +108,7 @@ class Room {
     if (html !== this.last) this.over.innerHTML = this.last = html;
   }
 
-  /** @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras */
+  /** @param {Stage} stage @param {Set<string>} layers @param {Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     const names = new Names([0, 0, view.width, view.height]);
@@ -187,7 +187,7 @@ class Room {
       `mark.${reveal < 1 ? " The mark slides along it." : " The mark has been at seven places on it."}`;
   }
 
-  /** @param {Stage} _ @param {import("../stage.js").Mark} mark */
+  /** @param {Stage} _ @param {Mark} mark */
   place(_, mark) {
     const {x, y, scale} = this.outside.window, {unit} = this.outside;
     return /** @type {[number, number]} */ ([(mark[0] / OUTSIDE.unit - x) * scale * unit,
@@ -201,6 +201,6 @@ class Room {
   }
 }
 
-/** @param {import("../../engine/camera.js").Camera} camera @param {number} depth m */
+/** @param {Camera} camera @param {number} depth m */
 const onAxis = ({centre, rotation: R}, depth) => centre.map((v, i) => v + depth * R[3 * i + 2]);
 

@@ -1,5 +1,5 @@
 /** Small maps of E beside each other, each with its title and what it comes to.
- * @import {Landscape} from "../../engine/landscape.js"
+ * @import {Landscape} from "../../engine/landscape.js" @import {Scene} from "../stage.js"
  * @typedef {Object} MapOfE
  * @property {string} title
  * @property {string} words what it comes to; empty for nothing
@@ -29,7 +29,7 @@ export class MapPanel {
     this.ground = "";
   }
 
-  /** @param {MapOfE} what @param {import("../stage.js").Scene} scene */
+  /** @param {MapOfE} what @param {Scene} scene */
   draw({title, words, map: made, instead = "", demonstrator, lowest, gap = false}, {lower, upper, names: joints}) {
     const {map} = this, key = `${made?.key} ${document.documentElement.dataset.scheme}`;
     this.title.textContent = title;

@@ -1,5 +1,5 @@
 /** The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind} from "../stage.js" @import {Place} from "../places.js" */
 import {outermost, silhouettes} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
 import {movedPlaces} from "../places.js";
@@ -18,7 +18,7 @@ const MIN_E = 0.3;
 const above = p => [-p[1], -p[0]];
 
 /** E in all places of a stage: it is asked for in every frame.
- * @type {WeakMap<Stage, {key: string, places: import("../places.js").Place[]}>} */
+ * @type {WeakMap<Stage, {key: string, places: Place[]}>} */
 const known = new WeakMap();
 /** @param {Stage} stage */
 function placesOf(stage) {

@@ -1,9 +1,9 @@
 /** A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
  * own certificate.
- * @import {Stage, FigureKind} from "../stage.js"
+ * @import {Stage, FigureKind, Claim} from "../stage.js" @import {Outline} from "../../view/images.js"
  * @typedef {Object} Run as the library records it
  * @property {string} name of its difference
- * @property {import("../stage.js").Claim} claim
+ * @property {Claim} claim
  * @property {number[][]} postures rad
  * @property {number[]} E px²
  * @property {boolean[]} probes
@@ -154,7 +154,7 @@ function claimed(stage, layers) {
 }
 
 /** One of both images at the end.
- * @param {Drawing} drawing @param {Run} run @param {import("../../view/images.js").Outline} arm @param {number} side */
+ * @param {Drawing} drawing @param {Run} run @param {Outline} arm @param {number} side */
 function image({width, height}, {own, recovered}, {hulls, bones}, side) {
   const wide = (width - GAP) / 2, left = side * (wide + GAP);
   const {place} = fitted([...hulls.flat(), ...bones], [left + MARGIN, MARGIN, left + wide - MARGIN, height - MARGIN]);

@@ -1,5 +1,5 @@
 /** How the learner came to rest, as every front end tells it, and beside it the truth, which the learner cannot know.
- * @import {Stage, FigureKind} from "../stage.js" */
+ * @import {Stage, FigureKind, Race} from "../stage.js" */
 import {energyText, escaped, fixed} from "../../view/svg.js";
 import {card, ending, written} from "./cards.js";
 
@@ -25,7 +25,7 @@ function drawn(stage, layers) {
   return learner + (isTrueShown ? card("truth", "Only you can see", ...truth(stage, race, names)) : "");
 }
 
-/** What the learner found on its way. @param {import("../stage.js").Race & {leastAsSeen?: number}} race */
+/** What the learner found on its way. @param {Race & {leastAsSeen?: number}} race */
 function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
   const last = E[E.length - 1], small = last < .001 ? "below 0.001 px²" : `${energyText(last)} px²`;
   return [
@@ -38,7 +38,7 @@ function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
   ];
 }
 
-/** @param {Stage} stage @param {import("../stage.js").Race} race @param {string[]} names @returns {[string, string]} */
+/** @param {Stage} stage @param {Race} race @param {string[]} names @returns {[string, string]} */
 function truth({moment, records}, {postures}, names) {
   const off = postures[postures.length - 1].map((v, k) => Math.abs(v - moment.thetaDemo[k]) * 180 / Math.PI);
   const most = Math.max(...off), swapped = records.swapped?.length ? `<p>Swapped are ${pairs(records.swapped)}.</p>` : "";

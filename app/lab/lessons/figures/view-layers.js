@@ -1,7 +1,7 @@
 /**
  * What an image shows, layer by layer. A layer is a function that returns SVG; those of a step's figures are drawn in the
  * order of this table.
- * @import {Stage} from "../stage.js"
+ * @import {Stage} from "../stage.js" @import {Outline} from "../../view/images.js"
  * @typedef {Object} Frame one image as it is drawn
  * @property {"l" | "r" | "L" | "R"} name
  * @property {number} k 0 … 3, of l, r, L, R
@@ -36,8 +36,7 @@ export function lineThrough(frame, line, kind, name = "", share = .8) {
   return path("vi-line-case", whole) + path(kind, whole) + words;
 }
 
-/** @param {import("../../view/images.js").Outline} outline @param {Frame} frame @param {string} hull
- * @param {string} bone */
+/** @param {Outline} outline @param {Frame} frame @param {string} hull @param {string} bone */
 export function arm(outline, {at}, hull, bone) {
   const closed = outline.hulls.map(points => `${polyline(points.map(at))}z`).join("");
   return path(hull, closed) + path(bone, polyline(outline.bones.map(at)));

@@ -1,5 +1,5 @@
 /** One of the four images, large: the arm in it, and over it the layers that the step asks for.
- * @import {Stage, FigureKind} from "../stage.js" @import {Layer} from "./view-layers.js" @import {Rectangle} from "./drawing.js" */
+ * @import {Stage, FigureKind, Mark} from "../stage.js" @import {Line} from "../rays.js" @import {Moment} from "../../engine/session.js" @import {Layer} from "./view-layers.js" @import {Rectangle} from "./drawing.js" */
 import {Outlines} from "../../view/images.js";
 import {around} from "./drawing.js";
 import {Plane} from "./plane.js";
@@ -47,7 +47,7 @@ class View extends Plane {
       name, k, side, isDemo, images, seen, width, height, scale: this.window.scale, at, shown, layers, outlines,
       of: (/** @type {ArrayLike<number>} */ of, /** @type {number} */ i) =>
         at([of[4 * i + 2 * side], of[4 * i + 2 * side + 1]]),
-      ends: (/** @type {import("../rays.js").Line} */ line) => this.ends(line),
+      ends: (/** @type {Line} */ line) => this.ends(line),
     };
     const own = isDemo ? outlines.of(world, "demonstrator", moment.thetaDemo, "demo")
       : outlines.of(world, "learner", moment.theta, "own");
@@ -60,7 +60,7 @@ class View extends Plane {
     this.show(html, `Image ${name}: ${whose}, seen by the ${eye} eye${names.length ? `; it shows ${names.join(", ")}` : ""}`);
   }
 
-  /** @param {Stage} _ @param {import("../stage.js").Mark} mark */
+  /** @param {Stage} _ @param {Mark} mark */
   place(_, mark) {
     return this.placed(mark);
   }
@@ -86,7 +86,7 @@ class View extends Plane {
       const {hulls, bones} = this.outlines.of(world, who, theta, name)[side];
       held.push(...hulls.flat(), ...bones);
     };
-    const holdRecovered = (/** @type {import("../../engine/session.js").Moment} */ there) => {
+    const holdRecovered = (/** @type {Moment} */ there) => {
       const found = stage.recovered(there);
       for (const i of there.usable) held.push(found.subarray(4 * i + 2 * side, 4 * i + 2 * side + 2));
     };

@@ -91,10 +91,14 @@ def landscape(layout: Layout, model: PageModel) -> None:
         with layout.row(quiet=True):
             layout.button(lambda model: ALONE if _compares(model) else COMPARE, "compare")
             layout.button(_starts_look, "starts", hint=STARTS)
-            looks = layout.checkbox(
-                "Preview the pose", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
+            layout.checkbox(
+                "Preview the pose",
+                lambda model: model.view.look_only,
+                "switch",
+                "look_only",
+                hint=LOOK_ONLY,
+                visible=lambda model: model.view.details or model.view.look_only,
             )
-            layout.bind(lambda model: model.view.details or model.view.look_only, partial(put_visible, looks))
         for over in (ground, path, preview, links, cost, basin):
             layout.bind(lambda model: not _compares(model), partial(put_visible, over))
         own = OwnPath(ground, path)

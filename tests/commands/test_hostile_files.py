@@ -14,7 +14,7 @@ import zlib
 import pytest
 from viewimit.assets import ROOT
 
-from viewimit.commands.options import option
+from viewimit.options import option
 from viewimit.estimation.views import VIEW_NAMES
 from viewimit.sensing.files import MAX_ARRAY_BYTES
 

@@ -11,15 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimation.views import VIEW_NAMES, VIEWS, view_of
-from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
-from ..sensing.tracks import Row, write_tidy
-from ..simulation.robot import load_markers, marker_names
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     DONE,
     MISSED,
     VIEW_OPTIONS,
+    BadInput,
     add_json_option,
     add_view_options,
     between,
@@ -27,6 +23,10 @@ from .options import (
     option,
     require_separate_files,
 )
+from ..sensing.detection import FIRST_OF_DEMONSTRATOR, PICTURES
+from ..sensing.tracks import Row, write_tidy
+from ..simulation.robot import load_markers, marker_names
+from .json_output import print_json
 
 Picture = NDArray[np.uint8]
 Point = tuple[str, float, float, float]  # name, x, y [px], confidence

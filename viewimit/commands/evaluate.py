@@ -27,16 +27,12 @@ from ..geometry.affine import MIN_POINTS
 from ..geometry.kinematics.clusters import Observations
 from ..geometry.rectification import fit_rectification
 from ..loop.self_calibration import MIN_POSTURES, SelfCalibration
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..sensing.tracks import TrackedPoints, read_files, read_tidy
-from ..sensing.tracks.text import Table, column_names
-from . import BadInput, evaluate_report, lenses
-from .json_output import print_json
-from .options import (
+from ..options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
     VIEW_OPTIONS,
+    BadInput,
     add_json_option,
     add_settings,
     add_view_options,
@@ -47,6 +43,11 @@ from .options import (
     naming_words,
     require_separate_files,
 )
+from ..sensing.files import MAX_NAME_CHARS, escape
+from ..sensing.tracks import TrackedPoints, read_files, read_tidy
+from ..sensing.tracks.text import Table, column_names
+from . import evaluate_report, lenses
+from .json_output import print_json
 
 BODIES = {"demonstrator": "lr", "learner": "LR"}  # and its views
 NAMED = 10  # points that --min-confidence removed, in words

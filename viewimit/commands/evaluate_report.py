@@ -15,8 +15,8 @@ from ..drawing.images.tracked import draw_view, draw_views
 from ..estimation.outliers import Outlier
 from ..estimation.views import VIEW_NAMES
 from ..geometry.affine import MIN_POINTS
+from ..options import naming_words, posture
 from ..sensing.files import MAX_NAME_CHARS, escape
-from .options import naming_words, posture
 
 
 @dataclass(frozen=True)

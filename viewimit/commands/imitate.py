@@ -14,16 +14,13 @@ from ..loop.self_calibration import SelfCalibration
 from ..loop.session import Session
 from ..loop.settings import FIELDS, SAFETY, Settings, option
 from ..loop.snapshot import RunResult
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import SERVOS, verdict
-from . import BadInput
-from .json_output import print_json
-from .options import (
+from ..options import (
     ARM,
     DONE,
     MISSED,
     SCENE,
     SIGHT,
+    BadInput,
     add_json_option,
     add_settings,
     add_unmatched_option,
@@ -36,6 +33,9 @@ from .options import (
     posture,
     settings_from,
 )
+from ..sensing.files import MAX_NAME_CHARS, escape
+from ..servo import SERVOS, verdict
+from .json_output import print_json
 
 PAGES, TABLES = (".html", ".htm"), (".csv", ".npz")
 TABLE_DIGITS = 12  # significant, of a number in a .csv table: fewer than conversion to degrees rounds

@@ -15,9 +15,7 @@ from ..drawing.plots import describe_settings
 from ..estimation.transfers import TRANSFERS, default_transfer
 from ..loop.session import Session
 from ..loop.snapshot import Snapshot
-from ..simulation.scene import Scene
-from .json_output import print_json
-from .options import (
+from ..options import (
     DEFAULT_TRANSFER,
     DONE,
     MISSED,
@@ -31,6 +29,8 @@ from .options import (
     posture,
     settings_from,
 )
+from ..simulation.scene import Scene
+from .json_output import print_json
 
 TABLES = (".npz", ".csv")
 TITLE = "E over the postures of the learner"

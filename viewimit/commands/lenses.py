@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from ..estimation.views import FourViews
 from ..geometry.distortion import LensDistortion
+from ..options import BadInput, naming
 from ..sensing.lens_files import CalibratedLens, read_lenses
-from . import BadInput
-from .options import naming
 
 CAMERAS = "left", "right"
 COUNTS = 2, 4, 5  # of coefficients

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..drawing.theme import font_faces
+from ..options import DONE, BadInput, between, naming
 from ..sensing.detection import FIRST_OF_DEMONSTRATOR
-from . import BadInput
-from .options import DONE, between, naming
 
 if TYPE_CHECKING:
     from ..sensing.detection import Fiducials

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import msgspec
 import numpy as np
 
-from ..estimation.transfers.registry import PROJECTIVE_MIN_POINTS
-from ..estimation.views import VIEW_NAMES
-from ..geometry.distortion import RadialDistortion
-from ..loop.embodiment import require_in_workspace, workspace
-from ..loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
-from ..sensing.files import MAX_NAME_CHARS, escape
-from ..servo import Misfit, Naming
-from ..simulation.arms import require_arm
-from ..simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
-from ..simulation.eyes import require_eyes
-from ..simulation.robot import robot_names
-from ..simulation.scene import RobotFileMissing, Scene, load_robot, load_scene, scene_for_urdf, scene_names
-from ..simulation.urdf.reference import (
+from .estimation.transfers.registry import PROJECTIVE_MIN_POINTS
+from .estimation.views import VIEW_NAMES
+from .geometry.distortion import RadialDistortion
+from .loop.embodiment import require_in_workspace, workspace
+from .loop.settings import FIELDS, OWN, USUAL_POINTS, Setting, Settings, disturbances, option
+from .sensing.files import MAX_NAME_CHARS, escape
+from .servo import Misfit, Naming
+from .simulation.arms import require_arm
+from .simulation.disturbances import ArmDisturbance, Disturbance, SightDisturbance
+from .simulation.eyes import require_eyes
+from .simulation.robot import robot_names
+from .simulation.scene import RobotFileMissing, Scene, load_robot, load_scene, scene_for_urdf, scene_names
+from .simulation.urdf.reference import (
     PARTS,
     description_path,
     is_description,
@@ -31,10 +31,14 @@ from ..simulation.urdf.reference import (
     parse_reference,
     require_urdf,
 )
-from . import BadInput
 
 if TYPE_CHECKING:
-    from ..simulation.autoscene.scene import AutoScene  # it loads trimesh
+    from .simulation.autoscene.scene import AutoScene  # it loads trimesh
+
+
+class BadInput(Exception):
+    """What the user gave cannot be; the message names the option, the file or the line."""
+
 
 DONE, MISSED = 0, 1
 PAPER = Settings.paper()

@@ -125,9 +125,8 @@ def run(args: argparse.Namespace) -> int:
     with naming("--out"):
         write_tidy(args.out, rows)
     if args.json:
-        print_json(
-            args, {"markers": markers, "views": counts, "left_out": _left_out_json(left_out), "file": str(args.out)}
-        )
+        told = [{"marker": name, "why": why, "frames": frames} for (name, why), frames in left_out.items()]
+        print_json(args, {"markers": markers, "views": counts, "left_out": told, "file": str(args.out)})
     else:
         for name, count in counts.items():
             print(f"{name:<10}  {count['frames']} frames, {count['points_a_frame']:.1f} of {markers} points in each")
@@ -208,10 +207,6 @@ def _left_out(
         yield f"marker {name} in {', '.join(where)}: {why}" + ("" if "taken" in why else ", and is left out")
     if len(left_out) > MAX_LINES:
         yield f"and {len(left_out) - MAX_LINES} more such markers"
-
-
-def _left_out_json(left_out: Mapping[tuple[str, str], Mapping[str, list[int]]]) -> list[dict]:
-    return [{"marker": name, "why": why, "frames": dict(frames)} for (name, why), frames in left_out.items()]
 
 
 def _in_folder(path: Path) -> list[Path]:

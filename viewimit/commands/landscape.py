@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from ..analysis.landscape import Landscape, conflict_at, landscape
+from ..analysis.results import figure, posture
 from ..drawing.export import figures
 from ..drawing.landscape import LandscapePicture
 from ..drawing.plots import describe_settings
@@ -24,9 +25,7 @@ from ..options import (
     add_json_option,
     add_settings,
     between,
-    figure,
     naming,
-    posture,
     settings_from,
 )
 from ..simulation.scene import Scene

@@ -16,19 +16,9 @@ STYLES = "class.css", "../challenge/challenge.css"
 
 
 def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
-    """Return the lessons of a class by name.
+    """Return lessons by name, of names or files; without any, all that are shipped.
 
-    Parameters
-    ----------
-    given
-        Names or files; without any, all lessons that are shipped.
-
-    Raises
-    ------
-    ValueError
-        For a lesson that does not exist, or a file that is no lesson.
-    OSError
-        For a file that cannot be read.
+    Raises ValueError for a lesson that does not exist, or a file that is no lesson; OSError.
     """
     return dict(map(find, given)) if given else shipped()
 
@@ -36,12 +26,7 @@ def lessons_of(given: Sequence[str]) -> dict[str, Lesson]:
 def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str, Callable[[], Page]]:
     """Return what makes each page, by path. A lecturer's own lessons take seconds, as they are computed.
 
-    Parameters
-    ----------
-    lessons
-        The lessons of the class by name.
-    embed
-        Origins whose pages may show a page in a frame.
+    embed: origins whose pages may show a page in a frame.
     """
     make = lambda page: Page(page(), embed)
     lab = partial(lab_page, ways=WAYS)

@@ -67,24 +67,9 @@ class Row(NamedTuple):
 class Store:
     """Reads at once, writes in batches in a thread of its own.
 
-    Parameters
-    ----------
-    path
-        The file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be opened, or is none of a class. Then it is not changed.
-
-    Attributes
-    ----------
-    kept
-        The lecturer's settings by key, as the file had them.
-    persons
-        The numbers of persons by key.
-    rounds
-        All rounds with their votes, in the order in which they were asked.
+    kept: the lecturer's settings by key, as the file had them; persons: numbers by key; rounds: all with their votes,
+    in the order in which they were asked. Raises OSError if the file cannot be opened, or is none of a class; then it
+    is not changed.
     """
 
     def __init__(self, path: Path):

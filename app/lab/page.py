@@ -30,19 +30,9 @@ MAX_FACES = 12_000  # of each link's mesh; the shipped robots have fewer
 def lab_page(scene: Scene | None = None, name: str = SHIPPED, ways: Ways = NO_WAYS) -> str:
     """Return the lab as one HTML page.
 
-    Parameters
-    ----------
-    scene
-        The scene of the lab, the shipped one by default. Presets of other scenes are then left out.
-    name
-        As settings name that scene.
-    ways
-        Where the header's verbs lead.
-
-    Raises
-    ------
-    ValueError
-        For a scene of other than two moving joints, or with lenses that distort.
+    scene: of the lab, by default the shipped one; presets of other scenes are then left out; name: as settings name
+    that scene; ways: where the header's verbs lead. Raises ValueError for a scene of other than two moving joints, or
+    with lenses that distort.
     """
     given = scene or load_scene(SHIPPED)
     shapes, scenes, chosen = Shapes(), {}, []

@@ -18,7 +18,7 @@ from ..lab.page import lab_address, lab_lacks
 from ..model.choices import LARGE, NO_POINT
 from ..model.page_model import PageModel
 from ..model.points import chosen_layout, layout_choices
-from .panel import SLOWEST, Layout, put, put_disabled, put_html, put_visible
+from .panel import SLOWEST, Layout, put, put_html, put_properties
 
 REWRITTEN_EVERY = 2.0  # s: the address of the lab, which takes time
 SWITCHES = (
@@ -62,9 +62,9 @@ def display(layout: Layout, model: PageModel) -> None:
         pictured = model.settings.sensor == "rendered"  # which show the markers that the robot wears, in one layout
         count = len(model.session.world.body)
         why = why_no_pictures(model.session.scene)
-        put_disabled(camera, why is not None)
+        put_properties(camera, disabled=why is not None)
         put_html(why_not, "" if why is None else f'<div class="vi-why">{html.escape(why)}</div>')
-        put_visible(why_not, why is not None)
+        put_properties(why_not, visible=why is not None)
         points.options = [_count_markers(count)] if pictured else list(layout_choices(model.settings))
         points.disabled = pictured
         chosen.options = [NO_POINT, *(str(i) for i in range(count))]

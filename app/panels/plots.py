@@ -26,7 +26,7 @@ from ..drawing.overlays import (
 )
 from ..model.choices import servo_names, transfer_names
 from ..model.page_model import PageModel
-from .panel import SLOW, SLOWEST, Layout, put_html, put_visible
+from .panel import SLOW, SLOWEST, Layout, put_html, put_properties
 
 COMPARE, ALONE = ("Compare all transfers", Icon.LAYOUT_GRID), ("This transfer alone", Icon.SQUARE)
 WORDS = asks(("bias", "basin"))  # in the lines under all transfers' landscapes
@@ -95,7 +95,7 @@ def landscape(layout: Layout, model: PageModel) -> None:
                 "Preview the pose", lambda model: model.view.look_only, "switch", "look_only", hint=LOOK_ONLY
             )
         for over in (ground, path, preview, links, cost, basin):
-            layout.bind(lambda model: not _compares(model), partial(put_visible, over))
+            layout.bind(lambda model: not _compares(model), partial(_show_over, over))
         own = OwnPath(ground, path)
         layout.drawing(own.key, own.draw, own.period)
         layout.drawing(lambda model: (model.displayed.preview, model.generation), partial(_draw_preview, preview))
@@ -133,6 +133,10 @@ class OwnPath:
 def _compares(model: PageModel) -> bool:
     """Whether the landscapes of all transfers are shown."""
     return model.comparison.html is not None
+
+
+def _show_over(over: Any, visible: bool) -> None:
+    put_properties(over, visible=visible)
 
 
 def _draw_preview(preview: Any, model: PageModel) -> None:

@@ -100,24 +100,10 @@ class Situation:
 
 
 def move_eyes(scene: Scene, slider: str, value: float) -> Scene:
-    """Move the eyes of a scene.
+    """Return a scene with its eyes moved. Raises ValueError for another slider.
 
-    Parameters
-    ----------
-    scene : Scene
-    slider : {"distance", "baseline"}
-        "distance": times the distance from the middle between the gaze points, with longer focal lengths;
-        "baseline": distance of the eyes from each other [cm].
-    value : float
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    ValueError
-        For another slider.
+    slider: "distance", times the distance from the middle between the gaze points, with longer focal lengths, or
+    "baseline", the distance of the eyes from each other [cm].
     """
     if slider == "distance":
         return _at_distance(scene, value)

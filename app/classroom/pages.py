@@ -1,7 +1,6 @@
 """The pages of a class: its lessons in one page, with what a lecturer and students need, and the lab."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 
 from ..lab.lessons.format import Lesson
 from ..lab.lessons.page import HERE, lesson_page
@@ -28,10 +27,8 @@ def class_pages(lessons: Mapping[str, Lesson], embed: Sequence[str]) -> dict[str
 
     embed: origins whose pages may show a page in a frame.
     """
-    make = lambda page: Page(page(), embed)
-    lab = partial(lab_page, ways=WAYS)
-    return {"/": partial(make, partial(_lessons_page, lessons)), "/lab": partial(make, lab)}
-
-
-def _lessons_page(lessons: Mapping[str, Lesson]) -> str:
-    return lesson_page(lessons, ENTRY, "\n".join((HERE / name).read_text("utf-8") for name in STYLES), ways=WAYS)
+    styles = "\n".join((HERE / name).read_text("utf-8") for name in STYLES)
+    return {
+        "/": lambda: Page(lesson_page(lessons, ENTRY, styles, ways=WAYS), embed),
+        "/lab": lambda: Page(lab_page(ways=WAYS), embed),
+    }

@@ -17,7 +17,7 @@ from viewimit.estimation.transfers import TRANSFERS
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus, verdicts
 from viewimit.simulation.scene import Scene
-from viewimit.wording import plural, sentences
+from viewimit.wording import sentences
 
 GAP = 10
 WIDTH = 2 * COLUMN + GAP
@@ -33,7 +33,6 @@ MAX_VERTICES = 240  # of a curve or path
 ONE_DIGIT_TO = 100  # numbers below have no decimals from here, so that they do not touch
 CLASSES = ("own", "opponent")
 NAMES = ("Learner", "Opponent")
-TITLES = ("Learner: {transfer}", "Opponent: {transfer}")
 ON_ITS_WAY = (ServoStatus.REHEARSING, ServoStatus.MOVING)
 SENTENCE = "Two learners, one start, one demonstrator: which method arrives first?"
 WHY = "Choose the opponent's transfer and servo above, then begin.\nBoth start at the same place and move step by step."
@@ -131,32 +130,20 @@ def draw_errors_alone(standings: Sequence[Standing]) -> str:
 def verdict(standings: Sequence[Standing], playing: bool = True) -> tuple[str, str]:
     """Say who came within ARRIVED_DEG first, and how the other fared; no learner can know it."""
     own, other = (standing.arrived for standing in standings)
-    aim = f"{ARRIVED_DEG:g}"
+    aim = f"within {ARRIVED_DEG:g}°"
     if own is None and other is None:
-        if all(standing.snapshot.status.has_ended for standing in standings):
-            words = "Neither came within {angle}° of the demonstrator."
-        else:
-            words = "Neither is within {angle}° of the demonstrator yet."
-        return words.format(angle=aim), _whereabouts(standings, (0, 1), playing)
+        have_ended = all(standing.snapshot.status.has_ended for standing in standings)
+        words = f"came {aim} of the demonstrator" if have_ended else f"is {aim} of the demonstrator yet"
+        return f"Neither {words}.", _whereabouts(standings, (0, 1), playing)
     if own is not None and own == other:
-        tie = plural(
-            "A tie: both were within {angle}° of the demonstrator after {n} step.",
-            "A tie: both were within {angle}° of the demonstrator after {n} steps.",
-            own,
-        )
-        return tie.format(angle=aim, n=own), ""
+        return f"A tie: both were {aim} of the demonstrator after {svg.count_motions(own)}.", ""
     first = 0 if other is None or (own is not None and own < other) else 1
     soonest = min(count for count in (own, other) if count is not None)
-    won = plural(
-        "The {name} was first within {angle}°, after {n} step.",
-        "The {name} was first within {angle}°, after {n} steps.",
-        soonest,
-    ).format(name=NAMES[first].lower(), angle=aim, n=soonest)
+    won = f"The {NAMES[first].lower()} was first {aim}, after {svg.count_motions(soonest)}."
     late = standings[1 - first].arrived
     if late is None:
         return won, _whereabouts(standings, (1 - first,), playing)
-    text = plural("The {name} followed after {n} step.", "The {name} followed after {n} steps.", late)
-    return won, text.format(name=NAMES[1 - first].lower(), n=late)
+    return won, f"The {NAMES[1 - first].lower()} followed after {svg.count_motions(late)}."
 
 
 def _whereabouts(standings: Sequence[Standing], which: Sequence[int], playing: bool) -> str:
@@ -179,7 +166,7 @@ def _words(standing: Standing, k: int) -> str:
     )
     parts = [
         STYLES[k].sample(x, 8),
-        svg.text(x + 28, 12, TITLES[k].format(transfer=TRANSFERS[settings.transfer].title), f"vi-of-{CLASSES[k]}"),
+        svg.text(x + 28, 12, f"{NAMES[k]}: {TRANSFERS[settings.transfer].title}", f"vi-of-{CLASSES[k]}"),
         svg.text(x + 28, 26, SERVOS[settings.servo].title, "vi-2nd"),
     ]
     for left, (label, value, unit) in zip(COLUMNS, figures):

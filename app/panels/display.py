@@ -2,7 +2,6 @@
 what a small window shows of it."""
 
 import html
-from functools import partial
 
 from viser import Icon
 
@@ -10,7 +9,7 @@ from viewimit.drawing.export.perspective import draw_space
 from viewimit.drawing.svg import count_points
 from viewimit.simulation.eyes import require_eyes
 from viewimit.simulation.scene import Scene
-from viewimit.wording import listed, plural
+from viewimit.wording import listed
 
 from ..drawing.joint_bars import draw_body_points
 from ..drawing.overlays import LESS, MORE, link
@@ -50,7 +49,7 @@ def display(layout: Layout, model: PageModel) -> None:
         camera = layout.checkbox("Camera pictures", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
         for label, name in SWITCHES:
-            layout.checkbox(label, partial(_is_on, name), "switch", name)
+            layout.checkbox(label, lambda model, name=name: model.view.on(name), "switch", name)
         layout.button(("Fit view", None), "fit_view")
     queue.on_value(chosen, "choose_point")
     queue.on_value(points, "points")
@@ -81,7 +80,7 @@ def display(layout: Layout, model: PageModel) -> None:
 
 
 def _count_markers(count: int) -> str:
-    return plural("{n} marker", "{n} markers", count).format(n=count)
+    return f"{count} marker{'' if count == 1 else 's'}"
 
 
 def _set_theme(layout: Layout, dark: bool) -> None:
@@ -217,8 +216,3 @@ def points(layout: Layout, model: PageModel) -> None:
         put_html(status, f'<div class="vi-edited">{content}</div>')
 
     layout.drawing(lambda model: (model.points.shown, model.generation), draw)
-
-
-def _is_on(name: str, model: PageModel) -> bool:
-    """Whether a switch of the page is on."""
-    return model.view.on(name)

@@ -27,7 +27,6 @@ SLOW, SLOWEST = 0.2, 0.5  # s between two drawings of curves and of numbers, whi
 Read = Callable[[PageModel], Any]
 Period = float | Callable[[PageModel], float]
 Look = tuple[str, IconName | None]  # a button's label and icon
-NAME = "{name}: {chosen}"  # of a folder, with the choice in it
 
 
 class ClientInfo(NamedTuple):
@@ -126,7 +125,7 @@ class Layout:
 
     def folder(self, name: str, holds: Read | None = None) -> AbstractContextManager:
         """A closed folder. holds: the choice in it, in a few words, which stands beside its name."""
-        label = (lambda model: NAME.format(name=name, chosen=holds(model))) if holds else (lambda model: name)
+        label = (lambda model: f"{name}: {holds(model)}") if holds else (lambda model: name)
         handle = self.gui.add_folder(label(self._model), expand_by_default=False)
         if holds:
             self.bind(label, lambda shown: put_properties(handle, label=shown))

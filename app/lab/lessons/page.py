@@ -89,7 +89,7 @@ def page_data(
         "hulls": describe_hulls(robot),
         "scenes": {key: _with_links(scene, lab) for key, scene in scenes.items()},
         "glossary": terms(),
-        "catalogue": _in_order(catalogue),
+        "catalogue": sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1),
         "lessons": plain,
     }
 
@@ -107,11 +107,6 @@ def _with_links(scene: dict[str, Any], lab: tuple[str, str | None]) -> dict[str,
 def _is_equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
     """Whether two scenes are the same as JSON, which has no tuples."""
     return json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True)
-
-
-def _in_order(catalogue: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The shipped lessons in their order, after a lecturer's own."""
-    return sorted(catalogue, key=lambda one: ORDER.index(one["name"]) if one["name"] in ORDER else -1)
 
 
 def _robot_of(lessons: Iterable[Lesson]) -> str:

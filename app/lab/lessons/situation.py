@@ -3,7 +3,6 @@
 Scenes are those of the step's settings, with other fields where the step gives some, or with the eyes moved.
 """
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from dataclasses import replace as changed
@@ -41,11 +40,6 @@ class Situation:
     @cached_property
     def _key(self) -> bytes:
         return msgspec.json.encode([self.settings, self.scene_fields, self.sliders], order="deterministic")
-
-    @cached_property
-    def digest(self) -> str:
-        """Sixteen characters, equal for equal situations."""
-        return hashlib.sha256(self._key).hexdigest()[:16]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Situation) and self._key == other._key
@@ -89,10 +83,6 @@ class Situation:
     def with_settings(self, **fields: Any) -> "Situation":
         """Return the same step with other settings."""
         return changed(self, settings=replace(self.settings, **fields))
-
-    def with_scene(self, fields: Mapping[str, Any]) -> "Situation":
-        """Return the same step with other fields of the scene file."""
-        return changed(self, scene_fields=fields)
 
     def with_eyes(self, **sliders: float) -> "Situation":
         """Return the same step with the eyes moved, by the names of EYE_SLIDERS."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from viewimit.drawing.landscape import draw_small, small_plane
 from viewimit.drawing.plots import Axes, Style, decade_ticks, decades, log10
 from viewimit.drawing.posture_plane import PosturePlane
 from viewimit.estimation.transfers import TRANSFERS
+from viewimit.loop.session import Session
 from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS, ServoStatus, verdicts
 from viewimit.simulation.scene import Scene
@@ -48,16 +48,6 @@ class Standing:
     arrived: int | None  # motions until it was first within ARRIVED_DEG; None if it has not been
 
 
-class Racer(Protocol):
-    """A learner with its motions."""
-
-    @property
-    def history(self) -> Sequence[Snapshot]: ...
-
-    @property
-    def cursor(self) -> int: ...  # index of the present moment
-
-
 def draw_ground(scene: Scene, found: Sequence[Landscape], theta_demo: NDArray[np.float64]) -> str:
     """Draw what lies under the paths, as HTML. found: landscapes of both transfers; empty while they are computed."""
     parts = []
@@ -82,7 +72,7 @@ def draw_empty() -> str:
     return _wrap(svg.text(WIDTH / 2, y - 22, SENTENCE, "vi-mid vi-b") + "".join(why))
 
 
-def draw_race(scene: Scene, racers: Sequence[Racer], standings: Sequence[Standing], playing: bool = True) -> str:
+def draw_race(scene: Scene, racers: Sequence[Session], standings: Sequence[Standing], playing: bool = True) -> str:
     """Draw what lies over the ground, as HTML: names, paths or errors, standings, and the verdict, large."""
     plane, parts = small_plane(scene, MAX_HEIGHT), []
     for k, standing in enumerate(standings):
@@ -178,7 +168,7 @@ def _words(standing: Standing, k: int) -> str:
     return "".join(parts)
 
 
-def _path(plane: PosturePlane, racer: Racer, k: int) -> str:
+def _path(plane: PosturePlane, racer: Session, k: int) -> str:
     """Draw the motions up to the present, with the learner's mark at their end."""
     kept = svg.thinned_between(racer.cursor + 1, MAX_VERTICES, racer.cursor)
     points = plane.place(np.degrees(np.array([racer.history[i].theta for i in kept])))

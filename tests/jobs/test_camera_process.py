@@ -4,16 +4,13 @@ import io
 import os
 import threading
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
-from viewimit.app.jobs.camera_child import MOST_SCENES, Scenes, answering
-from viewimit.app.jobs.camera_images import MOST_LOOKS, CameraLost, CameraProcess, RemoteEyes, SessionEyes
+from viewimit.app.jobs.camera_child import answering
+from viewimit.app.jobs.camera_images import CameraLost, CameraProcess, SessionEyes
 from waiting import stays, wait_until
-
-from viewimit.simulation.scene import extended, load_scene
 
 
 class OddEyes:
@@ -119,42 +116,6 @@ def test_stopping_ends_whoever_waits_for_an_answer(camera):
     assert len(told) == 1 and not camera.running
     with pytest.raises(CameraLost):
         camera.open("scene")
-
-
-def test_eyes_of_few_scenes_are_kept():
-    made = []
-    scenes = Scenes(lambda scene: made.append(scene) or [scene])
-    for scene in [*range(MOST_SCENES), 0, MOST_SCENES, 0, 1]:
-        assert scenes.eyes(scene) == [scene]
-    assert made == [*range(MOST_SCENES), MOST_SCENES, 1]  # 1 was looked at least recently when the last one came
-
-
-def test_pictures_are_kept_for_a_while_by_what_they_show():
-    asked = []
-    eyes = RemoteEyes(lambda what, theta: asked.append(what) or (None, (b"left", b"right")), load_scene("panda"), 0.1)
-
-    class Moment:
-        theta, theta_demo = np.array([0.1, -0.2]), np.array([0.3, -0.4])
-
-    assert eyes.pictures(Moment) == {}
-    eyes.own_images(Moment.theta)
-    assert eyes.pictures(Moment) == {"L": b"left", "R": b"right"}
-    eyes.retake(Moment)
-    assert asked == ["own_images", "demo_images"]  # what is kept is not taken again
-    for k in range(MOST_LOOKS - 1):
-        eyes.own_images(np.array([k, 0.0]))
-    assert set(eyes.pictures(Moment)) == {"l", "r"}
-
-
-def test_no_page_has_pictures_rendered_that_all_others_would_wait_for():
-    opened = []
-    process = SimpleNamespace(open=lambda scene, key: opened.append(scene) or (1, 0.08), close=lambda key: None)
-    sized = lambda width: extended(load_scene("panda"), {"head": {"image": [width, 720]}})
-    eyes = SessionEyes(process)
-    assert eyes("rendered", sized(1280), 10).world.scene == sized(1280) and opened == [sized(1280)]
-    with pytest.raises(ValueError, match="1281 × 720 px are too large"):
-        eyes("rendered", sized(1281), 10)
-    assert eyes("projected", sized(10_000), 10) and not opened[1:]
 
 
 def test_a_session_beside_others_repeats_one_in_this_process_to_the_last_bit():

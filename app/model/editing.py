@@ -18,7 +18,7 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.servo import SERVOS
 from viewimit.wording import either
 
-from ..jobs.camera_images import CameraProcess, SessionEyes
+from ..jobs.camera_images import CameraProcess, eyes_beside
 from .choices import Preset, Presets
 from .player import DENSE, Duel, Player
 
@@ -31,11 +31,10 @@ class UndoableSession:
     settings: of its first session; in_new_world(): called after the world was replaced or the session restarted."""
 
     def __init__(self, settings: Settings, camera: CameraProcess, in_new_world: Callable[[], None]):
-        self._eyes, self._opponents_eyes = SessionEyes(camera), SessionEyes(camera)
-        self._in_new_world = in_new_world
-        self.session = Session(settings, open_eyes=self._eyes, dense=DENSE)
+        self._in_new_world, opener = in_new_world, eyes_beside(camera)
+        self.session = Session(settings, open_eyes=opener, dense=DENSE)
         self.player = Player(self.session)
-        self.duel = Duel(self.session, self.player, self._opponents_eyes)
+        self.duel = Duel(self.session, self.player, opener)
         self.presets = Presets(settings)
         self.past = UndoStack(self.player, self.presets)
 
@@ -131,11 +130,6 @@ class UndoableSession:
         """Restart the duel and tell the page of the new world."""
         self.duel.begin()
         self._in_new_world()
-
-    def close(self) -> None:
-        """Give the eyes back."""
-        self._eyes.close()
-        self._opponents_eyes.close()
 
 
 # The undo stack: branches of motions that others replaced, and sessions before a restart.

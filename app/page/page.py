@@ -46,11 +46,7 @@ class Page:
         self._sent_at: dict[str, float] = {}  # files by name
         self.model = PageModel(client.client_id, settings, services, self.queue, self._send)
         self._commands = CommandLoop(self.model, self.queue, self._announce_pictures, services.clock)
-        try:
-            self._build(services, info)
-        except BaseException:
-            self.close(0.0)  # what it has taken of the camera images
-            raise
+        self._build(services, info)
         self.model.eye = self._scene.eye
 
     @property
@@ -90,17 +86,8 @@ class Page:
         show_fault(self.layout, text)
 
     def close(self, within: float = LEAVES_WITHIN) -> bool:
-        """Close the page. Return whether its last turn has ended within that time, s."""
-        ended = self._commands.wait(within)
-        if ended:
-            self.model.close()
-        else:
-            threading.Thread(target=self._close_later, name="viewimit-leaving", daemon=True).start()
-        return ended
-
-    def _close_later(self) -> None:
-        self._commands.wait()
-        self.model.close()
+        """Return whether its last turn has ended within that time, s."""
+        return self._commands.wait(within)
 
     def _build(self, services: Services, info: ClientInfo | None) -> None:
         with self._client.atomic():
@@ -189,7 +176,7 @@ class CommandLoop:
         """Whether the session may be read: no turn changes it."""
         return not self._background.alone
 
-    def wait(self, seconds: float | None = None) -> bool:
+    def wait(self, seconds: float) -> bool:
         """Whether no turn goes on any more, after that time at most."""
         return self._background.wait(seconds)
 
@@ -314,7 +301,7 @@ class Background:
             raise fault
         return True
 
-    def wait(self, seconds: float | None = None) -> bool:
+    def wait(self, seconds: float) -> bool:
         """Whether no turn goes on any more, after that time at most."""
         if self._thread is not None:
             self._thread.join(seconds)

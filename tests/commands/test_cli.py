@@ -17,7 +17,8 @@ from viewimit.assets import ROOT
 
 import viewimit
 from viewimit.analysis.landscape import landscape_over
-from viewimit.commands import imitate, json_output
+from viewimit.analysis.results import outcome
+from viewimit.commands import json_output
 from viewimit.commands.json_output import rounded
 from viewimit.estimation.transfers import TRANSFERS
 from viewimit.experiments.bench import speed
@@ -78,7 +79,7 @@ def test_a_run_can_be_repeated_from_its_object(ask_json, words):
     assert set(told["settings"]) == set(Settings.__struct_fields__)
     session = Session(settings)
     ended = session.run(told["options"]["max_motions"])
-    again = json.loads(json.dumps(json_output.plain(imitate.outcome(session, ended))))
+    again = json.loads(json.dumps(json_output.plain(outcome(session, ended))))
     assert again == without(told, *HEADING, "settings") and len(again["history"]) > 5
 
 

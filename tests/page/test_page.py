@@ -84,15 +84,6 @@ def test_a_kept_session_comes_back_with_its_history_and_its_pictures(camera, vis
     np.testing.assert_array_equal(back.session.snapshot.views.own, visit.session.snapshot.views.own)
 
 
-def test_a_page_that_is_gone_gives_its_eyes_back_once_its_turn_has_ended(camera, visit):
-    camera.gate.clear()
-    visit.act("step")
-    visit.tick()
-    assert not visit.page.close(0.05) and camera.closed == []
-    camera.gate.set()
-    wait_until(lambda: camera.closed == [0])
-
-
 def test_a_panel_is_one_function_and_is_drawn_only_when_what_it_depends_on_changes(monkeypatch):
     drawn = []
 

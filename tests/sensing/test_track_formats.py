@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from trackers import Seen, analysis, frame_of_pandas, sleap_csv, slp
 
-from viewimit.commands.options import option
 from viewimit.estimation.views import VIEW_NAMES, VIEWS, view_of
+from viewimit.options import option
 from viewimit.sensing.tracks import read_files, read_view
 
 ROOT = Path(__file__).parent.parent.parent

@@ -1,5 +1,4 @@
-/**
- * The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
+/** The crossing and its ellipse: two eyes give two lines, and a small angle between them makes the crossing uncertain.
  */
 import {Generator, geometry, World} from "../engine/engine.js";
 import {Images} from "../view/images.js";
@@ -7,7 +6,7 @@ import {fixed} from "../view/svg.js";
 import {DEGREE} from "./frame.js";
 import {diamond, dot, imageOf, Overlay, sessionOf} from "./views.js";
 
-/** @typedef {import("../engine/transfers.js").Fitted} Fitted */
+/** @import {Fitted} from "../engine/transfers.js" */
 
 const POSE = [45 * DEGREE, -90 * DEGREE], HAND = 8, USUAL_CM = 60, USUAL_NOISE_PX = 1;
 const CHI2_95 = -2 * Math.log(.05); // 95 % quantile of χ² with two degrees of freedom

@@ -7,10 +7,9 @@ import {DEGREE} from "./frame.js";
 import {Ground} from "./ground.js";
 import {sessionOf} from "./views.js";
 
-/**
- * @typedef {"arrow" | "shift"} Name
- * @typedef {{distance: number, arrow: number, shift: number}} Row distance: times the first; arrow: px; shift: degrees
- */
+/** @typedef {"arrow" | "shift"} Name
+ * @typedef {{distance: number, arrow: number, shift: number}} Row distance: times the first; arrow: px; shift:
+ * degrees */
 
 const TIMES = [1, 2, 5, 10], PARTS = [1, 3, 10, 30]; // of the chart's axes
 const NAMES = /** @type {const} */ (["arrow", "shift"]);
@@ -75,11 +74,8 @@ export function distance(frame, data) {
   };
 }
 
-/**
- * The posture near the demonstrator's in which E is lowest, by Newton's method.
- *
- * @param {World} world of two moving joints
- */
+/** The posture near the demonstrator's in which E is lowest, by Newton's method.
+ * @param {World} world of two moving joints */
 function lowest(world) {
   const demo = world.look("demonstrator", POSE).images, {fit} = TRANSFERS.epipolar, h = DIFFERENCE_RAD;
   const E = (/** @type {number} */ first, /** @type {number} */ second) => {

@@ -1,8 +1,8 @@
 /**
  * What every figure of the article is made of: panels with drawings, controls below them, and sentences with numbers.
  *
- * @typedef {import("../engine/world.js").Scene} Scene
- * @typedef {import("../engine/camera.js").Camera} Camera
+ * @import {Scene} from "../engine/world.js"
+ * @import {Camera} from "../engine/camera.js"
  * @typedef {Object} Data what all figures share
  * @property {Scene} scene
  * @property {Scene} turned the same with a demonstrator that is turned
@@ -57,17 +57,9 @@ export class Frame {
     return box;
   }
 
-  /**
-   * @param {Object} what
-   * @param {string} what.label
-   * @param {number} what.low
-   * @param {number} what.high
-   * @param {number} what.step
-   * @param {number} what.value
-   * @param {(value: number) => string} what.text
-   * @param {(value: number) => void} what.moved
-   * @param {string} [what.kind] whose it is: its class
-   */
+  /** @param {Object} what @param {string} what.label @param {number} what.low @param {number} what.high
+   * @param {number} what.step @param {number} what.value @param {(value: number) => string} what.text
+   * @param {(value: number) => void} what.moved @param {string} [what.kind] whose it is: its class */
   slider({label, low, high, step, value, text, moved, kind = ""}) {
     const input = make("input", {type: "range", min: low, max: high, step}), output = make("b", {class: "value"});
     this.controls.append(make("label", {class: `slide ${kind}`}, make("span", {class: "name"}, label), input, output));
@@ -86,14 +78,9 @@ export class Frame {
     return {show, input};
   }
 
-  /**
-   * One of a few, side by side.
-   *
-   * @param {string} label
-   * @param {Record<string, string>} options what they are called, by their value
-   * @param {string} value
-   * @param {(value: string) => void} chosen
-   */
+  /** One of a few, side by side.
+   * @param {string} label @param {Record<string, string>} options what they are called, by their value
+   * @param {string} value @param {(value: string) => void} chosen */
   choice(label, options, value, chosen) {
     const name = `choice-${named++}`, rows = Object.entries(options).map(([key, title]) => make("label", {},
       make("input", {type: "radio", name, value: key, checked: key === value, onchange: () => {
@@ -142,12 +129,8 @@ export class Frame {
     }, held => this.box.classList.toggle("held", held));
   }
 
-  /**
-   * Arrow keys on a panel, with Shift five times as far.
-   *
-   * @param {HTMLElement} panel
-   * @param {(right: number, up: number) => void} turn
-   */
+  /** Arrow keys on a panel, with Shift five times as far.
+   * @param {HTMLElement} panel @param {(right: number, up: number) => void} turn */
   arrows(panel, turn) {
     panel.addEventListener("keydown", event => {
       const move = {ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowRight: [1, 0], ArrowLeft: [-1, 0]}[event.key];

@@ -3,7 +3,7 @@ import {Landscape} from "../engine/engine.js";
 import {EnergyMap} from "../view/map.js";
 import {turned} from "./views.js";
 
-/** @typedef {import("../engine/world.js").World} World */
+/** @import {World} from "../engine/world.js" */
 
 /** What a screen reader says of a map. */
 export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degree, with Shift by 5.";
@@ -11,11 +11,7 @@ export const KEYS = "Map of E. Arrow keys turn the learner’s joints by 1 degre
 const STEP_DEG = 2, GRIP_PX = 16, FINGER_PX = 24;
 
 export class Ground {
-  /**
-   * @param {import("./frame.js").Frame} frame
-   * @param {HTMLElement} box
-   * @param {World} world
-   */
+  /** @param {import("./frame.js").Frame} frame @param {HTMLElement} box @param {World} world */
   constructor(frame, box, world) {
     this.frame = frame;
     this.box = box;
@@ -50,11 +46,7 @@ export class Ground {
     this.isDue = true;
   }
 
-  /**
-   * @param {number[]} demonstrator
-   * @param {number[]} learner
-   * @param {{theta: number[], probe: boolean}[]} [path]
-   */
+  /** @param {number[]} demonstrator @param {number[]} learner @param {{theta: number[], probe: boolean}[]} [path] */
   draw(demonstrator, learner, path = []) {
     const landscape = this.of(demonstrator), {lower, upper, names} = this.world.scene;
     if (this.isDue) this.map.ground(landscape, {lower, upper, joints: names});
@@ -65,14 +57,9 @@ export class Ground {
     });
   }
 
-  /**
-   * What hands and keys do.
-   *
-   * @param {() => number[]} learner
-   * @param {(theta: number[]) => void} place
-   * @param {() => number[]} demonstrator
-   * @param {((theta: number[]) => void) | null} pose null where the demonstrator stays
-   */
+  /** What hands and keys do.
+   * @param {() => number[]} learner @param {(theta: number[]) => void} place @param {() => number[]} demonstrator
+   * @param {((theta: number[]) => void) | null} pose null where the demonstrator stays */
   touch(learner, place, demonstrator, pose) {
     const {frame, box, map} = this, at = (/** @type {{clientX: number, clientY: number}} */ {clientX, clientY}) => {
       const {left, top} = box.getBoundingClientRect();

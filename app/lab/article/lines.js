@@ -1,5 +1,4 @@
-/**
- * Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
+/** Two views and a line: a mark slides along its ray, stands still in one picture and walks along a line in the other.
  */
 import {geometry, projectPoint, World} from "../engine/engine.js";
 import {twoCameras} from "../lessons/rays.js";

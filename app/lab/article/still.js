@@ -15,12 +15,8 @@ export function stillOf(frame, name) {
   return copy.outerHTML;
 }
 
-/**
- * The shading and the contours of a map: shades are a mask, so that their colour is that of the theme.
- *
- * @param {import("../view/map.js").EnergyMap} map
- * @param {string} id
- */
+/** The shading and the contours of a map: shades are a mask, so that their colour is that of the theme.
+ * @param {import("../view/map.js").EnergyMap} map @param {string} id */
 function groundOf(map, id) {
   const {rows, columns, levels} = map.drawn, {lower, upper} = map.range;
   const [left, top] = map.place([upper[0], lower[1]]), [right, bottom] = map.place([lower[0], upper[1]]);

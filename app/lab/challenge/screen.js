@@ -12,8 +12,7 @@ import {levelButtons} from "./levels.js";
 import {daily, drawChallenge, fromLink, POINTS, toLink} from "./rules.js";
 
 /**
- * @typedef {import("./rules.js").Challenge} Challenge
- * @typedef {import("./rules.js").Level} Level
+ * @import {Challenge, Level} from "./rules.js"
  * @typedef {{scene: import("../engine/world.js").Scene, hulls: Record<string, number[][]>}} Robot
  * @typedef {Object} Ways out of the game
  * @property {(challenge: Challenge) => string} address to share, "" for none

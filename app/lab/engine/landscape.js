@@ -1,10 +1,8 @@
-/**
- * E over the range of the learner's two joints, as in Fig. 7 of the paper. It asks for images at every posture, so it is
- * for people: a servo cannot see it.
+/** E over the range of the learner's two joints, as in Fig. 7 of the paper. It asks for images at every posture, so it
+ * is for people: a servo cannot see it.
  *
  * The learner's images do not depend on the demonstrator: they are projected once, and a new landscape needs transfers
- * only. Noise and lost points spoil the demonstrator's images alone.
- */
+ * only. Noise and lost points spoil the demonstrator's images alone. */
 import {scatter} from "./affine.js";
 import {MIN_POINTS} from "./session.js";
 import {conflict, residual, TRANSFERS} from "./transfers.js";
@@ -36,14 +34,8 @@ export class Landscape {
     return [this.axes[0][Math.floor(posture / columns)], this.axes[1][posture % columns]];
   }
 
-  /**
-   * Fill E, or the part of it from one posture up to another, for what the learner sees of the demonstrator.
-   *
-   * @param {string} transfer
-   * @param {import("./world.js").Look} demo
-   * @param {number} [from]
-   * @param {number} [to]
-   */
+  /** Fill E, or the part of it from one posture up to another, for what the learner sees of the demonstrator.
+   * @param {string} transfer @param {import("./world.js").Look} demo @param {number} [from] @param {number} [to] */
   evaluate(transfer, {images, seen}, from = 0, to = this.count) {
     const shown = seenTwice(seen), N = this.world.body.length, minPoints = Math.min(MIN_POINTS, N);
     if (shown.length < minPoints) return void this.E.fill(NaN, from, to);

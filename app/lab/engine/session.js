@@ -5,9 +5,9 @@
  *
  * Every pass leaves one moment, which is never changed: pictures and texts read only that.
  *
- * @typedef {import("./world.js").Views} Views
- * @typedef {import("./transfers.js").Fitted} Fitted
- * @typedef {import("./servo.js").ServoState} ServoState
+ * @import {Views} from "./world.js"
+ * @import {Fitted} from "./transfers.js"
+ * @import {ServoState} from "./servo.js"
  * @typedef {"ready" | "too-few-points" | import("./servo.js").ServoStatus} Status ready: no motion was made yet; too-few-points:
  *   too few points are seen in all four images
  *
@@ -113,11 +113,8 @@ export class Session {
     this.change({demonstrator: theta});
   }
 
-  /**
-   * Go on with other settings from where the arm stands. A new servo begins to learn afresh.
-   *
-   * @param {Partial<Settings>} changes
-   */
+  /** Go on with other settings from where the arm stands. A new servo begins to learn afresh.
+   * @param {Partial<Settings>} changes */
   change(changes) {
     const now = this.now, settings = {...this.settings, ...changes}, disturbed = ["noisePx", "missing", "seed"];
     const servoState = settings.servo === this.settings.servo ? now.servoState : null;
@@ -152,15 +149,10 @@ export class Session {
     return theta.map((v, k) => clamp(Math.round(v / DEGREE * 1e9) / 1e9 * DEGREE, lower[k], upper[k]));
   }
 
-  /**
-   * posture → four views → transfer → E.
-   *
-   * @param {number[]} theta
-   * @param {number[]} thetaDemo
-   * @param {number} look
+  /** posture → four views → transfer → E.
+   * @param {number[]} theta @param {number[]} thetaDemo @param {number} look
    * @param {Omit<Moment, "theta" | "thetaDemo" | "look" | "views" | "usable" | "fitted" | "E">} rest
-   * @returns {Moment}
-   */
+   * @returns {Moment} */
   #observed(theta, thetaDemo, look, rest) {
     const views = this.observer.views(theta, thetaDemo, look), shown = seenTwice(views.demoSeen);
     const usable = seenTwice(views.ownSeen).filter(i => shown.includes(i));

@@ -20,26 +20,16 @@ import {projective} from "./projective.js";
 /** @type {Record<string, Transfer>} */
 export const TRANSFERS = {epipolar, linear, projective};
 
-/**
- * e of Eq. (6): from the transferred points to the learner's own.
- *
- * @param {Fitted} fitted
- * @param {Float64Array} demo (4 N) px
- * @param {Float64Array} own (4 N) px
- * @returns {Float64Array} (4 N) px
- */
+/** e of Eq. (6): from the transferred points to the learner's own.
+ * @param {Fitted} fitted @param {Float64Array} demo (4 N) px @param {Float64Array} own (4 N) px
+ * @returns {Float64Array} (4 N) px */
 export function residual(fitted, demo, own) {
   const recovered = fitted.recover(demo);
   return own.map((v, i) => v - recovered[i]);
 }
 
-/**
- * E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6).
- *
- * @param {Float64Array} e residuals of N points
- * @param {number} [count] N
- * @returns {number} px²
- */
+/** E = 1/(2N) Σ (|e_L|² + |e_R|²), Eq. (6).
+ * @param {Float64Array} e residuals of N points @param {number} [count] N @returns {number} px² */
 export function conflict(e, count = e.length / 4) {
   let sum = 0;
   for (let i = 0; i < e.length; i++) sum += e[i] * e[i];

@@ -1,10 +1,8 @@
 /**
  * Two arms of the same build and a stereo head: postures in, image points out, with noise and lost points from a seed.
  *
- * @typedef {import("./kinematics.js").Joint} Joint
- * @typedef {import("./kinematics.js").Link} Link
- * @typedef {import("./kinematics.js").BodyPoint} BodyPoint
- * @typedef {import("./camera.js").Camera} Camera
+ * @import {Joint, Link, BodyPoint} from "./kinematics.js"
+ * @import {Camera} from "./camera.js"
  * @typedef {"demonstrator" | "learner"} Who
  *
  * @typedef {Object} Scene what Python writes, to the last digit; angles in rad, lengths in m
@@ -86,15 +84,10 @@ export class Observer {
     return this.#disturbed(this.world.look("learner", theta), [OWN_STREAM, look]);
   }
 
-  /**
-   * How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a real
-   * camera may come late, and a learner cannot know before it has moved.
-   *
-   * @param {Look} before
-   * @param {number[]} theta
-   * @param {number} look the number of the last look
-   * @returns {number | null} null where the motion does not show at all
-   */
+  /** How many looks to wait after a first motion until an image shows it, and whether that is known then: images of a
+   * real camera may come late, and a learner cannot know before it has moved.
+   * @param {Look} before @param {number[]} theta @param {number} look the number of the last look
+   * @returns {number | null} null where the motion does not show at all */
   lag(before, theta, look) {
     const least = MOVED_PX * imageUnit(select(before.images, seenTwice(before.seen))) + MOVED_STD * this.noisePx;
     for (let lag = 0; lag <= MAX_LAG; lag++) {
@@ -124,11 +117,8 @@ export class Observer {
   }
 }
 
-/**
- * Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
- *
- * @param {number[]} theta
- */
+/** Stream of a posture, its angles in millionths of a degree: in another posture there is other noise.
+ * @param {number[]} theta */
 function streamOf(theta) {
   return theta.map(v => Math.floor(v * (180 / Math.PI) * 1e6 + 0.5) >>> 0);
 }

@@ -2,7 +2,7 @@
  * What a step asks for, as something to press: answers, a number, a goal, predictions, a bet. A mark in a
  * figure is made in marks.js, sliders are made in sliders-row.js.
  *
- * @typedef {import("./stage.js").Stage} Stage
+ * @import {Stage} from "./stage.js"
  * @typedef {Object} Asked
  * @property {HTMLElement} element
  * @property {() => void} update

@@ -2,7 +2,7 @@
  * A challenge for a class: all copy one pose, and the lecturer sees who was how fast. It is played on the students' own
  * devices, so nothing but the fun of it depends on the result.
  *
- * @typedef {import("./class-lecturer.js").Person} Person
+ * @import {Person} from "./class-lecturer.js"
  * @typedef {{number: number, lesson: string, step: string, seed: number}} Place where all are gathered
  */
 import {World} from "../engine/engine.js";

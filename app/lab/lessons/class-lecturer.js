@@ -1,13 +1,10 @@
-/**
- * What the lecturer's page has besides: a bar with what the class is to do, and a panel with persons and their steps, everyone's
- * paths, what the class has learned, and how to join.
- *
- * @typedef {import("./class-link.js").Message} Message
- * @typedef {{lesson: string, step: string, number: number, count: number, answered: boolean, motions: number,
- *   E: number | null, off: number | null, path: number[], demonstrator: number[] | null}} At
+/** What the lecturer's page has besides: a bar with what the class is to do, and a panel with persons and their steps,
+ * everyone's paths, what the class has learned, and how to join.
+ * @import {Message} from "./class-link.js"
+ * @typedef {{lesson: string, step: string, number: number, count: number, answered: boolean, motions: number, E:
+ * number | null, off: number | null, path: number[], demonstrator: number[] | null}} At
  * @typedef {{place: number, name: string, at: At | null}} Person
- * @typedef {{item: string, persons: number, before: number, after: number}} Item
- */
+ * @typedef {{item: string, persons: number, before: number, after: number}} Item */
 import {CHALLENGE, newChallenge} from "./class-challenge.js";
 import {tab} from "./class-link.js";
 import {escaped, inline, make, plain} from "./dom.js";

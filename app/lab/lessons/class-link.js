@@ -1,10 +1,8 @@
 /** The connection of a class: one websocket that comes back, and answers that wait until the server has kept them. */
 
-/**
- * @typedef {{kind: string, [field: string]: any}} Message
+/** @typedef {{kind: string, [field: string]: any}} Message
  * @typedef {{kind: "answer", seq: number, lesson: string, step: string, answer: Record<string, any>, round: number,
- *   phase: string, sure: boolean | null, seconds: number | null}} Answer
- */
+ * phase: string, sure: boolean | null, seconds: number | null}} Answer */
 const FIRST_WAIT_MS = 400, LONGEST_WAIT_MS = 5000; // before the next try to connect
 const RESEND_MS = 60; // between two answers that are sent again
 const CAUSE_MS = 10_000; // without a connection, after which the page says why

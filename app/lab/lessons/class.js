@@ -2,7 +2,7 @@
  * A lessons' page that belongs to a class: it sends answers to the server, and follows the lecturer's orders.
  * It is the page's entry; the lessons themselves know nothing of a class.
  *
- * @typedef {import("./class-link.js").Message} Message
+ * @import {Message} from "./class-link.js"
  * @typedef {{total: number, counts: number[], values: number[][], right: number | null}} Tally
  * @typedef {{right: number, gained: number, lost: number, wrong: number}} Moved
  * @typedef {{now: Tally, before: Tally | null, first: Tally | null, moved: Moved | null,

@@ -1,13 +1,8 @@
 /** Elements, and the words of lessons as HTML. */
 
-/**
- * @template {keyof HTMLElementTagNameMap} K
- * @param {K} tag
- * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners,
- *   `html` its inside
- * @param {...(Node | string | null | undefined | false)} children
- * @returns {HTMLElementTagNameMap[K]}
- */
+/** @template {keyof HTMLElementTagNameMap} K @param {K} tag
+ * @param {Record<string, any>} [properties] `class`, `aria-…` and `data-…` are attributes, `on…` listeners, `html`
+ * its inside @param {...(Node | string | null | undefined | false)} children @returns {HTMLElementTagNameMap[K]} */
 export function make(tag, properties = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -35,11 +30,8 @@ export const touched = words => isTouched() ? words.replace(/\bClick\b/g, "Tap")
 /** A measure that nothing has filled in is a dash. @param {string} words */
 const unbraced = words => words.replace(/\{[^{}]*\}/g, "–");
 
-/**
- * Words with **bold**; a bold term of the glossary explains itself.
- * @param {string} words
- * @param {Record<string, string>} [glossary]
- */
+/** Words with **bold**; a bold term of the glossary explains itself.
+ * @param {string} words @param {Record<string, string>} [glossary] */
 export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))).replaceAll("'", "’").replace(
   /\*\*(.+?)\*\*/g,
   (_, bold) => {
@@ -52,12 +44,9 @@ export const inline = (words, glossary = {}) => escaped(unbraced(touched(words))
 /** Words without marks, to be read aloud. @param {string} words */
 export const plain = words => unbraced(touched(words)).replaceAll("**", "");
 
-/**
- * A slider that was dragged gives its focus back, so that arrow keys go on with the lesson; one that was reached by
+/** A slider that was dragged gives its focus back, so that arrow keys go on with the lesson; one that was reached by
  * keys keeps it.
- *
- * @param {HTMLInputElement} input of a range
- */
+ * @param {HTMLInputElement} input of a range */
 export function letGo(input) {
   input.addEventListener("pointerdown", () => {
     const end = () => {

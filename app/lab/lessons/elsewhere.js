@@ -2,7 +2,7 @@
 import {fieldsOf} from "../view/address.js";
 import {pageLink} from "../view/link.js";
 
-/** @typedef {import("./stage.js").Stage} Stage */
+/** @import {Stage} from "./stage.js" */
 
 /** @param {Stage} stage @param {string} preset @returns {import("../view/address.js").State} */
 function stateOf({moment, session: {settings}, state}, preset) {

@@ -15,11 +15,8 @@ import {isForPage} from "../view/keys.js";
 import {byId as $, fault, unpacked} from "../view/page.js";
 
 /**
- * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./stage.js").Step} Step
- * @typedef {import("./stage.js").Mark} Mark
- * @typedef {import("./stage.js").Answer} Answer
- * @typedef {import("./step-screen.js").Screen} Screen
+ * @import {Lesson, Step, Mark, Answer} from "./stage.js"
+ * @import {Screen} from "./step-screen.js"
  * @typedef {import("./stage.js").Page & {lessons: Lesson[], start?: string,
  *   catalogue?: {name: string, title: string, short: string, about: string, afterwards: string, minutes: number,
  *   here: boolean}[]}} Data catalogue: all
@@ -73,9 +70,8 @@ function begin(data) {
   let stage = null;
   /** @type {Others} */
   let others = null;
-  /**
-   * @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was suspended
-   */
+  /** @type {{lesson: Lesson, place: Place, seeds: Map<string, number>} | null} the place before the lesson was
+   * suspended */
   let before = null;
   let isFrozen = false, isLed = false, isHeld = false, isTruthHidden = false, isArriving = false;
   const isLocked = () => isFrozen || isLed, kept = () => store.of(lesson.name);
@@ -279,11 +275,8 @@ function begin(data) {
     if (first >= 0 && !Object.keys(steps).length) return {kind: "before", k: first};
     return open ? {kind: "step", id: open.id} : last >= 0 ? {kind: "after", k: last} : {kind: "end"};
   }
-  /**
-   * The first of the questions that is not answered; -1 for none.
-   * @param {Lesson} of
-   * @param {"before" | "after"} phase
-   */
+  /** The first of the questions that is not answered; -1 for none.
+   * @param {Lesson} of @param {"before" | "after"} phase */
   const openQuestion = ({name, questions}, phase) => (questions ?? []).findIndex(({id}) => !store.of(name)[phase][id]);
   /** @param {Lesson} of */
   function progressOf(of) {
@@ -293,10 +286,8 @@ function begin(data) {
       : isAsked ? "Go on with the questions" : "See the end"};
   }
 
-  /**
-   * A step that this page has, or that is served beside it, or else its name alone.
-   * @param {string} target "lesson/step"
-   */
+  /** A step that this page has, or that is served beside it, or else its name alone.
+   * @param {string} target "lesson/step" */
   function linkTo(target) {
     const [name, id] = target.split("/"), found = data.lessons.find(one => one.name === name),
       at = found?.steps.findIndex(step => step.id === id) ?? -1;
@@ -426,10 +417,8 @@ function begin(data) {
 
   const hooks = {
     page: data,
-    /**
-     * Called with every answer.
-     * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void}
-     */
+    /** Called with every answer.
+     * @type {(step: string, answer: Answer & {place?: Mark}, right: boolean | null) => void} */
     onAnswer: () => {},
     /** Called at every screen. @type {(step: string) => void} */
     onStep: () => {},

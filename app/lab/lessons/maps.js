@@ -1,11 +1,6 @@
-/**
- * Maps of E for the figures of lessons, and where E is smallest. Images are projected once for each world, so that
+/** Maps of E for the figures of lessons, and where E is smallest. Images are projected once for each world, so that
  * moving the demonstrator costs transfers only.
- *
- * @typedef {import("../engine/world.js").Look} Look
- * @typedef {import("../engine/world.js").Who} Who
- * @typedef {import("./stage.js").Stage} Stage
- */
+ * @import {Look, Who} from "../engine/world.js" @import {Stage} from "./stage.js" */
 import {Landscape, TRANSFERS, World, residual, conflict, select} from "../engine/engine.js";
 
 const DEGREE = Math.PI / 180;
@@ -17,14 +12,9 @@ export const MAP_DEG = 2;
 
 /** A world with other images, other points, or a part of the joints' range. */
 export class Altered extends World {
-  /**
-   * @param {World} world
-   * @param {Object} changes
-   * @param {World["body"]} [changes.body]
-   * @param {number[]} [changes.lower] rad
-   * @param {number[]} [changes.upper]
-   * @param {(look: Look, who: Who, theta: ArrayLike<number>) => Look} [changes.alter]
-   */
+  /** @param {World} world @param {Object} changes @param {World["body"]} [changes.body]
+   * @param {number[]} [changes.lower] rad @param {number[]} [changes.upper]
+   * @param {(look: Look, who: Who, theta: ArrayLike<number>) => Look} [changes.alter] */
   constructor(world, {body = world.body, lower = world.scene.lower, upper = world.scene.upper, alter = look => look}) {
     super({...world.scene, lower, upper});
     this.body = body;
@@ -45,15 +35,9 @@ const seenBy = (transfer, demo) => `${transfer} ${demo.images.join()} ${demo.see
 /** @type {WeakMap<World, Map<string, {landscape: Landscape, key: string}>>} */
 const maps = new WeakMap();
 
-/**
- * The map of E. The same one comes back until something is asked for that changes it.
- *
- * @param {World} world
- * @param {string} transfer
- * @param {Look} demo images of the demonstrator
- * @param {number} [stepDeg]
- * @returns {{landscape: Landscape, key: string}} key: differs where E does
- */
+/** The map of E. The same one comes back until something is asked for that changes it.
+ * @param {World} world @param {string} transfer @param {Look} demo images of the demonstrator
+ * @param {number} [stepDeg] @returns {{landscape: Landscape, key: string}} key: differs where E does */
 export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
   const known = maps.get(world) ?? new Map(), grid = String(stepDeg), key = seenBy(transfer, demo);
   maps.set(world, known);
@@ -69,15 +53,9 @@ export function mapOf(world, transfer, demo, stepDeg = MAP_DEG) {
 /** @type {WeakMap<World, {key: string, theta: number[] | null}>} */
 const minima = new WeakMap();
 
-/**
- * The posture where E is smallest, null where it is nowhere known.
- *
- * @param {World} world
- * @param {string} transfer
- * @param {Look} demo
- * @param {number} [stepDeg] of the map where the search begins
- * @returns {number[] | null} rad
- */
+/** The posture where E is smallest, null where it is nowhere known.
+ * @param {World} world @param {string} transfer @param {Look} demo
+ * @param {number} [stepDeg] of the map where the search begins @returns {number[] | null} rad */
 export function smallest(world, transfer, demo, stepDeg = MAP_DEG) {
   const key = seenBy(transfer, demo), known = minima.get(world);
   if (known?.key === key) return known.theta;
@@ -116,26 +94,15 @@ function leastWithin(of, low, high) {
   return best;
 }
 
-/**
- * E of one posture, px²; NaN where too few points are seen.
- *
- * @param {World} world
- * @param {string} transfer
- * @param {Look} demo
- * @param {number[]} theta
- */
+/** E of one posture, px²; NaN where too few points are seen.
+ * @param {World} world @param {string} transfer @param {Look} demo @param {number[]} theta */
 export function energyAt(world, transfer, demo, theta) {
   const used = matched(world, demo, theta);
   return used ? conflict(residual(TRANSFERS[transfer].fit(used.demo, used.own), used.demo, used.own)) : NaN;
 }
 
-/**
- * The images of the points that all four views show; null if these are too few.
- *
- * @param {World} world
- * @param {Look} demo
- * @param {number[]} theta
- */
+/** The images of the points that all four views show; null if these are too few.
+ * @param {World} world @param {Look} demo @param {number[]} theta */
 function matched(world, demo, theta) {
   const own = world.look("learner", theta), points = world.body.map((_, i) => i).filter(i =>
     demo.seen[2 * i] && demo.seen[2 * i + 1] && own.seen[2 * i] && own.seen[2 * i + 1]);
@@ -146,14 +113,8 @@ function matched(world, demo, theta) {
 /** @type {WeakMap<World, {key: string, median: number}>} */
 const conditions = new WeakMap();
 
-/**
- * The median of cond(A) over the postures of a grid.
- *
- * @param {World} world
- * @param {string} transfer
- * @param {Look} demo
- * @param {number} stepDeg
- */
+/** The median of cond(A) over the postures of a grid.
+ * @param {World} world @param {string} transfer @param {Look} demo @param {number} stepDeg */
 export function medianCondition(world, transfer, demo, stepDeg) {
   const key = `${stepDeg} ${seenBy(transfer, demo)}`, known = conditions.get(world);
   if (known?.key === key) return known.median;

@@ -1,11 +1,6 @@
-/**
- * Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
+/** Measures: numbers, places and postures that a step asks for, tells and has in braces. The facts of the library come
  * first, then those computed here.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Measure} Measure
- * @typedef {import("./stage.js").Measured} Measured
- */
+ * @import {Stage, Measure, Measured} from "./stage.js" */
 import {distance, energy, placed, measured} from "./measured.js";
 import {LIMITS_MEASURES} from "./measures_limits.js";
 import {JACOBIAN_MEASURES} from "./measures_jacobian.js";
@@ -49,11 +44,8 @@ export function distanceOf(stage, name) {
 /** Whether a claim that is bet on is true. @param {Stage} stage */
 const outcome = stage => Number(measure(stage, stage.step.ask.truth ?? "").value);
 
-/**
- * Where the mark or another place is on the map of E.
- * @param {Stage} stage
- * @param {ArrayLike<number> | null} theta rad
- */
+/** Where the mark or another place is on the map of E.
+ * @param {Stage} stage @param {ArrayLike<number> | null} theta rad */
 function energyAt(stage, theta) {
   return theta ? stage.session.observe(Array.from(theta)).E : NaN;
 }
@@ -96,11 +88,8 @@ export function measure(stage, name) {
   return MEASURES[name]?.(stage) ?? measured(NaN);
 }
 
-/**
- * A measure as it was when the truth was shown: later turns of sliders change no judgement.
- * @param {Stage} stage
- * @param {string} name
- */
+/** A measure as it was when the truth was shown: later turns of sliders change no judgement.
+ * @param {Stage} stage @param {string} name */
 export const judged = (stage, name) => stage.graded?.[name] ?? measure(stage, name);
 
 /** All measures that judge the answer or are named beside it, as they are now. @param {Stage} stage */
@@ -116,10 +105,7 @@ export function grade(stage) {
   }));
 }
 
-/**
- * Words with their {measures}; no line ends between a number and its unit.
- * @param {string} words
- * @param {Stage} stage
- */
+/** Words with their {measures}; no line ends between a number and its unit.
+ * @param {string} words @param {Stage} stage */
 export const fill = (words, stage) => words.replace(/\{([^}]*)\}/g, (_, name) =>
   judged(stage, name).text.replace(/^([−\d.,]+) (?=\S+$)/, "$1\u00a0"));

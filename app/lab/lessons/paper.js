@@ -1,11 +1,6 @@
-/**
- * A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
+/** A lesson on paper, as the browser prints it: each step with its pictures, its question and room for the answer; the
  * solutions come on pages of their own.
- *
- * @typedef {import("./stage.js").Lesson} Lesson
- * @typedef {import("./stage.js").Page} Page
- * @typedef {import("./stage.js").Step} Step
- */
+ * @import {Lesson, Page} from "./stage.js" */
 import {rightChoice} from "./answers.js";
 import {inline, make} from "./dom.js";
 import {ending} from "./figures/cards.js";
@@ -161,12 +156,8 @@ function table(heads, rows) {
   return make("table", {}, cells(heads, "th"), ...rows.map(row => cells(row, "td")));
 }
 
-/**
- * Before the browser prints, the paper is laid out in light colours; afterwards it goes.
- *
- * @param {Page} page
- * @param {() => Lesson[]} lessons to print now
- */
+/** Before the browser prints, the paper is laid out in light colours; afterwards it goes.
+ * @param {Page} page @param {() => Lesson[]} lessons to print now */
 export function printable(page, lessons) {
   const root = document.documentElement;
   /** @type {HTMLElement | null} */

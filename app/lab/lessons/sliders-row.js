@@ -1,9 +1,5 @@
-/**
- * The sliders of a step. They are in reach where something has to be done, and otherwise once it was answered.
- *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Slider} Slider
- */
+/** The sliders of a step. They are in reach where something has to be done, and otherwise once it was answered.
+ * @import {Stage, Slider} from "./stage.js" */
 import {inline, letGo, make, track} from "./dom.js";
 import {short} from "./measured.js";
 
@@ -22,12 +18,8 @@ export function areOpen(stage) {
 }
 
 export class SlidersRow {
-  /**
-   * @param {HTMLElement} box
-   * @param {Stage} stage
-   * @param {(slider: Slider, value: number) => void} slid while it is dragged
-   * @param {() => void} released
-   */
+  /** @param {HTMLElement} box @param {Stage} stage
+   * @param {(slider: Slider, value: number) => void} slid while it is dragged @param {() => void} released */
   constructor(box, stage, slid, released) {
     this.stage = stage;
     this.box = box;

@@ -2,7 +2,7 @@
 import {isReached} from "./answers.js";
 import {measure} from "./measures.js";
 
-/** @typedef {import("./stage.js").Stage} Stage */
+/** @import {Stage} from "./stage.js" */
 
 const GRID = 9, ROUNDS = 40, MIN_SHARE = 1e-4; // values of a slider at first; rounds of a search that halves its steps
 

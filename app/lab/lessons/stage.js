@@ -4,7 +4,7 @@
  *
  * @typedef {import("../engine/world.js").Scene & {page?: {scene: string | null, layouts: string[],
  *   preset: string | null}}} Scene page: as viewimit's page names it, and the lab's preset; null where there is none
- * @typedef {import("../engine/session.js").Moment} Moment
+ * @import {Moment} from "../engine/session.js"
  * @typedef {[number, number]} Mark a place in a figure, in its unit
  * @typedef {{value: any, unit: string, text: string}} Measured value: a number,
  *   a place or a posture; text: with its unit
@@ -21,7 +21,7 @@
  * @property {number} [missing]
  * @property {number} [seed]
  *
- * @typedef {{value: number, cameras: import("../engine/world.js").Camera[]}[]} Variants the eyes at a slider's values
+ * @typedef {{value: number, cameras: import("../engine/camera.js").Camera[]}[]} Variants the eyes at a slider's values
  * @typedef {{state: State, facts?: Record<string, Measured>, records?: Record<string, any>,
  *   variants?: Record<string, Variants>}} Sample one of those that the seed picks from, laid over the step's own
  * @typedef {{figure: string, show?: string[], reveal?: string[], hide?: string[]}} FigureUse
@@ -154,12 +154,9 @@ const KNOB_RAD = 20 * DEGREE, KNOB_GAINS = [.6, 1.2]; // rad of a joint at a kno
 const SETTINGS = /** @type {const} */ ({noise_px: "noisePx", missing: "missing", seed: "seed", transfer: "transfer"});
 
 export class Stage {
-  /**
-   * @param {Page} page
-   * @param {Step} step
-   * @param {{seed?: number, previous?: Stage | null}} [from] seed: of the random state,
-   *   from 1; previous: the step that goes on here
-   */
+  /** @param {Page} page @param {Step} step
+   * @param {{seed?: number, previous?: Stage | null}} [from] seed: of the random state, from 1; previous: the step
+   * that goes on here */
   constructor(page, step, {seed = 1, previous = null} = {}) {
     this.page = page;
     /** @type {Step} */
@@ -316,13 +313,8 @@ export class Stage {
     return geometry(moment);
   }
 
-  /**
-   * The epipolar line of the chosen point of l (0) or r (1) in L (0) or R (1); null if there is none.
-   *
-   * @param {number} eye
-   * @param {number} [side]
-   * @param {Moment} [moment]
-   */
+  /** The epipolar line of the chosen point of l (0) or r (1) in L (0) or R (1); null if there is none.
+   * @param {number} eye @param {number} [side] @param {Moment} [moment] */
   line(eye, side = 0, moment = this.moment) {
     const [pointed, own] = [moment.views.demo, moment.views.own].map(images =>
       images.subarray(4 * this.chosen, 4 * this.chosen + 4));
@@ -336,11 +328,8 @@ export class Stage {
     return stageMap(this, stepDeg).landscape;
   }
 
-  /**
-   * A servo's run from the step's start: recorded, or else computed here.
-   * @param {string} servo
-   * @returns {Race | null}
-   */
+  /** A servo's run from the step's start: recorded, or else computed here.
+   * @param {string} servo @returns {Race | null} */
   race(servo) {
     if (this.records.races?.[servo]) return this.records.races[servo];
     if (!(servo in SERVOS)) return null;
@@ -369,14 +358,10 @@ export class Stage {
     return Math.round(this.reveal * (all - 1));
   }
 
-  /**
-   * Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints by the random matrix,
-   * `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the eyes; noise_px,
-   * missing, seed and transfer are settings. Of any other name, the figures make what they know.
-   *
-   * @param {string} name
-   * @param {number} value
-   */
+  /** Turn a slider, by its name: `own 1`, `demo 2`, `guess 1` are joints in degrees, `knob 1` turns both joints by the
+   * random matrix, `pose apart` goes from the demonstrator's posture (0) to the start (1). Names of `variants` move the
+   * eyes; noise_px, missing, seed and transfer are settings. Of any other name, the figures make what they know.
+   * @param {string} name @param {number} value */
   slide(name, value) {
     this.sliders.set(name, value);
     const [kind, number] = name.split(" "), joint = Number(number) - 1, {moment} = this;

@@ -1,11 +1,7 @@
 /**
  * The screen of a step: its card, its figures and its sliders, and what hands do with them.
  *
- * @typedef {import("./stage.js").Stage} Stage
- * @typedef {import("./stage.js").Mark} Mark
- * @typedef {import("./stage.js").Slider} Slider
- * @typedef {import("./stage.js").Figure} Figure
- * @typedef {import("./stage.js").FigureUse} FigureUse
+ * @import {Stage, Mark, Slider, Figure, FigureUse} from "./stage.js"
  * @typedef {{use: FigureUse, kind: import("./stage.js").FigureKind, box: HTMLElement, figure: Figure,
  *   isAsked: boolean}} Mounted
  * @typedef {Object} Course what the page around it does

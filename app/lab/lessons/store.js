@@ -1,8 +1,7 @@
 /**
  * Answers that are kept in the browser, lesson by lesson. Where a browser keeps nothing, they live as long as the page.
  *
- * @typedef {import("./stage.js").Answer} Answer
- * @typedef {import("./stage.js").Mark} Mark
+ * @import {Answer, Mark} from "./stage.js"
  * @typedef {Object} KeptStep
  * @property {Answer} answer
  * @property {Mark | null} mark

@@ -42,15 +42,9 @@ export function beginning(preset, scene) {
   return {preset: name, points, transfer, servo, noisePx, missing, seed, demonstrator, start, steps: 0};
 }
 
-/**
- * Read an address; what it does not say, or says wrongly, is as in the preset.
- *
- * @param {string} hash
- * @param {Preset[]} presets
- * @param {Record<string, import("../engine/world.js").Scene>} scenes
- * @param {string[]} [wrong] where what it says wrongly is added
- * @returns {State}
- */
+/** Read an address; what it does not say, or says wrongly, is as in the preset.
+ * @param {string} hash @param {Preset[]} presets @param {Record<string, import("../engine/world.js").Scene>} scenes
+ * @param {string[]} [wrong] where what it says wrongly is added @returns {State} */
 export function fromAddress(hash, presets, scenes, wrong = []) {
   /** @type {Map<string, string>} */
   const asked = new Map();
@@ -116,12 +110,8 @@ export function fromAddress(hash, presets, scenes, wrong = []) {
 /** Angles as people read them; the lab's own have no more digits. @param {number[]} angles rad */
 export const inDegrees = angles => angles.map(v => Number((v / DEGREE).toFixed(2))).join();
 
-/**
- * The fields of a state, without the values that are those of the preset.
- *
- * @param {State} state
- * @param {State} usual
- */
+/** The fields of a state, without the values that are those of the preset.
+ * @param {State} state @param {State} usual */
 export function fieldsOf(state, usual) {
   const parts = [`demo=${inDegrees(state.demonstrator)}`, `start=${inDegrees(state.start)}`];
   if (state.servo !== usual.servo) parts.push(`servo=${state.servo}`);
@@ -139,13 +129,8 @@ export function actionsOf({steps, later = []}) {
   return [...first, ...later.flatMap(move => [`demo=${inDegrees(move.demonstrator)}`, ...move.steps ? [`steps=${move.steps}`] : []])];
 }
 
-/**
- * The address of a state, without the values that are those of the preset.
- *
- * @param {State} state
- * @param {Preset} preset
- * @param {import("../engine/world.js").Scene} scene
- */
+/** The address of a state, without the values that are those of the preset.
+ * @param {State} state @param {Preset} preset @param {import("../engine/world.js").Scene} scene */
 export function toAddress(state, preset, scene) {
   const point = Number(state.point) < scene.layouts[state.points].length ? [`point=${state.point}`] : [];
   return `#${[`preset=${state.preset}`, ...fieldsOf(state, beginning(preset, scene)), ...point, ...actionsOf(state)].join("&")}`;

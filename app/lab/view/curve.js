@@ -54,11 +54,8 @@ ${now === null ? "" : `<path class="vi-cursor" d="${cursor}"/>`}`;
 }
 
 export class Curve extends Plot {
-  /**
-   * @param {Step[]} history
-   * @param {number} [at] index of the step that is shown, the last one by default
-   * @param {number | null} [least] E in the demonstrator's posture, px²: a line
-   */
+  /** @param {Step[]} history @param {number} [at] index of the step that is shown, the last one by default
+   * @param {number | null} [least] E in the demonstrator's posture, px²: a line */
   draw(history, at = history.length - 1, least = null) {
     const {width, height} = this, now = history[at], key = [history.length, now.motion, now.E, at, least].join(" ");
     if (key === this.last) return;
@@ -93,11 +90,8 @@ ${labels}${rest}<path class="vi-line-E" d="${line(0, at)}"/>${probes}${here}`;
 
 /** The learner's angles, and dashed those of the demonstrator. */
 export class Angles extends Plot {
-  /**
-   * @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history
-   * @param {number} at
-   * @param {string[]} symbols of the joints
-   */
+  /** @param {{motion: number, theta: number[], thetaDemo: number[]}[]} history @param {number} at
+   * @param {string[]} symbols of the joints */
   draw(history, at, symbols) {
     const key = `${history.length} ${at}`;
     if (key === this.last) return;

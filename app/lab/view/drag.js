@@ -1,13 +1,8 @@
-/**
- * Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page.
- */
+/** Dragging with a finger or a pointer, at most once a frame. A finger that takes hold of nothing scrolls the page. */
 
-/**
- * @param {HTMLElement | SVGElement} element
+/** @param {HTMLElement | SVGElement} element
  * @param {(event: PointerEvent) => ((event: PointerEvent) => void) | null} begin what follows the pointer from here,
- *   null for nothing
- * @param {(held: boolean) => void} held
- */
+ * null for nothing @param {(held: boolean) => void} held */
 export function draggable(element, begin, held) {
   let isHeld = false;
   // It comes after the pointer went down, and would scroll; while the page still scrolls it cannot be refused

@@ -3,7 +3,7 @@ import {projectPoint, reachFor, transform} from "../engine/engine.js";
 import {draggable} from "./drag.js";
 import {byId as $} from "./page.js";
 
-/** @typedef {import("./lab.js").Lab} Lab @typedef {import("./space.js").Who} Who */
+/** @import {Lab} from "./lab.js" @import {Who} from "./space.js" */
 
 const DEGREE = Math.PI / 180, LARGE_STEP = 5; // degrees by an arrow key, with Shift
 const GRIP_PX = 30, HAND_PX = 8; // around what can be gripped in the scene, and by how much farther the hand can
@@ -39,14 +39,8 @@ export function dragging(lab) {
 /** @param {Lab} lab @param {Who} who */
 const posture = (lab, who) => who === "learner" ? lab.experiment.now.theta : lab.experiment.now.thetaDemo;
 
-/**
- * Bring something of an arm to a target.
- *
- * @param {Lab} lab
- * @param {Who} who
- * @param {(theta: number[]) => number[]} seen
- * @param {number[]} target
- */
+/** Bring something of an arm to a target.
+ * @param {Lab} lab @param {Who} who @param {(theta: number[]) => number[]} seen @param {number[]} target */
 function reach(lab, who, seen, target) {
   const {scene: {lower, upper}} = lab.experiment, theta = reachFor(seen, target, posture(lab, who), lower, upper);
   if (who === "learner") lab.place(theta);
@@ -92,12 +86,8 @@ function gripArm(lab, event) {
     reach(lab, hit.who, hit.seen, [clientX - hit.box.left - hit.grip[0], clientY - hit.box.top - hit.grip[1]]));
 }
 
-/**
- * What of an arm can be gripped here: the hand, or the origin of a link that a joint moves.
- *
- * @param {Lab} lab
- * @param {PointerEvent} event
- */
+/** What of an arm can be gripped here: the hand, or the origin of a link that a joint moves.
+ * @param {Lab} lab @param {PointerEvent} event */
 function nearestGrip(lab, event) {
   const {view, experiment: {scene, world}} = lab;
   const box = $("space").getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;

@@ -5,12 +5,8 @@ import {pageLink} from "./link.js";
 
 const DEGREE = Math.PI / 180;
 
-/**
- * @typedef {import("./address.js").State} State
- * @typedef {import("../engine/session.js").Moment} Moment
- * @typedef {import("./view.js").Scene} Scene
- * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[]}} Offered
- */
+/** @import {State} from "./address.js" @import {Moment} from "../engine/session.js" @import {Scene} from "./view.js"
+ * @typedef {{scenes: Record<string, Scene>, presets: import("./address.js").Preset[]}} Offered */
 
 export class Experiment {
   /** @param {Offered} offered @param {string} address */

@@ -1,9 +1,9 @@
 /**
  * The four images as SVG: silhouettes, points, transferred points, residuals and the lines of the chosen point.
  *
- * @typedef {import("../engine/world.js").World} World
- * @typedef {import("../engine/session.js").Moment} Moment
- * @typedef {import("../engine/affine.js").Line} Line
+ * @import {World} from "../engine/world.js"
+ * @import {Moment} from "../engine/session.js"
+ * @import {Line} from "../engine/affine.js"
  * @typedef {Object} Construction of the chosen point: where noise of 1 px in l, r spreads it in L, R, and the steps to it
  * @property {{x: number, y: number, long: number, short: number, turn: number}[]} ellipses in L, R; px, turn in degrees
  * @property {number[][][] | null} steps in l, r, L, R: px
@@ -29,10 +29,8 @@ const LAYERS = ["vi-goal", "vi-goal-bone", "vi-hull", "vi-bone", "vi-line", "vi-
   "vi-own vi-unused", "vi-seen", "vi-seen vi-unused", "vi-found", "vi-ring"];
 
 /** @typedef {{hulls: number[][][], bones: number[][]}} Outline of an arm in one image, px */
-/**
- * @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
- *   per px
- */
+/** @typedef {{x: number, y: number, scale: number}} Window the image's point at the drawing's corner, and drawing px
+ * per px */
 
 /** @param {Record<string, number[][]>} hulls outermost vertices of links, by their number */
 export const outermost = hulls => Object.entries(hulls).map(([link, vertices]) => ({link: Number(link), vertices}));
@@ -56,15 +54,9 @@ export class Outlines {
     this.known = {};
   }
 
-  /**
-   * Silhouettes of the links and the line through their origins, in both images.
-   *
-   * @param {World} world
-   * @param {"demonstrator" | "learner"} who
-   * @param {ArrayLike<number>} theta
-   * @param {string} name under which the last one is kept
-   * @returns {Outline[]}
-   */
+  /** Silhouettes of the links and the line through their origins, in both images.
+   * @param {World} world @param {"demonstrator" | "learner"} who @param {ArrayLike<number>} theta
+   * @param {string} name under which the last one is kept @returns {Outline[]} */
   of(world, who, theta, name) {
     const key = Array.from(theta).join(), known = this.known[name];
     if (known?.key === key && known.scene === world.scene) return known.outlines;
@@ -80,10 +72,8 @@ export class Outlines {
 }
 
 export class Images {
-  /**
-   * @param {Record<string, HTMLElement>} boxes by view: all or some
-   * @param {Record<string, number[][]>} hulls outermost vertices of links
-   */
+  /** @param {Record<string, HTMLElement>} boxes by view: all or some
+   * @param {Record<string, number[][]>} hulls outermost vertices of links */
   constructor(boxes, hulls) {
     this.outlines = new Outlines(hulls);
     this.views = VIEWS.map((view, k) => ({view, k})).filter(({view}) => boxes[view]).map(({view, k}) => {
@@ -166,25 +156,15 @@ export class Images {
     return /** @type {Images["views"][number]} */ (this.views.find(view => view.k === k));
   }
 
-  /**
-   * Where a place of an image is drawn, in its drawing's units.
-   *
-   * @param {number} k the view
-   * @param {number} x px
-   * @param {number} y px
-   * @returns {[number, number]}
-   */
+  /** Where a place of an image is drawn, in its drawing's units.
+   * @param {number} k the view @param {number} x px @param {number} y px @returns {[number, number]} */
   place(k, x, y) {
     const {window} = this.view(k);
     return [(x - window.x) * window.scale, (y - window.y) * window.scale];
   }
 
-  /**
-   * The demonstrator's skeleton as the transfer puts it into the learner's views.
-   *
-   * @param {Pick<Moment, "fitted">} moment
-   * @param {Outline[]} demo
-   */
+  /** The demonstrator's skeleton as the transfer puts it into the learner's views.
+   * @param {Pick<Moment, "fitted">} moment @param {Outline[]} demo */
   #recoveredBones({fitted}, demo) {
     if (!fitted) return null;
     const joints = demo[0].bones.map((p, i) => [p[0], p[1], demo[1].bones[i][0], demo[1].bones[i][1]]);
@@ -219,15 +199,9 @@ export class Images {
     return off > .3;
   }
 
-  /**
-   * @param {Images["views"][number]} view
-   * @param {import("../engine/camera.js").Camera} camera
-   * @param {Picture} picture
-   * @param {Outline} outline
-   * @param {Outline | null} ghost
-   * @param {Float64Array | null} goalImages
-   * @param {number[][] | null} bones
-   */
+  /** @param {Images["views"][number]} view @param {import("../engine/camera.js").Camera} camera
+   * @param {Picture} picture @param {Outline} outline @param {Outline | null} ghost
+   * @param {Float64Array | null} goalImages @param {number[][] | null} bones */
   #drawView(view, camera, {moment, recovered, lines, chosen, construction}, outline, ghost, goalImages, bones) {
     const {x, y, scale} = view.window, side = view.k & 1, isDemo = view.k < 2, {views} = moment;
     const images = isDemo ? views.demo : views.own, seen = isDemo ? views.demoSeen : views.ownSeen;
@@ -247,11 +221,8 @@ export class Images {
     const diamond = (/** @type {number} */ r) => (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - r)} ${px(b)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
     const times = (/** @type {number} */ a, /** @type {number} */ b) => `M${px(a - 3)} ${px(b - 3)}l6 6m0-6l-6 6`;
     const used = new Set(moment.usable);
-    /**
-     * @param {(a: number, b: number) => string} mark
-     * @param {boolean} isUsed
-     * @returns {(a: number, b: number, i: number) => string}
-     */
+    /** @param {(a: number, b: number) => string} mark @param {boolean} isUsed
+     * @returns {(a: number, b: number, i: number) => string} */
     const shown = (mark, isUsed) => (a, b, i) => seen[2 * i + side] && used.has(i) === isUsed ? mark(a, b) : "";
     /** @type {Record<string, string>} */
     const d = {"vi-hull": closed(outline.hulls), "vi-bone": polyline(outline.bones)};

@@ -5,14 +5,11 @@ const FINE_DEG = 1, QUICK_DEG = 2, SLOW_QUICK_DEG = 4; // steps: at rest, in mot
 const SLICE_MS = 7, REST_MS = 120, BLOCK = 256; // postures computed between two looks at the clock
 const REFINEMENTS = 4, NARROWER = 4, DEGREE = Math.PI / 180; // of the lowest E: rounds, and by how much each is narrower
 
-/** @typedef {import("../engine/world.js").Look} Look */
+/** @import {Look} from "../engine/world.js" */
 
 export class Landscapes {
-  /**
-   * @param {import("./map.js").EnergyMap} map
-   * @param {import("./experiment.js").Experiment} experiment
-   * @param {() => void} changed when the fine one is drawn
-   */
+  /** @param {import("./map.js").EnergyMap} map @param {import("./experiment.js").Experiment} experiment
+   * @param {() => void} changed when the fine one is drawn */
   constructor(map, experiment, changed) {
     this.map = map;
     this.experiment = experiment;
@@ -116,14 +113,9 @@ function equal(a, b) {
   return true;
 }
 
-/**
- * E at any posture, NaN where it is not known.
- *
- * @param {import("../engine/world.js").World} world
- * @param {string} transfer
- * @param {Look} demo
- * @returns {(theta: number[]) => number} px²
- */
+/** E at any posture, NaN where it is not known.
+ * @param {import("../engine/world.js").World} world @param {string} transfer @param {Look} demo
+ * @returns {(theta: number[]) => number} px² */
 const energyOf = (world, transfer, demo) => theta => {
   const {images, seen} = world.look("learner", theta), usable = [];
   for (let i = 0; i < images.length / 4; i++)
@@ -144,15 +136,10 @@ function lowestOfGrid(landscape) {
   }, scene);
 }
 
-/**
- * The lowest place of the paraboloid through nine postures: one Newton step, which must not lead farther than they do.
- *
- * @param {number[]} theta rad
- * @param {number[]} step rad, from each of the nine to the next
- * @param {(theta: number[]) => number} energyAt
- * @param {{lower: number[], upper: number[]}} limits
- * @returns {number[]}
- */
+/** The lowest place of the paraboloid through nine postures: one Newton step, which must not lead farther than they do.
+ * @param {number[]} theta rad @param {number[]} step rad, from each of the nine to the next
+ * @param {(theta: number[]) => number} energyAt @param {{lower: number[], upper: number[]}} limits
+ * @returns {number[]} */
 function lowestNear(theta, step, energyAt, {lower, upper}) {
   const middle = theta.map((v, k) => clamp(v, lower[k] + step[k], upper[k] - step[k]));
   const at = (/** @type {number} */ i, /** @type {number} */ j) => middle.map((v, k) => v + [i, j][k] * step[k]);

@@ -7,11 +7,9 @@ import {byId as $, fault, unpacked} from "./page.js";
 import {Replay} from "./replay.js";
 import {View} from "./view.js";
 
-/**
- * @typedef {import("./view.js").Common & import("./experiment.js").Offered &
- *   {run?: import("./recorded.js").Run, words?: string}} Data run: of a replay, whose presets are empty where the lab
- *   cannot take over; words: the glossary, in HTML
- */
+/** @typedef {import("./view.js").Common & import("./experiment.js").Offered & {run?: import("./recorded.js").Run,
+ * words?: string}} Data run: of a replay, whose presets are empty where the lab cannot take over; words: the
+ * glossary, in HTML */
 
 /** @param {Data} data @param {ArrayBuffer} meshes */
 function begin(data, meshes) {

@@ -2,8 +2,7 @@
 import {clamp} from "../engine/engine.js";
 import {add, drawingUnit, px, set} from "./svg.js";
 
-/**
- * @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
+/** @typedef {Pick<import("../engine/landscape.js").Landscape, "axes" | "count" | "E" | "minimum" | "posture">} Ground
  */
 
 /** @typedef {{clientX: number, clientY: number}} Pointer */
@@ -16,15 +15,9 @@ const NEAR_PX = 12, RING_PX = 11; // of the learner from other marks
 const TICK_PX = 36; // from one angle to the next
 const PAD = {left: 52, top: 8, right: 12, bottom: 31};
 
-/**
- * Marching squares: where a grid of values crosses a level, in grid units.
- *
- * @param {Float64Array} z row by row
- * @param {number} rows
- * @param {number} columns
- * @param {number} level
- * @param {(x0: number, y0: number, x1: number, y1: number) => void} line
- */
+/** Marching squares: where a grid of values crosses a level, in grid units.
+ * @param {Float64Array} z row by row @param {number} rows @param {number} columns @param {number} level
+ * @param {(x0: number, y0: number, x1: number, y1: number) => void} line */
 export function contour(z, rows, columns, level, line) {
   for (let i = 0; i < rows - 1; i++) for (let j = 0; j < columns - 1; j++) {
     const at = i * columns + j, a = z[at] - level, b = z[at + 1] - level, c = z[at + columns + 1] - level, d = z[at + columns] - level;
@@ -62,11 +55,8 @@ export class EnergyMap {
     /** Places of the contours' numbers. @type {number[][]} */
     this.numbers = [];
     this.z = new Float64Array(0);
-    /**
-     * The drawing below the marks: its grid, and the contours' levels, ln px².
-     *
-     * @type {{rows: number, columns: number, levels: number[]}}
-     */
+    /** The drawing below the marks: its grid, and the contours' levels, ln px².
+     * @type {{rows: number, columns: number, levels: number[]}} */
     this.drawn = {rows: 0, columns: 0, levels: []};
     /** px of a drawing's unit */
     this.unit = 1;
@@ -108,12 +98,9 @@ export class EnergyMap {
     return this.posture(x, y);
   }
 
-  /**
-   * Shade E, and draw its contours.
-   *
+  /** Shade E, and draw its contours.
    * @param {Ground | null} landscape null for the axes alone
-   * @param {{lower: number[], upper: number[], joints: string[]}} range
-   */
+   * @param {{lower: number[], upper: number[], joints: string[]}} range */
   ground(landscape, range) {
     this.range = range;
     this.unit = drawingUnit();
@@ -228,15 +215,11 @@ export class EnergyMap {
     brush.putImageData(pixels, 0, 0);
   }
 
-  /**
-   * @param {Object} what
-   * @param {number[] | null} what.demonstrator null to leave it out
-   * @param {number[]} what.learner
-   * @param {number[] | null} what.minimum
-   * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another E
-   * @param {number[][]} [what.later] postures still to come, of a recorded run
-   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before
-   */
+  /** @param {Object} what @param {number[] | null} what.demonstrator null to leave it out
+   * @param {number[]} what.learner @param {number[] | null} what.minimum
+   * @param {{theta: number[], probe: boolean, isPast: boolean}[]} what.path postures visited; those past had another
+   * E @param {number[][]} [what.later] postures still to come, of a recorded run
+   * @param {number[][]} [what.demonstrators] postures where the demonstrator was before */
   marks({demonstrator, learner, minimum, path, later = [], demonstrators = []}) {
     const {width, height} = this, at = (/** @type {number[]} */ theta) => this.place(theta).map(px).join(" "), [x, y] = this.place(learner);
     const goal = demonstrator && this.place(demonstrator), dots = [[x, y], ...goal ? [goal] : []];

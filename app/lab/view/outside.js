@@ -46,13 +46,9 @@ export class Outside {
     set(this.plane, {width: px(this.width - 1), height: px(this.height - 1)});
   }
 
-  /**
-   * Look from a direction, so that all of some places are in sight.
-   *
-   * @param {number} azimuth rad, from the world's x to where the spectator stands
-   * @param {number} elevation rad
-   * @param {ArrayLike<number>[]} places
-   */
+  /** Look from a direction, so that all of some places are in sight.
+   * @param {number} azimuth rad, from the world's x to where the spectator stands @param {number} elevation rad
+   * @param {ArrayLike<number>[]} places */
   aim(azimuth, elevation, places) {
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
     this.axes = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
@@ -63,12 +59,8 @@ export class Outside {
     this.window = {x: (left + right) / 2 - width / scale / 2, y: (top + bottom) / 2 - height / scale / 2, scale};
   }
 
-  /**
-   * Where a point of the world is drawn, in the drawing's units.
-   *
-   * @param {ArrayLike<number>} point
-   * @returns {[number, number]}
-   */
+  /** Where a point of the world is drawn, in the drawing's units.
+   * @param {ArrayLike<number>} point @returns {[number, number]} */
   place(point) {
     const {x, y, scale} = this.window;
     return [(along(this.axes[0], point) - x) * scale, (-along(this.axes[1], point) - y) * scale];
@@ -80,14 +72,9 @@ export class Outside {
     return [(event.clientX - box.left) / box.width * this.width, (event.clientY - box.top) / box.height * this.height];
   }
 
-  /**
-   * The point of a line that is drawn nearest to a place.
-   *
-   * @param {[number, number]} place
-   * @param {ArrayLike<number>} from
-   * @param {ArrayLike<number>} to
-   * @returns {number} 0 at `from`, 1 at `to`
-   */
+  /** The point of a line that is drawn nearest to a place.
+   * @param {[number, number]} place @param {ArrayLike<number>} from @param {ArrayLike<number>} to
+   * @returns {number} 0 at `from`, 1 at `to` */
   share([x, y], from, to) {
     const [a, b] = this.place(from), [c, d] = this.place(to), u = c - a, v = d - b;
     return ((x - a) * u + (y - b) * v) / (u * u + v * v);

@@ -9,11 +9,8 @@ const NOD_WAIT_MS = 900, NOD_MS = 1500, NOD_RAD = .16;
 const HELD = .25; // share of a period while something is dragged
 
 export class Player {
-  /**
-   * @param {import("./experiment.js").Experiment} experiment
-   * @param {() => void} draw a frame
-   * @param {() => void} stepped
-   */
+  /** @param {import("./experiment.js").Experiment} experiment @param {() => void} draw a frame
+   * @param {() => void} stepped */
   constructor(experiment, draw, stepped) {
     this.experiment = experiment;
     this.drawNow = draw;

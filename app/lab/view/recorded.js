@@ -43,7 +43,7 @@ import {EpipolarGeometry, MIN_POINTS, select} from "../engine/engine.js";
  * @property {number[]} [unknown]
  * @typedef {{chosen: number | null, snapshots: RecordedMoment[], methods: Method[], maps: RecordedMap[],
  *   demonstrators: {theta: number[], images: (number | null)[], seen: string}[]}} Run
- * @typedef {import("../engine/affine.js").Line} Line
+ * @import {Line} from "../engine/affine.js"
  */
 
 const PX = 100, RAD = 1e6, SHARE = 1000; // units of the recording in a px, a rad and the logarithm of E
@@ -83,13 +83,8 @@ export class Recorded {
     this.maps = run.maps.map(map => this.#ground(map));
   }
 
-  /**
-   * The epipolar lines of a point, if the transfer crosses them.
-   *
-   * @param {number} k
-   * @param {number} point
-   * @returns {Line[]}
-   */
+  /** The epipolar lines of a point, if the transfer crosses them.
+   * @param {number} k @param {number} point @returns {Line[]} */
   lines(k, point) {
     const {views: {demo, own}, usable} = this.snapshots[k], method = this.run.methods[this.run.snapshots[k].method];
     if (!method.crosses || !usable.includes(point) || usable.length < MIN_POINTS) return [];
@@ -123,12 +118,8 @@ export class Recorded {
     return `${found} With 1 px of noise 95 % fall in the ellipse.`;
   }
 
-  /**
-   * A map of E as map.js draws it; null where there is none.
-   *
-   * @param {RecordedMap} map
-   * @returns {import("./map.js").Ground | null}
-   */
+  /** A map of E as map.js draws it; null where there is none.
+   * @param {RecordedMap} map @returns {import("./map.js").Ground | null} */
   #ground({size, level, unknown, minimum}) {
     if (!size || !level || !unknown || !minimum) return null;
     const {lower, upper} = this.scene, count = level.length, E = new Float64Array(count);

@@ -7,12 +7,9 @@ const RAIL = '<span class="rail"><svg viewBox="0 0 100 22" preserveAspectRatio="
   + '<input type="range"><s></s></span>';
 
 export class Sliders {
-  /**
-   * @param {HTMLElement} box
-   * @param {"demonstrator" | "learner"} who
+  /** @param {HTMLElement} box @param {"demonstrator" | "learner"} who
    * @param {(joint: number, angle: number) => void} moved
-   * @param {(held: boolean) => void} held whether a finger is on one of them
-   */
+   * @param {(held: boolean) => void} held whether a finger is on one of them */
   constructor(box, who, moved, held) {
     this.box = box;
     this.who = who;

@@ -100,27 +100,16 @@ function normalsOf(places, faces) {
   return normals;
 }
 
-/**
- * @param {HTMLCanvasElement} canvas
- * @param {HTMLElement} labelsIn over the canvas
- * @param {Common} common
- * @param {ArrayBuffer} meshes
- * @param {(() => void) | null} slow is called once if the first frames take too long
- * @returns {ReturnType<typeof spaceOn> | null} null without WebGL 2
- */
+/** @param {HTMLCanvasElement} canvas @param {HTMLElement} labelsIn over the canvas @param {Common} common
+ * @param {ArrayBuffer} meshes @param {(() => void) | null} slow is called once if the first frames take too long
+ * @returns {ReturnType<typeof spaceOn> | null} null without WebGL 2 */
 export function openSpace(canvas, labelsIn, common, meshes, slow) {
   const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, preserveDrawingBuffer: true});
   return gl && spaceOn(gl, canvas, labelsIn, common, meshes, slow);
 }
 
-/**
- * @param {WebGL2RenderingContext} gl
- * @param {HTMLCanvasElement} canvas
- * @param {HTMLElement} labelsIn
- * @param {Common} common
- * @param {ArrayBuffer} meshes
- * @param {(() => void) | null} slow
- */
+/** @param {WebGL2RenderingContext} gl @param {HTMLCanvasElement} canvas @param {HTMLElement} labelsIn
+ * @param {Common} common @param {ArrayBuffer} meshes @param {(() => void) | null} slow */
 function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   /** @param {string} vs @param {string} fs */
   const program = (vs, fs) => {
@@ -141,11 +130,8 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   /** @typedef {ReturnType<typeof program>} Program */
   const solid = program(SOLID_VS, SOLID_FS), flat = program(SOLID_VS, FLAT_FS), floor = program(SOLID_VS, FLOOR_FS), line = program(LINE_VS, LINE_FS);
 
-  /**
-   * @param {Float32Array<ArrayBuffer>} places
-   * @param {Float32Array<ArrayBuffer>} normals
-   * @param {Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>} faces
-   */
+  /** @param {Float32Array<ArrayBuffer>} places @param {Float32Array<ArrayBuffer>} normals
+   * @param {Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>} faces */
   const shape = (places, normals, faces) => {
     const made = gl.createVertexArray(), buffers = [places, normals].map((data, k) => {
       const buffer = gl.createBuffer();
@@ -201,10 +187,8 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   const sun = unit([-2, -3, 5]), sunRight = unit(cross([0, 0, 1], sun)), sunUp = cross(sun, sunRight);
 
   // What stands still
-  /**
-   * @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[],
-   *   ground: Shape, middle: Vector, wide: number, lit: Float32Array, labels: Name[]}}
-   */
+  /** @type {{size: number, stage: Stage, solids: {T: Float32Array, colour: string, shape: Shape}[], plates: Shape[],
+   * ground: Shape, middle: Vector, wide: number, lit: Float32Array, labels: Name[]}} */
   let set;
   /** @param {Stage} stage */
   const setStage = stage => {
@@ -288,12 +272,8 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
     const [right, up, back] = axes();
     return product(perspective(fov, aspect(), .02 * set.size, 60 * set.size), viewed(right, up, back, sum(target, back, distance)));
   };
-  /**
-   * Where a point of the world is drawn: px from the canvas's corner, and depth.
-   *
-   * @param {ArrayLike<number>} p
-   * @returns {Vector}
-   */
+  /** Where a point of the world is drawn: px from the canvas's corner, and depth.
+   * @param {ArrayLike<number>} p @returns {Vector} */
   const project = (p, seen = seenBy()) => {
     const [x, y, , w] = [0, 1, 2, 3].map(i => seen[i] * p[0] + seen[4 + i] * p[1] + seen[8 + i] * p[2] + seen[12 + i]);
     return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight, w];
@@ -301,24 +281,14 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
 
   /** @type {number[]} */
   const spans = [];
-  /**
-   * @param {ArrayLike<number>} a
-   * @param {ArrayLike<number>} b
-   * @param {number[]} colour
-   * @param {number} width
-   * @param {number} [alpha]
-   */
+  /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b @param {number[]} colour @param {number} width
+   * @param {number} [alpha] */
   const addLine = (a, b, colour, width, alpha = 1) => {
     for (const [end, side] of [[0, -1], [0, 1], [1, 1], [0, -1], [1, 1], [1, -1]])
       spans.push(a[0], a[1], a[2], b[0], b[1], b[2], end, end ? -side : side, width, colour[0] / 255, colour[1] / 255, colour[2] / 255, alpha);
   };
-  /**
-   * @param {Program} how
-   * @param {Shape} what
-   * @param {Float32Array} model
-   * @param {number[]} [colour]
-   * @param {number} [alpha]
-   */
+  /** @param {Program} how @param {Shape} what @param {Float32Array} model @param {number[]} [colour]
+   * @param {number} [alpha] */
   const draw = (how, what, model, colour, alpha = 1) => {
     gl.uniformMatrix4fv(how.at("model"), false, model);
     if (colour) gl.uniform4f(how.at("colour"), ...linear(colour), alpha);
@@ -497,19 +467,12 @@ function spaceOn(gl, canvas, labelsIn, common, meshes, slow) {
   return {setStage, fit, recolour, turn, zoom, project, isTurned: () => !untouched, show: (/** @type {Shown | null} */ what) => { shown = what; later(); }};
 }
 
-/**
- * A name in the scene. view: 0 … 3 for the name of an image, -1 for others; place: of the eight around its plate.
- *
- * @typedef {{label: HTMLElement, at: Vector, view: number, place: number}} Name
- */
+/** A name in the scene. view: 0 … 3 for the name of an image, -1 for others; place: of the eight around its plate.
+ * @typedef {{label: HTMLElement, at: Vector, view: number, place: number}} Name */
 
-/**
- * Where the name of an image is drawn: outside its plate, away from all lines. It stays there while it has room.
- *
- * @param {Vector[][][]} frusta their edges on the canvas: four of the plate, four to the eye
- * @param {number} view
- * @param {Name} name
- */
+/** Where the name of an image is drawn: outside its plate, away from all lines. It stays there while it has room.
+ * @param {Vector[][][]} frusta their edges on the canvas: four of the plate, four to the eye @param {number} view
+ * @param {Name} name */
 function beside(frusta, view, name) {
   const corners = frusta[view].slice(0, 4).map(([from]) => from), mean = (/** @type {Vector[]} */ ...points) =>
     [0, 1].map(k => points.reduce((all, p) => all + p[k], 0) / points.length);

@@ -2,13 +2,8 @@
 
 const NAMESPACE = "http://www.w3.org/2000/svg";
 
-/**
- * @template {keyof SVGElementTagNameMap} K
- * @param {Element} within
- * @param {K} tag
- * @param {Record<string, string | number>} [attributes]
- * @returns {SVGElementTagNameMap[K]}
- */
+/** @template {keyof SVGElementTagNameMap} K @param {Element} within @param {K} tag
+ * @param {Record<string, string | number>} [attributes] @returns {SVGElementTagNameMap[K]} */
 export function add(within, tag, attributes = {}) {
   const made = document.createElementNS(NAMESPACE, tag);
   set(made, attributes);
@@ -39,12 +34,9 @@ export const px = value => value.toFixed(1);
 /** How many px a drawing's unit is: its marks and letters grow with the page's own. */
 export const drawingUnit = () => Math.max(1, parseFloat(getComputedStyle(document.documentElement).fontSize) / 15);
 
-/**
- * The size of a drawing that fills its box.
- *
+/** The size of a drawing that fills its box.
  * @param {{clientWidth: number, clientHeight: number}} box
- * @returns {{unit: number, width: number, height: number}} px of a unit; units
- */
+ * @returns {{unit: number, width: number, height: number}} px of a unit; units */
 export function drawingSize({clientWidth, clientHeight}) {
   const unit = drawingUnit();
   return {unit, width: Math.max(clientWidth, 40) / unit, height: Math.max(clientHeight, 40) / unit};

@@ -1,8 +1,7 @@
 /**
  * The map of E over both joints, large: empty, or with its relief, and with the ways that were gone over it.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
+ * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {Object} Way over the map
  * @property {string} name
  * @property {string} role you, learner, opponent or slow
@@ -104,13 +103,8 @@ function marks(map, stage, layers) {
 const turnsOwn = ({step: {ask, sliders}, isRevealed}) =>
   isRevealed && ask.kind !== "do" && (sliders ?? []).some(({name}) => name.startsWith("own "));
 
-/**
- * Leave the visitor's mark free, its name, and the pill between it and the truth.
- *
- * @param {Names} names
- * @param {number[]} mark
- * @param {number[] | null} truth
- */
+/** Leave the visitor's mark free, its name, and the pill between it and the truth.
+ * @param {Names} names @param {number[]} mark @param {number[] | null} truth */
 function takeMark(names, [x, y], truth) {
   names.keep([x, y], 18);
   if (x < NEAR_EDGE) names.keepBox([x, y - 10, x + MARK_WIDE, y + 10]);

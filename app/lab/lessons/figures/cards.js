@@ -14,14 +14,10 @@ export function named(box, kind, name) {
   box.setAttribute("aria-label", name);
 }
 
-/**
- * A figure of words and numbers in a named box, written again where they differ.
- *
- * @param {string} kind class of the box
- * @param {string} name
+/** A figure of words and numbers in a named box, written again where they differ.
+ * @param {string} kind class of the box @param {string} name
  * @param {(stage: import("../stage.js").Stage, layers: Set<string>) => string} write HTML
- * @returns {import("../stage.js").FigureKind["create"]}
- */
+ * @returns {import("../stage.js").FigureKind["create"]} */
 export const written = (kind, name, write) => box => {
   named(box, kind, name);
   let last = "";
@@ -33,28 +29,18 @@ export const written = (kind, name, write) => box => {
   };
 };
 
-/**
- * A card with a small head.
- *
- * @param {"learner" | "truth" | "plain"} kind
- * @param {string} head
- * @param {string} bold its main sentence; empty for none
- * @param {string} [more] HTML after it
- * @param {string} [dot] colour of the mark before the main sentence
- */
+/** A card with a small head.
+ * @param {"learner" | "truth" | "plain"} kind @param {string} head
+ * @param {string} bold its main sentence; empty for none @param {string} [more] HTML after it
+ * @param {string} [dot] colour of the mark before the main sentence */
 export function card(kind, head, bold, more = "", dot = "") {
   const icon = kind === "plain" ? "" : ICONS[kind], mark = dot ? `<i class="state ${dot}"></i>` : "";
   const said = bold ? `<b>${mark}${escaped(bold)}</b>` : "";
   return `<div class="lesson-says lesson-says-${kind}"><small>${icon}${escaped(head)}</small>${said}${more}</div>`;
 }
 
-/**
- * How a run ended, as every front end says it.
- *
- * @param {import("../stage.js").Claim} claim
- * @param {{E: number[]}} run
- * @param {string[]} names of the joints
- */
+/** How a run ended, as every front end says it.
+ * @param {import("../stage.js").Claim} claim @param {{E: number[]}} run @param {string[]} names of the joints */
 export const ending = ({status, seen, unobservable, expectedOffDeg}, {E}, names) => told(status, {
   steps: E.length - 1, E: E[E.length - 1], seen, expectedOffDeg,
   joints: unobservable.length ? `the ${unobservable.map(k => names[k]).join(" and the ")}` : undefined,

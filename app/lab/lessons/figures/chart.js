@@ -42,12 +42,8 @@ export class Chart {
     this.plane.measure();
   }
 
-  /**
-   * @param {Axes} axes
-   * @param {Curve[]} curves
-   * @param {string} label
-   * @param {string} [extra] drawn behind the curves, by `place`
-   */
+  /** @param {Axes} axes @param {Curve[]} curves @param {string} label
+   * @param {string} [extra] drawn behind the curves, by `place` */
   draw(axes, curves, label, extra = "") {
     const {width, height} = this.plane, names = new Names([0, 0, width, height]), isLow = height < LOW;
     const ticks = isLow ? [] : axes.yTicks ?? round(axes.y, axes.log);

@@ -2,9 +2,8 @@
  * A motion of the demonstrator's hand that lines follow that were found once: in L, and from the side, where only
  * a viewer can stand.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../../engine/world.js").World} World
+ * @import {Stage, FigureKind} from "../stage.js"
+ * @import {World} from "../../engine/world.js"
  * @typedef {{frozen: number[], postures: number[][]}} Followed rad: the posture in which lines were found, and those by
  *   which the learner followed
  * @typedef {{demonstrator: number[][], right: Followed, early: Followed}} CircleRuns rad
@@ -47,11 +46,8 @@ export const CIRCLE_FROM_SIDE = {
   create: box => create(box, fromSide),
 };
 
-/**
- * @typedef {{hands: Hand[], curves: Curve[], room: number[][], upwards: boolean, unit: string, perUnit: number}} Shown
- * @param {HTMLElement} box
- * @param {(stage: Stage, layers: Set<string>) => Shown} shownOf
- */
+/** @typedef {{hands: Hand[], curves: Curve[], room: number[][], upwards: boolean, unit: string, perUnit: number}}
+ * Shown @param {HTMLElement} box @param {(stage: Stage, layers: Set<string>) => Shown} shownOf */
 function create(box, shownOf) {
   const drawing = new Drawing(box, "lesson-circle");
   return {
@@ -200,15 +196,8 @@ const rowOf = ({role, name, still}) => {
   return [`<g class="lesson-hand-${role}">${sample}</g>`, name, `vi-b lesson-hand-words-${role}`];
 };
 
-/**
- * Over the way, on a logarithmic scale.
- *
- * @param {Curve} curve
- * @param {number} top
- * @param {number} high
- * @param {number} width
- * @param {number} frame
- */
+/** Over the way, on a logarithmic scale.
+ * @param {Curve} curve @param {number} top @param {number} high @param {number} width @param {number} frame */
 function drawnCurve({title, unit, values, low, high: most}, top, high, width, frame) {
   const all = values.flatMap(([, of]) => of).map(v => Math.max(v, low / 100)), left = 44, right = width - 8;
   const {from, to, ticks} = decades([low, most, ...all], Math.floor((high - 30) / 16));

@@ -2,9 +2,8 @@
  * Where two lines cross, through a magnifying glass: pixels are squares, one line is also drawn one pixel away, and the
  * ellipse holds the transferred point if pixels are off.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../../engine/affine.js").Line} Line
+ * @import {Stage, FigureKind} from "../stage.js"
+ * @import {Line} from "../../engine/affine.js"
  * @typedef {{lines: [Line, Line], at: number[], moved: Line, movedAt: number[]}} Crossing px in L: lines from l and r,
  *   where they cross, and the same with the second one moved by a pixel
  * @typedef {{at: number[], halfAxes: number[], direction: number}} Ellipse px, the longer half axis first; rad
@@ -51,14 +50,9 @@ export const angleOf = ({lines: [p, q]}) => Math.asin(Math.min(1, Math.abs(p.a *
 /** How far a pixel moves the crossing, px. @param {Crossing} crossing */
 export const shiftOf = ({at, movedAt}) => Math.hypot(movedAt[0] - at[0], movedAt[1] - at[1]);
 
-/**
- * In which a transferred point lies, 19 times of 20, if each coordinate in l and r is off by a pixel (one standard
+/** In which a transferred point lies, 19 times of 20, if each coordinate in l and r is off by a pixel (one standard
  * deviation).
- *
- * @param {Stage} stage
- * @param {number} [side] 0 for L, 1 for R
- * @returns {Ellipse | null} null without a transfer
- */
+ * @param {Stage} stage @param {number} [side] 0 for L, 1 for R @returns {Ellipse | null} null without a transfer */
 export function ellipseOf(stage, side = 0) {
   const {fitted, views, usable} = stage.moment, {chosen} = stage;
   if (!fitted || !usable.includes(chosen)) return null;

@@ -1,9 +1,6 @@
-/**
- * Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
- *
+/** Drawings of lessons: SVG as large as its box, in units that grow with the page's letters.
  * @typedef {[number, number]} Place in units of a drawing
- * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing
- */
+ * @typedef {[number, number, number, number]} Rectangle left, top, right, bottom, in units of a drawing */
 import {add, drawingSize, px, set} from "../../view/svg.js";
 
 const LETTER_PX = 12.5; // size of letters, in units
@@ -52,14 +49,10 @@ export class Drawing {
   }
 }
 
-/**
- * A figure that is one drawing.
- *
+/** A figure that is one drawing.
  * @param {string} kind class of the drawing
- * @param {(drawing: Drawing, stage: import("../stage.js").Stage, layers: Set<string>) => [string, string]} write SVG,
- *   and the drawing in words
- * @returns {import("../stage.js").FigureKind["create"]}
- */
+ * @param {(drawing: Drawing, stage: import("../stage.js").Stage, layers: Set<string>) => [string, string]} write
+ * SVG, and the drawing in words @returns {import("../stage.js").FigureKind["create"]} */
 export const sketched = (kind, write) => box => {
   const drawing = new Drawing(box, kind);
   return {resize: () => drawing.measure(), draw: (stage, layers) => drawing.show(...write(drawing, stage, layers))};
@@ -101,13 +94,8 @@ export const circles = (points, r) => points.map(([x, y]) =>
 export const crosses = (points, r) =>
   points.map(([x, y]) => `M${px(x - r)} ${px(y)}h${2 * r}m-${r}-${r}v${2 * r}`).join("");
 
-/**
- * Arrows from points to others, short ones without a tip.
- *
- * @param {number[][]} from
- * @param {number[][]} to
- * @param {number} [head]
- */
+/** Arrows from points to others, short ones without a tip.
+ * @param {number[][]} from @param {number[][]} to @param {number} [head] */
 export function arrows(from, to, head = 6) {
   let lines = "", tips = "";
   from.forEach(([a, b], k) => {
@@ -128,14 +116,8 @@ export function crossHair([x, y]) {
   return path("lesson-you-case", hair) + path("lesson-you", hair);
 }
 
-/**
- * Words on a pill beside the middle of a line, or on it, where nothing is yet.
- *
- * @param {number[]} at
- * @param {number[]} to
- * @param {string} words
- * @param {import("./names.js").Names} names
- */
+/** Words on a pill beside the middle of a line, or on it, where nothing is yet.
+ * @param {number[]} at @param {number[]} to @param {string} words @param {import("./names.js").Names} names */
 export function pill(at, to, words, names) {
   const wide = widthOf(words, true) + 18, long = Math.hypot(to[0] - at[0], to[1] - at[1]);
   const [u, v] = long < 1 ? [1, 0] : [(to[0] - at[0]) / long, (to[1] - at[1]) / long];
@@ -152,15 +134,10 @@ export function pill(at, to, words, names) {
   return "";
 }
 
-/**
- * Rows that explain lines or marks, beside each other where there is room, and their height.
- *
+/** Rows that explain lines or marks, beside each other where there is room, and their height.
  * @param {[string, string, string?][]} rows sample around (15, 0), 30 wide; words; classes of the words
- * @param {number} x
- * @param {number} y of the first row's middle
- * @param {number} width
- * @returns {{drawn: string, height: number}}
- */
+ * @param {number} x @param {number} y of the first row's middle @param {number} width
+ * @returns {{drawn: string, height: number}} */
 export function legend(rows, x, y, width) {
   let left = x, row = 0, drawn = "";
   for (const [sample, words, kind] of rows) {
@@ -177,28 +154,16 @@ export function legend(rows, x, y, width) {
 /** How high `legend` would be. @param {[string, string, string?][]} rows @param {number} width */
 export const legendHeight = (rows, width) => legend(rows, 0, 0, width).height;
 
-/**
- * An axis: values to places.
- *
- * @param {number} low
- * @param {number} high
- * @param {number} from place of the low value
- * @param {number} to
- * @param {boolean} [logarithmic]
- */
+/** An axis: values to places.
+ * @param {number} low @param {number} high @param {number} from place of the low value @param {number} to
+ * @param {boolean} [logarithmic] */
 export function axis(low, high, from, to, logarithmic = false) {
   const of = logarithmic ? Math.log : (/** @type {number} */ v) => v;
   return (/** @type {number} */ value) => from + (to - from) * (of(value) - of(low)) / (of(high) - of(low));
 }
 
-/**
- * @param {string} kind
- * @param {number} x
- * @param {number} y
- * @param {number} width
- * @param {number} height
- * @param {number} [round] radius of the corners
- */
+/** @param {string} kind @param {number} x @param {number} y @param {number} width @param {number} height
+ * @param {number} [round] radius of the corners */
 export const rectangle = (kind, x, y, width, height, round = 0) =>
   `<rect class="${kind}" x="${px(x)}" y="${px(y)}" width="${px(Math.max(width, 0))}" height="${px(Math.max(height, 0))}"
  rx="${round}"/>`;

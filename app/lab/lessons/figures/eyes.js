@@ -2,8 +2,7 @@
  * Pictures 1 and 2 of the two cameras at one arm: a mark and the line that its slide along a ray draws, or three marks,
  * the lines of their rays, and the epipole in which these meet.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
+ * @import {Stage, FigureKind} from "../stage.js"
  */
 import {projectPoint} from "../../engine/camera.js";
 import {transform} from "../../engine/kinematics.js";
@@ -50,12 +49,9 @@ class Picture {
     if (moves) plane.again(() => this.draw(stage, layers));
   }
 
-  /**
-   * A mark on a stick, and where its slide takes it.
-   *
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras
-   * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names
-   */
+  /** A mark on a stick, and where its slide takes it.
+   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #stick({world, reveal}, layers, cameras, see, names) {
     const {plane} = this, mark = markOf(world), slide = sliding(reveal), first = cameras[0];
     const now = reveal > 0 ? onRay(first, mark, slide.share) : mark, [x, y] = see(mark);
@@ -92,12 +88,9 @@ class Picture {
     return false;
   }
 
-  /**
-   * An arm with three marks, the lines of their rays, and where these meet.
-   *
-   * @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras
-   * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names
-   */
+  /** An arm with three marks, the lines of their rays, and where these meet.
+   * @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras
+   * @param {(p: ArrayLike<number>) => [number, number, number]} see @param {Names} names */
   #arm(stage, layers, cameras, see, names) {
     const {plane} = this, frames = stage.world.arms.demonstrator.linkFrames(stage.moment.thetaDemo);
     const hulls = this.hulls.map(({link, vertices}) => silhouette(vertices.map(v => see(transform(frames[link], v)))));
@@ -141,14 +134,8 @@ class Picture {
     return moves;
   }
 
-  /**
-   * An arrow to an epipole that the window does not hold.
-   *
-   * @param {ArrayLike<number>} e
-   * @param {number[]} middle
-   * @param {number} far px
-   * @param {Names} names
-   */
+  /** An arrow to an epipole that the window does not hold.
+   * @param {ArrayLike<number>} e @param {number[]} middle @param {number} far px @param {Names} names */
   #beyond(e, middle, far, names) {
     const {plane} = this, from = plane.at(middle), line = through(middle, e), ends = plane.ends(line);
     if (!ends.length) return "";
@@ -164,14 +151,8 @@ class Picture {
   }
 }
 
-/**
- * A line that grows from a mark both ways, first to the epipole.
- *
- * @param {[number, number]} from
- * @param {ArrayLike<number>} to
- * @param {number} share
- * @param {Plane} plane
- */
+/** A line that grows from a mark both ways, first to the epipole.
+ * @param {[number, number]} from @param {ArrayLike<number>} to @param {number} share @param {Plane} plane */
 function towards(from, to, share, plane) {
   const d = [to[0] - from[0], to[1] - from[1]];
   const ends = [-share, share].map(s => [from[0] + s * d[0], from[1] + s * d[1]]);

@@ -1,9 +1,5 @@
-/**
- * Layers of the four images: points that bear each other's names, and the ellipse of a transferred point.
- *
- * @typedef {import("./view-layers.js").Frame} Frame
- * @typedef {import("./view-layers.js").Layer} Layer
- */
+/** Layers of the four images: points that bear each other's names, and the ellipse of a transferred point.
+ * @import {Frame, Layer} from "./view-layers.js" */
 import {clamp} from "../../engine/engine.js";
 import {drawnEllipse, ellipseOf} from "./crossing.js";
 import {circles, path, polyline, text} from "./drawing.js";
@@ -31,15 +27,9 @@ export const LIMITS_LAYERS = {
   },
 };
 
-/**
- * A point's name beyond a ring, within the drawing.
- *
- * @param {Frame} frame
- * @param {number[]} at
- * @param {number[]} unit along the pair
- * @param {number} by units
- * @param {number} name
- */
+/** A point's name beyond a ring, within the drawing.
+ * @param {Frame} frame @param {number[]} at @param {number[]} unit along the pair @param {number} by units
+ * @param {number} name */
 function named({width, height}, at, unit, by, name) {
   const x = clamp(at[0] + by * unit[0], EDGE, width - EDGE), y = clamp(at[1] + by * unit[1], EDGE, height - EDGE);
   return text(x, y + 4.5, String(name), "lesson-pair-name vi-b vi-halo vi-mid");

@@ -1,11 +1,6 @@
-/**
- * Maps of E with all matches, with few of them, and with all of them nearly in a plane; and which points are matched.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../../engine/landscape.js").Landscape} Landscape
- * @typedef {import("../../engine/world.js").World} World
- */
+/** Maps of E with all matches, with few of them, and with all of them nearly in a plane; and which points are matched.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Landscape} from "../../engine/landscape.js"
+ * @import {World} from "../../engine/world.js" */
 import {centred} from "../../engine/affine.js";
 import {dot, symmetricEigen} from "../../engine/algebra.js";
 import {projectPoint, select} from "../../engine/engine.js";
@@ -153,12 +148,8 @@ function planeMap(stage) {
   return mapOf(world, TRANSFER, world.look("demonstrator", stage.moment.thetaDemo), STEP_DEG);
 }
 
-/**
- * The points, moved on their links towards the plane through their middle in which the arm moves.
- *
- * @param {Stage} stage
- * @returns {World["body"]}
- */
+/** The points, moved on their links towards the plane through their middle in which the arm moves.
+ * @param {Stage} stage @returns {World["body"]} */
 function pressed({world, moment}) {
   const arm = world.arms.demonstrator, theta = moment.thetaDemo, frames = arm.frames(theta), normal = [0, 0, 0];
   arm.joints.forEach(({axis}, k) => {

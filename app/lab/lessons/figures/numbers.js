@@ -1,10 +1,5 @@
-/**
- * Figures that are numbers: E with its formula, how E went, who came how far, and what the crossing is near to.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../stage.js").Race} Race
- */
+/** Figures that are numbers: E with its formula, how E went, who came how far, and what the crossing is near to.
+ * @import {Stage, FigureKind, Race} from "../stage.js" */
 import {energyText, fixed} from "../../view/svg.js";
 import {verdicts} from "../../view/words.js";
 import {measure} from "../measures.js";
@@ -27,14 +22,9 @@ function holder(box, kind) {
   return made;
 }
 
-/**
- * An HTML figure.
- *
+/** An HTML figure.
  * @param {(stage: Stage, layers: Set<string>) => [string, string]} draw its HTML and what a screen reader says
- * @param {string} kind its class
- * @param {Partial<FigureKind>} [about]
- * @returns {FigureKind}
- */
+ * @param {string} kind its class @param {Partial<FigureKind>} [about] @returns {FigureKind} */
 const written = (draw, kind, about = {}) => ({
   layers: [], ...about,
   create: box => {
@@ -121,12 +111,8 @@ export const progress = {
   },
 };
 
-/**
- * A race's cells: steps to the goal, E and how far off there, and why it ended.
- *
- * @param {Stage} stage
- * @param {Race} race
- */
+/** A race's cells: steps to the goal, E and how far off there, and why it ended.
+ * @param {Stage} stage @param {Race} race */
 function raceRow(stage, race) {
   if (!stage.isRevealed) return ["?", "", "", ""];
   const {E, postures, claim} = race, last = stage.last(race), {goal} = stage;

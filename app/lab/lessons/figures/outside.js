@@ -1,11 +1,6 @@
-/**
- * Cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, an arm with the
+/** Cameras and what they look at, from outside: a mark on a stick that slides along a ray of camera 1, an arm with the
  * rays of three marks, or both arms with the eyes between them.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../rays.js").Vector} Vector
- */
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {Outside} from "../../view/outside.js";
 import {add, px} from "../../view/svg.js";
 import {
@@ -113,7 +108,7 @@ class Room {
     if (html !== this.last) this.over.innerHTML = this.last = html;
   }
 
-  /** @param {Stage} stage @param {Set<string>} layers @param {import("../rays.js").Camera[]} cameras */
+  /** @param {Stage} stage @param {Set<string>} layers @param {import("../../engine/camera.js").Camera[]} cameras */
   #over(stage, layers, cameras) {
     const {outside: view} = this, {world} = stage, at = (/** @type {ArrayLike<number>} */ p) => view.place(p);
     const names = new Names([0, 0, view.width, view.height]);
@@ -206,6 +201,6 @@ class Room {
   }
 }
 
-/** @param {import("../rays.js").Camera} camera @param {number} depth m */
+/** @param {import("../../engine/camera.js").Camera} camera @param {number} depth m */
 const onAxis = ({centre, rotation: R}, depth) => centre.map((v, i) => v + depth * R[3 * i + 2]);
 

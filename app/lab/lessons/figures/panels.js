@@ -1,7 +1,7 @@
 /**
  * Small maps of E beside each other, each with its title and what it comes to.
  *
- * @typedef {import("../../engine/landscape.js").Landscape} Landscape
+ * @import {Landscape} from "../../engine/landscape.js"
  * @typedef {Object} MapOfE
  * @property {string} title
  * @property {string} words what it comes to; empty for nothing

@@ -13,10 +13,7 @@ const STILL = 0.3; // drawing units from where a window has arrived
 export const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Plane {
-  /**
-   * @param {HTMLElement} box
-   * @param {string} [kind] class of the drawing
-   */
+  /** @param {HTMLElement} box @param {string} [kind] class of the drawing */
   constructor(box, kind = "") {
     this.box = box;
     this.svg = add(box, "svg", {class: `vi draw-plane ${kind}`, role: "img"});
@@ -42,13 +39,10 @@ export class Plane {
     return true;
   }
 
-  /**
-   * Glide to a window that holds a box, centred.
-   *
+  /** Glide to a window that holds a box, centred.
    * @param {Box} box
-   * @param {{margin?: Box, most?: number, glide?: boolean}} [options] margin: drawing units that stay free; most: scale
-   * @returns {boolean} whether the window has still to move
-   */
+   * @param {{margin?: Box, most?: number, glide?: boolean}} [options] margin: drawing units that stay free; most:
+   * scale @returns {boolean} whether the window has still to move */
   aim([left, top, right, bottom], {margin = [14, 14, 14, 14], most = Infinity, glide = true} = {}) {
     const free = [this.width - margin[0] - margin[2], this.height - margin[1] - margin[3]].map(v => Math.max(v, 20));
     const scale = Math.min(most, free[0] / Math.max(right - left, 1e-9), free[1] / Math.max(bottom - top, 1e-9));
@@ -86,12 +80,8 @@ export class Plane {
     return points.length ? `M${at}${closed ? "z" : ""}` : "";
   }
 
-  /**
-   * The whole of a line a x + b y + c = 0 that the drawing shows.
-   *
-   * @param {{a: number, b: number, c: number}} line
-   * @returns {[number, number][]} two places in drawing units
-   */
+  /** The whole of a line a x + b y + c = 0 that the drawing shows.
+   * @param {{a: number, b: number, c: number}} line @returns {[number, number][]} two places in drawing units */
   ends({a, b, c}) {
     const {x, y, scale} = this.window, k = (c + a * x + b * y) * scale, reach = 2 * (this.width + this.height);
     const mid = [this.width / 2, this.height / 2], off = a * mid[0] + b * mid[1] + k;
@@ -119,14 +109,8 @@ export class Plane {
   }
 }
 
-/**
- * The part of a segment within a box.
- *
- * @param {number[]} p
- * @param {number[]} q
- * @param {Box} box
- * @returns {[number, number][]} empty for none
- */
+/** The part of a segment within a box.
+ * @param {number[]} p @param {number[]} q @param {Box} box @returns {[number, number][]} empty for none */
 export function clipped(p, q, [left, top, right, bottom]) {
   const d = [q[0] - p[0], q[1] - p[1]];
   let from = 0, to = 1;
@@ -158,14 +142,9 @@ export const disc = (x, y, r) => `M${px(x - r)} ${px(y)}a${r} ${r} 0 1 0 ${2 * r
 /** @param {number} x @param {number} y @param {number} r */
 export const diamond = (x, y, r) => `M${px(x - r)} ${px(y)}l${r} ${-r} ${r} ${r} ${-r} ${r}z`;
 
-/**
- * An arrow as a shaft and a tip.
- *
- * @param {ArrayLike<number>} from
- * @param {ArrayLike<number>} to
- * @param {number} [tip] its length
- * @returns {[string, string]} paths, both empty for none
- */
+/** An arrow as a shaft and a tip.
+ * @param {ArrayLike<number>} from @param {ArrayLike<number>} to @param {number} [tip] its length
+ * @returns {[string, string]} paths, both empty for none */
 export function arrow(from, to, tip = 6) {
   const dx = to[0] - from[0], dy = to[1] - from[1], length = Math.hypot(dx, dy);
   if (!(length > .5)) return ["", ""];

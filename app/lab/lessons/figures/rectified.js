@@ -2,9 +2,8 @@
  * Eyes turned inwards: the map of E as they see and rectified by their matches, and the matches of both eyes, which lie
  * in equal rows then.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../../engine/world.js").World} World
+ * @import {Stage, FigureKind} from "../stage.js"
+ * @import {World} from "../../engine/world.js"
  * @typedef {{left: number[], right: number[]}} Rectification homographies of the left and the right eye, row by row
  */
 import {conflict, Landscape, select, TRANSFERS} from "../../engine/engine.js";
@@ -73,12 +72,8 @@ export function mappedAsSeen({world, session: {settings: {transfer}}, moment}) {
 /** @type {WeakMap<World, Mapped>} */
 const known = new WeakMap();
 
-/**
- * E of a transfer between rectified images. It is measured in the images as they are.
- *
- * @param {Stage} stage
- * @returns {Mapped}
- */
+/** E of a transfer between rectified images. It is measured in the images as they are.
+ * @param {Stage} stage @returns {Mapped} */
 export function mappedRectified({world, session: {settings: {transfer}}, moment, records}) {
   const made = known.get(world);
   if (made) return made;
@@ -127,14 +122,9 @@ function difference(images) {
   return `rows differ by ${off < LEAST_PX ? `less than ${LEAST_PX}` : fixed(off, 2)} px`;
 }
 
-/**
- * Both images beside each other, equally large and at one height.
- *
- * @param {{layer: string, images: Float64Array}} what
- * @param {number} top
- * @param {number} width
- * @param {number} height
- */
+/** Both images beside each other, equally large and at one height.
+ * @param {{layer: string, images: Float64Array}} what @param {number} top @param {number} width
+ * @param {number} height */
 function rows({layer, images}, top, width, height) {
   const name = layer === "rectified" ? "Rectified" : "As seen", words = difference(images);
   const isNarrow = widthOf(name, true) + widthOf(words) + 12 > width, head = isNarrow ? 2 * LINE + 6 : LINE + 6;

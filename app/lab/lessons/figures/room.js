@@ -1,9 +1,5 @@
-/**
- * The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- */
+/** The room from above, with the demonstrator moved about in it, and E there beside E of other shapes.
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";
 import {energyText, px} from "../../view/svg.js";
@@ -21,11 +17,8 @@ const MIN_E = 0.3;
 /** From above: to the left is to the left of the eyes, up is away from them. @param {ArrayLike<number>} p m */
 const above = p => [-p[1], -p[0]];
 
-/**
- * E in all places of a stage: it is asked for in every frame.
- *
- * @type {WeakMap<Stage, {key: string, places: import("../places.js").Place[]}>}
- */
+/** E in all places of a stage: it is asked for in every frame.
+ * @type {WeakMap<Stage, {key: string, places: import("../places.js").Place[]}>} */
 const known = new WeakMap();
 /** @param {Stage} stage */
 function placesOf(stage) {

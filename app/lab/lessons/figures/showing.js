@@ -1,10 +1,5 @@
-/**
- * Teaching by showing as it goes: three gains side by side, a turned camera, and how far the dots are from the goal.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("../teach_by_showing.js").Run} Run
- */
+/** Teaching by showing as it goes: three gains side by side, a turned camera, and how far the dots are from the goal.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Run} from "../teach_by_showing.js" */
 import {projectPoint} from "../../engine/camera.js";
 import {transform} from "../../engine/kinematics.js";
 import {outermost, silhouette} from "../../view/images.js";
@@ -22,13 +17,8 @@ const REACH_PX = 12; // around paths, that the window of the turned picture hold
 const INSET = 0.3, INSET_MOST = 170; // of the drawing's width; drawing units
 const SWINGS = 4; // last postures of which a gain that never arrives shows the way
 
-/**
- * The links' outlines and the chain in L.
- *
- * @param {Stage} stage
- * @param {ReturnType<typeof outermost>} hulls
- * @param {number[]} theta
- */
+/** The links' outlines and the chain in L.
+ * @param {Stage} stage @param {ReturnType<typeof outermost>} hulls @param {number[]} theta */
 function seenInL({world}, hulls, theta) {
   const frames = world.arms.learner.linkFrames(theta), camera = world.pairs.learner[0];
   return {
@@ -177,14 +167,9 @@ class Turned {
     if (moves) plane.again(() => this.draw(stage, layers));
   }
 
-  /**
-   * The whole picture, small, and how the camera is turned.
-   *
-   * @param {Stage} stage
-   * @param {{hulls: number[][][], kind: string | number[]}[]} arms
-   * @param {Names} names
-   * @param {number} roll degrees
-   */
+  /** The whole picture, small, and how the camera is turned.
+   * @param {Stage} stage @param {{hulls: number[][][], kind: string | number[]}[]} arms @param {Names} names
+   * @param {number} roll degrees */
   #inset(stage, arms, names, roll) {
     const {plane} = this, {width, height, principal: [cx, cy]} = stage.world.pairs.learner[0];
     const frame = [[0, 0], [width, 0], [width, height], [0, height]];

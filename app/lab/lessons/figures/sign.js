@@ -2,8 +2,7 @@
  * A finished run and its claim: the learner's knowledge, the truth, and how bets on it have done beside the learner's
  * own certificate.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
+ * @import {Stage, FigureKind} from "../stage.js"
  * @typedef {Object} Run as the library records it
  * @property {string} name of its difference
  * @property {import("../stage.js").Claim} claim
@@ -149,14 +148,8 @@ function claimed(stage, layers) {
   return claim + (isTrueShown ? truth : "") + (layers.has("learner knows") && !isOver(stage) ? known : "");
 }
 
-/**
- * One of both images at the end.
- *
- * @param {Drawing} drawing
- * @param {Run} run
- * @param {import("../../view/images.js").Outline} arm
- * @param {number} side
- */
+/** One of both images at the end.
+ * @param {Drawing} drawing @param {Run} run @param {import("../../view/images.js").Outline} arm @param {number} side */
 function image({width, height}, {own, recovered}, {hulls, bones}, side) {
   const wide = (width - GAP) / 2, left = side * (wide + GAP);
   const {place} = fitted([...hulls.flat(), ...bones], [left + MARGIN, MARGIN, left + wide - MARGIN, height - MARGIN]);

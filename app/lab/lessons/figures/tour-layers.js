@@ -1,11 +1,6 @@
-/**
- * Layers of the four images for the first lessons: pencils of lines by hand, the ghost
- * with its lines and the way to it, and goals of single points.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("./view-layers.js").Frame} Frame
- * @typedef {import("./view-layers.js").Layer} Layer
- */
+/** Layers of the four images for the first lessons: pencils of lines by hand, the ghost with its lines and the way to
+ * it, and goals of single points.
+ * @import {Stage} from "../stage.js" @import {Frame, Layer} from "./view-layers.js" */
 import {px} from "../../view/svg.js";
 import {pencilOf} from "../measures_ray.js";
 import {BASE_POINT, HAND_POINT} from "../measures_tour.js";
@@ -44,12 +39,8 @@ function namesOver(frame, stage) {
   return names;
 }
 
-/**
- * The parts of a pencil's line in this drawing.
- *
- * @param {Frame} frame
- * @param {{a: number, b: number, c: number}} line
- */
+/** The parts of a pencil's line in this drawing.
+ * @param {Frame} frame @param {{a: number, b: number, c: number}} line */
 const lineHere = (frame, line) => lineThrough(frame, line, "draw-line");
 
 /** The ways of all points to the ghost. @param {Frame} frame @param {Stage} stage */
@@ -61,14 +52,9 @@ function ways(frame, stage) {
 const SHARES = [[.8, .88, .72, .62, .12, .2, .5], [.2, .12, .28, .88, .8, .7, .36]]; // of a line's way, where its name may stand
 const CLEAR = 60; // drawing units: a name that is this far from all points is free
 
-/**
- * Where the name of a line stands: far from all points, and from the other line's name.
- *
- * @param {Frame} frame
- * @param {Stage} stage
- * @param {number} eye
- * @returns {{share: number, at: number[], words: string} | null} null without a line
- */
+/** Where the name of a line stands: far from all points, and from the other line's name.
+ * @param {Frame} frame @param {Stage} stage @param {number} eye
+ * @returns {{share: number, at: number[], words: string} | null} null without a line */
 function nameOfLine(frame, stage, eye) {
   const line = frame.isDemo ? null : stage.line(eye, frame.side), ends = line && chord(frame, line);
   if (!ends) return null;
@@ -83,13 +69,9 @@ function nameOfLine(frame, stage, eye) {
   return {...best, words: whole.length ? words : "lr"[eye]};
 }
 
-/**
- * Whether words may stand there at any angle.
- * @param {Frame} frame
- * @param {number[]} at
- * @param {string} words
- * @param {number[]} [other] where words of that length stand already
- */
+/** Whether words may stand there at any angle.
+ * @param {Frame} frame @param {number[]} at @param {string} words
+ * @param {number[]} [other] where words of that length stand already */
 function fits({width, height}, [x, y], words, other) {
   const half = widthOf(words, true, LINE_NAME) / 2 + LINE_NAME;
   return Math.min(x, y, width - x, height - y) > half && !(other && Math.hypot(x - other[0], y - other[1]) < 2 * half);

@@ -1,9 +1,5 @@
-/**
- * How the learner came to rest, as every front end tells it, and beside it the truth, which the learner cannot know.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- */
+/** How the learner came to rest, as every front end tells it, and beside it the truth, which the learner cannot know.
+ * @import {Stage, FigureKind} from "../stage.js" */
 import {energyText, fixed} from "../../view/svg.js";
 import {card, ending, written} from "./cards.js";
 import {escaped} from "./drawing.js";
@@ -43,10 +39,7 @@ function reasons({claim: {unobservable, swapped}, E, leastAsSeen}) {
   ];
 }
 
-/**
- * @param {Stage} stage @param {import("../stage.js").Race} race @param {string[]} names
- * @returns {[string, string]}
- */
+/** @param {Stage} stage @param {import("../stage.js").Race} race @param {string[]} names @returns {[string, string]} */
 function truth({moment, records}, {postures}, names) {
   const off = postures[postures.length - 1].map((v, k) => Math.abs(v - moment.thetaDemo[k]) * 180 / Math.PI);
   const most = Math.max(...off), swapped = records.swapped?.length ? `<p>Swapped are ${pairs(records.swapped)}.</p>` : "";

@@ -2,8 +2,7 @@
  * What an image shows, layer by layer. A layer is a function that returns SVG; those of a step's figures are drawn in the
  * order of this table.
  *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../../engine/affine.js").Line} Line
+ * @import {Stage} from "../stage.js"
  * @typedef {Object} Frame one image as it is drawn
  * @property {"l" | "r" | "L" | "R"} name
  * @property {number} k 0 … 3, of l, r, L, R
@@ -56,12 +55,8 @@ export function arrows(ends, kind, tip) {
 /** @param {number} x @param {number} y @param {string} words @param {string} kind */
 export const words = (x, y, words, kind) => `<text class="${kind}" x="${px(x)}" y="${px(y)}">${words}</text>`;
 
-/**
- * Where a line of the image enters and leaves the drawing, left first; null if it misses it.
- * @param {Frame} frame
- * @param {{a: number, b: number, c: number}} line
- * @returns {[number[], number[]] | null}
- */
+/** Where a line of the image enters and leaves the drawing, left first; null if it misses it.
+ * @param {Frame} frame @param {{a: number, b: number, c: number}} line @returns {[number[], number[]] | null} */
 export function chord({at, scale, width, height}, {a, b, c}) {
   const size = Math.hypot(a, b), [n, m] = [a / size, b / size], [x0, y0] = at([0, 0]),
     off = c / size * scale - n * x0 - m * y0;
@@ -73,14 +68,9 @@ export function chord({at, scale, width, height}, {a, b, c}) {
   return inside.length < 2 ? null : [inside[0], inside[inside.length - 1]];
 }
 
-/**
- * A line through the whole drawing, with its name along it.
- * @param {Frame} frame
- * @param {{a: number, b: number, c: number} | null} line
- * @param {string} kind
- * @param {string} [name]
- * @param {number} [share] of its way, where the name stands
- */
+/** A line through the whole drawing, with its name along it.
+ * @param {Frame} frame @param {{a: number, b: number, c: number} | null} line @param {string} kind
+ * @param {string} [name] @param {number} [share] of its way, where the name stands */
 export function lineThrough(frame, line, kind, name = "", share = .8) {
   const ends = line && chord(frame, line);
   if (!ends) return "";
@@ -92,12 +82,8 @@ export function lineThrough(frame, line, kind, name = "", share = .8) {
   return `<path class="vi-line-case" d="${path}"/><path class="${kind}" d="${path}"/>${named}`;
 }
 
-/**
- * @param {import("../../view/images.js").Outline} outline
- * @param {Frame} frame
- * @param {string} hull
- * @param {string} bone
- */
+/** @param {import("../../view/images.js").Outline} outline @param {Frame} frame @param {string} hull
+ * @param {string} bone */
 export function arm(outline, {at}, hull, bone) {
   const closed = outline.hulls.map(points => `M${points.map(p => at(p).map(px).join(" ")).join("L")}z`).join("");
   return `<path class="${hull}" d="${closed}"/>${polyline(outline.bones.map(at), bone)}`;
@@ -110,20 +96,12 @@ function pairs({side, at}, {moment}, found = new Float64Array(0)) {
     at([moment.views.own[4 * i + 2 * side], moment.views.own[4 * i + 2 * side + 1]])])));
 }
 
-/**
- * @param {Frame} frame
- * @param {Stage} stage
- * @returns {[number, number][][]} from each recovered point to the own one
+/** @param {Frame} frame @param {Stage} stage @returns {[number, number][][]} from each recovered point to the own one
  */
 export const residuals = (frame, stage) => /** @type {any} */ (pairs(frame, stage, stage.recovered()));
 
-/**
- * Outlines of the learner in another posture.
- * @param {Frame} frame
- * @param {Stage} stage
- * @param {number[]} theta
- * @param {string} name
- */
+/** Outlines of the learner in another posture.
+ * @param {Frame} frame @param {Stage} stage @param {number[]} theta @param {string} name */
 const elsewhere = ({outlines, side}, {world}, theta, name) => outlines.of(world, "learner", theta, name)[side];
 
 /** Its points there. @param {Frame} frame @param {Stage} stage @param {number[]} theta */

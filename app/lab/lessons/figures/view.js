@@ -1,10 +1,5 @@
-/**
- * One of the four images, large: the arm in it, and over it the layers that the step asks for.
- *
- * @typedef {import("../stage.js").Stage} Stage
- * @typedef {import("../stage.js").FigureKind} FigureKind
- * @typedef {import("./view-layers.js").Layer} Layer
- */
+/** One of the four images, large: the arm in it, and over it the layers that the step asks for.
+ * @import {Stage, FigureKind} from "../stage.js" @import {Layer} from "./view-layers.js" */
 import {Outlines} from "../../view/images.js";
 import {add, drawingSize, set} from "../../view/svg.js";
 import {LIMITS_LAYERS} from "./limits-layers.js";
@@ -89,11 +84,8 @@ class View {
     this.fitted = "";
   }
 
-  /**
-   * The window holds the arm where it begins, where it should go and wherever it has been.
-   * @param {Stage} stage
-   * @param {Set<string>} layers
-   */
+  /** The window holds the arm where it begins, where it should go and wherever it has been.
+   * @param {Stage} stage @param {Set<string>} layers */
   #fit(stage, layers) {
     const {world, step, moment} = stage, {k} = this, side = k & 1, {unit, width, height} = drawingSize(this.box);
     const key = `${step.id} ${stage.seed} ${world.scene.cameras[k].centre} ${layers.has("recovered points")} ${unit} ${width} ${height}`;
@@ -110,7 +102,7 @@ class View {
       hulls.flat().forEach(hold);
       bones.forEach(hold);
     };
-    const holdRecovered = (/** @type {import("../stage.js").Moment} */ there) => {
+    const holdRecovered = (/** @type {import("../../engine/session.js").Moment} */ there) => {
       const found = stage.recovered(there);
       for (const i of there.usable) hold([found[4 * i + 2 * side], found[4 * i + 2 * side + 1]]);
     };

@@ -14,9 +14,8 @@ from urllib.parse import urlsplit
 
 import platformdirs
 
-from ..sensing.files import escape
-from . import BadInput
-from .options import DONE, MISSED, between, naming
+from viewimit.options import DONE, MISSED, BadInput, between, naming
+from viewimit.sensing.files import escape
 
 CODE = "VIEWIMIT_LECTURER"  # environment variable: the lecturer's code, instead of a random one
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # without those that look alike
@@ -75,12 +74,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from ..app.classroom.answers import asks_of
-    from ..app.classroom.pages import class_pages, lessons_of
-    from ..app.classroom.room import Room
-    from ..app.classroom.server import ServerOptions, class_app, uvicorn_server
-    from ..app.classroom.store import Store
-    from ..app.server.address import listen, require_free, require_origin
+    from ..classroom.answers import asks_of
+    from ..classroom.pages import class_pages, lessons_of
+    from ..classroom.room import Room
+    from ..classroom.server import ServerOptions, class_app, uvicorn_server
+    from ..classroom.store import Store
+    from ..server.address import listen, require_free, require_origin
 
     with naming("--embed"):
         for origin in args.embed:
@@ -141,7 +140,7 @@ def _usual_file(port: int) -> Path:
 
 def _invite(args: argparse.Namespace, port: int) -> str:
     """Print and return what students open, with a QR code where others can reach it."""
-    from ..app.server.address import address, address_for_others
+    from ..server.address import address, address_for_others
 
     root = f"{args.root_path.rstrip('/')}/"
     others = args.address or address_for_others(args.host, port)

@@ -186,11 +186,6 @@ class Visit:
         return self.page.layout.named["images"].content
 
     @property
-    def camera_on(self):
-        """As the box shows it."""
-        return self.page.layout.named["camera"].value
-
-    @property
     def photographs(self):
         """Views with a picture, as drawn."""
         planes = self.images.split("<svg ")[1:]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from viewimit.app.jobs.camera_child import MOST_SCENES, serve
-from viewimit.app.jobs.camera_images import MOST_LOOKS, CameraLost, CameraProcess, RemoteEyes, eyes_beside
+from viewimit.app.jobs.camera_images import CameraLost, CameraProcess, eyes_beside
 from waiting import wait_until
 
 from viewimit.loop.session import Session
@@ -94,24 +94,6 @@ def test_stopping_ends_whoever_waits_for_an_answer(camera):
     assert len(told) == 1 and not camera.running
     with pytest.raises(CameraLost):
         camera.look("scene", {}, "lr", 0)
-
-
-def test_pictures_are_kept_for_a_while_by_what_they_show():
-    asked = []
-    look = lambda scene, theta, pair, posture: asked.append(pair) or (None, (b"left", b"right"), theta)
-    eyes = RemoteEyes(look, load_scene("panda"))
-
-    class Moment:
-        theta, theta_demo = np.array([0.1, -0.2]), np.array([0.3, -0.4])
-
-    assert eyes.pictures(Moment) == {}
-    eyes.own_images(Moment.theta)
-    assert eyes.pictures(Moment) == {"L": b"left", "R": b"right"}
-    eyes.retake(Moment)
-    assert asked == ["LR", "lr"]  # what is kept is not taken again
-    for k in range(MOST_LOOKS - 1):
-        eyes.own_images(np.array([k, 0.0]))
-    assert set(eyes.pictures(Moment)) == {"l", "r"}
 
 
 def test_no_page_has_pictures_rendered_that_all_others_would_wait_for():

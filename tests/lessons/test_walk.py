@@ -2,7 +2,6 @@
 
 import pytest
 import walking
-from browsing import sparing
 from waiting import wait_until
 
 pytestmark = pytest.mark.browser
@@ -31,7 +30,7 @@ def opened(browser, path):
 
     def open_(step="", seed=4, size=(1280, 720), before=None, **options):
         options = {"reduced_motion": "reduce", **options}
-        context = sparing(browser.new_context(viewport={"width": size[0], "height": size[1]}, **options))
+        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, **options)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))

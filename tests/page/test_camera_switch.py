@@ -1,6 +1,5 @@
 """The switch Camera pictures, from a browser's message to pictures in its page, with a real process that renders."""
 
-import html
 import multiprocessing
 import re
 
@@ -60,29 +59,6 @@ def test_a_process_that_is_killed_is_replaced_by_another(here):
         client.press("Make one step")
         wait_until(lambda: len(photographs(client) - before) == 2, BEGINS_WITHIN_S)
         assert "projected points" not in client.status
-
-
-def test_a_reload_comes_back_to_the_same_pictures(here):
-    with Client(here.url).ready() as client:
-        switch_on(client)
-        before = photographs(client)
-        client.press("Make one step")
-        wait_until(lambda: len(photographs(client) - before) == 2)
-        seen, tab = photographs(client), client.keep()
-    with Client(here.url, tab=tab).ready() as client:
-        wait_until(lambda: photographs(client) == seen, BEGINS_WITHIN_S)
-        assert client.value("Camera pictures") is True and client.value("History") == 1
-
-
-def test_that_a_robot_wears_no_markers_is_said_beside_the_switch_and_by_the_preset(here, monkeypatch):
-    monkeypatch.setattr("viewimit.simulation.eyes.marker_names", lambda: ["iiwa"])
-    why = "need markers on the arm, which iiwa have"
-    with Client(here.url).ready() as client:
-        wait_until(lambda: any(why in html.unescape(shown) for shown in client.html.values()))
-        client.put("Camera pictures", True)  # which is greyed, and jumps back
-        client.put("Preset", "Camera pictures")
-        wait_until(lambda: why in html.unescape(client.status))
-        assert client.value("Camera pictures") is False and not here.camera.running and not photographs(client)
 
 
 LOADED = """async where => {

@@ -141,7 +141,7 @@ class History(Sequence[Snapshot]):
         for motion in range(first, first + STRIDE):
             one = self._snapshots[motion]
             stands_for_another = one.motion != motion
-            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else one.without_cache()
+            self._snapshots[motion] = self._snapshots[one.motion] if stands_for_another else one.without_computed()
 
     def _thin(self) -> None:
         """Let each old snapshot that is kept stand for those until the next kept one."""

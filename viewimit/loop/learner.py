@@ -7,6 +7,7 @@ The method is `Learner.step`, in the order of the paper:
 Every pass leaves one immutable `Snapshot`. Panels, plots, exports and tests all read this record.
 """
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -20,16 +21,17 @@ from ..estimation.rectification import MAX_LOOKS, update_rectification
 from ..estimation.residuals import ResidualFunction
 from ..estimation.views import FourViews
 from ..geometry.rectification import Rectification
-from ..servo import Observation
+from ..servo import Observation, ServoState
+from ..servo.observation import repeat_xy
 from ..servo.status import ServoStatus
 from . import rehearsal
 from .demonstrator import MAX_DEMO_LOOKS, Images
 from .embodiment import Embodiment, Observer, waypoints
 from .history import MAX_HISTORY, RECENT, History
 from .script import Log, Looks, Steps
-from .servo_state import StateAttributes, ask_servo
-from .settings import Settings
-from .snapshot import Limits, RunResult, Snapshot, observation, predicted_residuals
+from .self_calibration import MIN_POSTURES
+from .settings import Settings, level_outside
+from .snapshot import Limits, RunResult, Snapshot
 
 PATIENCE = 100  # looks in a row with too few points, after which a run is given up
 
@@ -135,15 +137,15 @@ class Learner:
         if now.motion >= MAX_HISTORY:
             return self._stay(now.with_fields(status=ServoStatus.MAX_MOTIONS))
         if now.target is not None:
-            status = StateAttributes.of(now.servo_state).status_or(ServoStatus.MOVING)
+            status = now.says.status_or(ServoStatus.MOVING)
             return self._advance(now, self._moved(now, now.target, probe=now.probe, status=status))
         state, displacement = self._ask(now)  # residual e, E → servo
-        while now.is_renamed_by(state):
+        while self._renames(state, now):
             now = self._seen(now.theta, now, servo_state=state)
             if now.transfer is None:
                 return self._stay(now)
             state, displacement = self._ask(now)
-        read = StateAttributes.of(state)
+        read = ServoState.of(state)
         if read.exchanged != now.exchanged:
             now = self._seen(now.theta, now, servo_state=state)
         if not displacement.any():
@@ -154,8 +156,30 @@ class Learner:
 
     def _ask(self, now: Snapshot) -> tuple[Any, NDArray[np.float64]]:
         """Ask the servo for its next state and motion, (m,) rad."""
-        residuals = self.predicted_residuals(now, now.servo.mirror_columns)
-        return ask_servo(now.servo, now.servo_state, self.observation(now), residuals)
+        servo, seen = now.servo, self.observation(now)
+        residuals = self.predicted_residuals(now, servo.mirror_columns)
+        state = servo.start(seen) if now.servo_state is None else now.servo_state
+        answer = servo.step(state, seen, residuals)
+        if not (isinstance(answer, tuple) and len(answer) == 2):
+            raise TypeError(f"the servo {servo.title!r} must return its state and its motion, (m,) rad, got {answer!r}")
+        if answer[0] is None and state is not None:
+            raise TypeError(f"the servo {servo.title!r} returned None as its next state; only stateless servos may")
+        state, displacement = answer[0], np.asarray(answer[1], float)
+        if displacement.shape != seen.displacement.shape or not np.isfinite(displacement).all():
+            expected = f"{len(seen.displacement)} finite angles in rad"
+            raise ValueError(f"the servo {servo.title!r} must return its state and {expected}, got {displacement}")
+        target = seen.displacement + displacement
+        if (np.abs(target - target.clip(seen.lower, seen.upper)) >= 2 * np.pi).any():
+            asked = f"the servo {servo.title!r} asks for a motion of {displacement} rad"
+            warnings.warn(f"{asked}, a turn or more beyond the limits: are these degrees?", stacklevel=level_outside())
+        return state, displacement
+
+    def _renames(self, state: Any, now: Snapshot) -> bool:
+        """Whether a servo's answer has other names for the demonstrator's points: look again, in another order."""
+        names, here = ServoState.of(state).names, now.says.names
+        if names is None or now.settings.matched:
+            return False
+        return not now.views.matched or here is None or not np.array_equal(names, here)
 
     def _moved(self, now: Snapshot, target: NDArray[np.float64], **changes: Any) -> Snapshot:
         """Drive the arm towards the target, (m,) rad, within its limits, and look. `changes` are other new fields."""
@@ -174,13 +198,16 @@ class Learner:
         # posture → body points in 3-D → four views l, r, L, R
         views, n_rejected = self._four_views(theta, like, **changes)
         rectification = self._rectification(views, changes.get("settings", like.settings))
-        seen = like.with_fields(theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, **changes)
+        seen = like.with_fields(
+            theta=theta, views=views, n_rejected=n_rejected, rectification=rectification, frozen_transfer=None,
+            **changes,
+        )  # fmt: skip
         seen = seen.with_fields(demo_looks=self._demo_looks(seen, like, changes))
         if seen.awaits_names:  # E is not known before
             return seen.with_fields(E=np.nan)
         if seen.transfer is None:  # → transfer; for the epipolar one, fundamental matrices
             return seen.with_fields(E=np.nan, status=ServoStatus.TOO_FEW_POINTS)
-        E = seen.evaluation.E  # → recovered points → residual e → E
+        E = float(seen.transfer.conflict(seen.views.used))  # → recovered points → residual e → E
         if np.isnan(E):
             raise ValueError(f"the transfer {seen.method.title!r} maps visible points to NaN")
         return seen.with_fields(E=E)
@@ -206,7 +233,7 @@ class Learner:
         """
         settings, look = changes.get("settings", like.settings), changes.get("look", like.look)
         views = self.observer.four_views(settings, theta, changes.get("theta_demo", like.theta_demo), look)
-        read = StateAttributes.of(changes.get("servo_state", like.servo_state))
+        read = ServoState.of(changes.get("servo_state", like.servo_state))
         if not settings.matched:
             views = replace(views, matched=False) if read.names is None else views.named(read.names)
         views = views.permuted(read.exchanged)
@@ -310,8 +337,33 @@ class Learner:
         Observation
             Image points and displacements, no posture.
         """
-        noise_px, fixed_px = self.observer.image_noise_std(now.settings), self.observer.fixed_noise_px()
-        return observation(now, self.workspace, self.embodiment.lower, noise_px, fixed_px)
+        noise_px, start = self.observer.image_noise_std(now.settings), now.settings.start_rad
+        demo_seen, seen = now.views.visible[:, :2], now.views.visible[:, 2:]
+        average, demo_noise_px = now.demonstrator_average(noise_px, self.observer.fixed_noise_px())
+        known = now.calibration if now.calibration is not None and len(now.calibration) >= MIN_POSTURES else None
+        return Observation(
+            own=now.views.own if now.views.complete else np.where(repeat_xy(seen), now.views.own, np.nan),
+            seen=seen,
+            demo=np.where(repeat_xy(demo_seen), now.views.demo, np.nan),
+            demo_average=average,
+            demo_noise_px=demo_noise_px,
+            E=now.E,
+            displacement=now.commanded - start,
+            lower=self.workspace[0] - start,
+            upper=self.workspace[1] - start,
+            motion=now.motion,
+            residual=now.e,
+            noise_px=noise_px if known is None else max(noise_px, known.noise_px),
+            matched=now.views.matched,
+            calibration=() if known is None else known.seen_from(self.embodiment.lower - start),
+            n_visible=now.shown,
+            n_partial=now.half_shown,
+            n_rig_hypotheses=0 if now.rectification is None else len(now.rectification.perturbed),
+            rectification=now.rectification,
+            max_step=now.settings.max_step,
+            max_restarts=now.settings.restarts,
+            seed=now.settings.seed,
+        )
 
     def predicted_residuals(self, now: Snapshot, mirror_columns: bool = True) -> ResidualFunction:
         """Make the function that a servo calls for the residuals of images that it predicts.
@@ -330,4 +382,4 @@ class Learner:
         """
         recent, noise_px = self.history.recent(RECENT), self.observer.image_noise_std(now.settings)
         velocity = target_velocity([one.views for one in recent[-VELOCITY_LOOKS:]])
-        return predicted_residuals(now, velocity, noise_px, recent, mirror_columns)
+        return now.predicted_residuals(velocity, noise_px, recent, mirror_columns)

@@ -6,6 +6,8 @@ import pytest
 from viewimit.app.lab.lessons import facts, records, sign
 from viewimit.app.lab.lessons.circle import follow_circle
 from viewimit.app.lab.lessons.situation import Situation, move_eyes
+from viewimit.app.lab.lessons.source import shipped
+from viewimit.app.lab.lessons.step_data import step_data
 
 from viewimit import Settings
 from viewimit.analysis.landscape import conflict_at
@@ -136,6 +138,7 @@ def test_a_hand_that_copies_the_circle_draws_it():
     assert np.linalg.norm(hand, axis=1) == pytest.approx(made.early.run.hand_m, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_ten_runs_of_which_five_are_right():
     made = sign.runs_record()
     assert len(made) == 10 and sum(one["holds"] for one in made) == 5
@@ -152,7 +155,8 @@ def test_ten_runs_of_which_five_are_right():
 
 
 def test_the_learner_s_certificate_bets_better_than_half_always():
-    made = sign.runs_record()
+    (step,) = (one for one in shipped()["sign"].step if one.id == "sign")
+    made = step_data(shipped()["sign"], step)[1]["records"]["runs"]  # as they are in the package
     holds = [one["holds"] for one in made]
     bets = [0.5 if one["certificate"] is None else one["certificate"] for one in made]
     assert oracles.brier([0.5] * 10, holds) == 0.25

@@ -18,6 +18,7 @@ from typing import Any
 import msgspec
 import segno
 
+from ..server.limits import TokenBucket
 from . import protocol as p
 from .answers import QUESTIONS, Asks, fits, is_right
 from .report import as_csv, learned
@@ -37,22 +38,6 @@ RELEASED: dict[str, Any] = {"asked": None, "lead": False, "frozen": False, "hidd
 log = logging.getLogger(__name__)
 
 
-class Allowance:
-    """A number of messages at once, and a rate at which more are allowed (a token bucket)."""
-
-    def __init__(self, rate: float, burst: int):
-        self._rate, self._burst, self._left, self._at = rate, burst, float(burst), 0.0
-
-    def take(self, now: float) -> bool:
-        """Take one, and return whether there was one."""
-        self._left = min(self._burst, self._left + self._rate * (now - self._at)) if self._at else self._burst
-        self._at = now
-        if self._left < 1:
-            return False
-        self._left -= 1
-        return True
-
-
 @dataclass(eq=False)
 class Person:
     """The user of one browser, in one or more tabs."""
@@ -66,7 +51,7 @@ class Person:
     linked: bool = True
     tabs: set["Browser"] = field(default_factory=set)
     at: p.At | None = None
-    codes: Allowance = field(default_factory=lambda: Allowance(CODES_PER_S, CODES_AT_ONCE))
+    codes: TokenBucket = field(default_factory=lambda: TokenBucket(CODES_PER_S, CODES_AT_ONCE))
 
     def voter(self, lesson: str, step: str, phase: str) -> str:
         """Return the name under which an answer is kept."""
@@ -74,15 +59,7 @@ class Person:
 
 
 class Browser:
-    """One connection.
-
-    Parameters
-    ----------
-    address
-        Its network address.
-    wake
-        Is called when there is something to send.
-    """
+    """One connection. address: its network address; wake(): called when there is something to send."""
 
     def __init__(self, address: str, wake: Callable[[], None] = lambda: None):
         self.address, self.wake = address, wake
@@ -92,7 +69,7 @@ class Browser:
         self.outbox: deque[str] = deque()
         self.screen: str | None = None  # the lecturer's newest one; older ones are not sent any more
         self.is_too_slow = False
-        self.allowance = Allowance(MESSAGES_PER_S, MESSAGES_AT_ONCE)
+        self.allowance = TokenBucket(MESSAGES_PER_S, MESSAGES_AT_ONCE)
 
     @property
     def is_lecturer(self) -> bool:
@@ -114,18 +91,8 @@ class Browser:
 class Room:
     """A class, as its store has it.
 
-    Parameters
-    ----------
-    store
-        What survives a restart.
-    code
-        The lecturer's code, unless the lecturer has chosen another one.
-    asks
-        What its lessons ask.
-    is_new_code
-        Forget a code that the lecturer has chosen.
-    clock
-        Seconds, monotonic.
+    code: the lecturer's, unless the lecturer has chosen another one, which is_new_code forgets; asks: what its lessons
+    ask; clock: s, monotonic.
     """
 
     def __init__(
@@ -155,7 +122,7 @@ class Room:
         self.browsers: set[Browser] = set()
         self.leader: Browser | None = None
         self._stayed: set[str] = set()  # keys of all who were here for a while, since the server began
-        self._new_codes: dict[str, Allowance] = {}  # by network address
+        self._new_codes: dict[str, TokenBucket] = {}  # by network address
         self._absent_since: float | None = clock()
         self._requested: tuple[int, Browser, Person] | None = None
         self._requests = 0
@@ -253,11 +220,11 @@ class Room:
     def _may_try(self, browser: Browser) -> bool:
         """Whether a browser may type a code now: others at its address do not keep it from that."""
         assert browser.person is not None
-        allowed = browser.person.codes.take(self._clock())
+        allowed = browser.person.codes.take()
         if not allowed or browser.person.key in self._stayed:
             return allowed
-        new = self._new_codes.setdefault(browser.place, Allowance(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
-        return new.take(self._clock())
+        new = self._new_codes.setdefault(browser.place, TokenBucket(NEW_CODES_PER_S, NEW_CODES_AT_ONCE))
+        return new.take()
 
     def _become_lecturer(self, browser: Browser, session: str) -> None:
         self._sessions.pop(session, None)
@@ -484,14 +451,8 @@ class Room:
     # Messages
 
     async def receive(self, browser: Browser, message: p.Message) -> None:
-        """Do what a browser's message says.
-
-        Raises
-        ------
-        Rejected
-            If this browser may not say that.
-        """
-        if not browser.allowance.take(self._clock()):
+        """Do what a browser's message says. Raises Rejected if this browser may not say that."""
+        if not browser.allowance.take():
             raise p.Rejected("too many messages")
         if (browser.person is None) != isinstance(message, p.Hello):
             raise p.Rejected("a connection begins with one hello")

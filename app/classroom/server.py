@@ -48,14 +48,10 @@ class ServerOptions:
 
 
 class Page:
-    """A page in one file, with the headers that go with it.
+    """A page in one file, with the headers that go with it. Its own content policy is replaced by one with the same
+    scripts.
 
-    Parameters
-    ----------
-    html
-        Its text. Its own content policy is replaced by one with the same scripts.
-    embed
-        Origins whose pages may show it in a frame.
+    embed: origins whose pages may show it in a frame.
     """
 
     def __init__(self, html: str, embed: Sequence[str] = ()):
@@ -105,14 +101,7 @@ class Page:
 def class_app(room: Room, pages: dict[str, Callable[[], Page]], options: ServerOptions) -> ASGIApp:
     """Return the application of a class.
 
-    Parameters
-    ----------
-    room
-        The class.
-    pages
-        What makes each page, by path. It is called in a thread: for the page at / at once, else when first asked.
-    options
-        How it is served.
+    pages: what makes each page, by path; called in a thread, for the page at / at once, else when first asked.
     """
     making: dict[str, asyncio.Task[Page]] = {}
 

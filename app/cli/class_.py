@@ -1,8 +1,6 @@
 """viewimit class: lessons for a class, which a lecturer leads."""
 
 import argparse
-import contextlib
-import io
 import logging
 import os
 import re
@@ -140,7 +138,7 @@ def _usual_file(port: int) -> Path:
 
 def _invite(args: argparse.Namespace, port: int) -> str:
     """Print and return what students open, with a QR code where others can reach it."""
-    from ..server.address import address, address_for_others
+    from ..server.address import address, address_for_others, print_qr
 
     root = f"{args.root_path.rstrip('/')}/"
     others = args.address or address_for_others(args.host, port)
@@ -150,13 +148,7 @@ def _invite(args: argparse.Namespace, port: int) -> str:
         return ""
     others = others if args.address else f"{others}{root}"
     print(f"students open {others}")
-    drawn = io.StringIO()
-    import segno  # which --help does not need
-
-    segno.make(others, micro=False).terminal(drawn, compact=True)
-    with contextlib.suppress(UnicodeEncodeError):  # a terminal without block characters has the address
-        drawn.getvalue().encode(sys.stdout.encoding or "utf-8")
-        print(drawn.getvalue())
+    print_qr(others)
     return others
 
 

@@ -210,8 +210,7 @@ def describe_see_through(scene: Scene, moment: Snapshot) -> str:
     posture = ", ".join(svg.degrees(angle) for angle in moment.theta) if len(moment.theta) < 4 else "this pose"
     if not np.isfinite(moment.E):
         return f"At ({posture}) too few points are visible for an E. The arm has not moved."
-    text = "At ({pose}) E would be {E} px². The arm has not moved."
-    return text.format(pose=posture, E=svg.short(moment.E))
+    return f"At ({posture}) E would be {svg.short(moment.E)} px². The arm has not moved."
 
 
 # The glossary on the page: every "?", the cards with links to examples, and the numbers' values on their scales.
@@ -250,16 +249,13 @@ def current_values(values: Mapping[str, float]) -> str:
         scale = glossary()[key].scale
         if scale is not None and math.isfinite(value):
             number = str(value) if isinstance(value, int) else svg.short(value)  # a count has no decimals
-            words = "now {value}".format(value=f"{number}{scale.unit}")
-            rules.append(f'#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:"{words}"}}')
+            words = f'"now {number}{scale.unit}"'
+            rules.append(f"#vi-word-{key}{{--now:{100 * scale.share(value):.1f}%;--words:{words}}}")
     return f"<style>{''.join(rules)}</style>"
 
 
 def _show(key: str) -> str:
     """Build the link to an entry's example."""
     entry = glossary()[key]
-    if entry.bad:
-        name, words = "Show me a bad one: {symbol}", "Show me a bad one"
-    else:
-        name, words = "Show me: {symbol}", "Show me"
-    return f'<span class="vi-show">{link(f"show/{key}", name.format(symbol=entry.symbol), words)}</span>'
+    words = "Show me a bad one" if entry.bad else "Show me"
+    return f'<span class="vi-show">{link(f"show/{key}", f"{words}: {entry.symbol}", words)}</span>'

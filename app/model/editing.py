@@ -76,7 +76,9 @@ class UndoableSession:
 
         Raises ValueError, and changes nothing, if its servo does not use a rehearsal.
         """
-        require_use(self.session.settings.servo)
+        servo = SERVOS[self.session.settings.servo]
+        if not servo.predicts:
+            raise ValueError(f"{servo.title} makes no use of a rehearsal; choose {_able()}")
         with self.past.recording_undo():
             postures = self.session.calibration_postures(DEFAULT_POSTURES, self.session.settings.seed)
             self.session.begin_calibration(postures)
@@ -270,13 +272,6 @@ def rehearsal_of(session: Session) -> Rehearsal:
     to_go = 0 if now.pending_postures is None else len(now.pending_postures)
     made, rests = session.history.imitation_motions, now.status.is_at_rest
     return Rehearsal(seen, to_go, now.settings.servo, now.calibration_holds, made, rests)
-
-
-def require_use(servo: str) -> None:
-    """Raises ValueError for a servo, by its name, that makes no use of a rehearsal."""
-    if not SERVOS[servo].predicts:
-        refusal = "{servo} makes no use of a rehearsal; choose {others}"
-        raise ValueError(refusal.format(servo=SERVOS[servo].title, others=_able()))
 
 
 def _able() -> str:

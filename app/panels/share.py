@@ -109,8 +109,10 @@ def _bound(files: list[str]) -> str:
     """Where a link opens, if not everywhere."""
     if not files:
         return ""
-    text = "It opens only on a server that was started with {files}: no link can hold these files."
-    return f'<p class="vi-2nd">{text.format(files=html.escape(listed(files)))}</p>'
+    named = html.escape(listed(files))
+    return (
+        f'<p class="vi-2nd">It opens only on a server that was started with {named}: no link can hold these files.</p>'
+    )
 
 
 def _qr(address: str) -> str:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
@@ -280,15 +279,6 @@ def _of_number(ask: Number) -> Faults:
         yield ".ask.within", "must be above 0"
 
 
-def _unsettled(lesson: Lesson, step: Step, name: str, value: Any) -> str:
-    """Return the fault of a setting; nothing for a valid one."""
-    try:
-        settings_of(lesson, step, **{name: value})
-    except ValueError as error:
-        return str(error)
-    return ""
-
-
 def _of_scene(lesson: Lesson, step: Step) -> Faults:
     situation = Situation(settings_of(lesson, step), step.scene)
     try:
@@ -306,9 +296,10 @@ def _of_scene(lesson: Lesson, step: Step) -> Faults:
             yield f".sliders[{k}].name", f"no joint {number} among those that move; there are {joints}, from 1"
         if slider.name in Settings.__struct_fields__:
             for end in (slider.low, slider.high):
-                why = _unsettled(lesson, step, slider.name, end)
-                if why:
-                    yield f".sliders[{k}]", why
+                try:
+                    settings_of(lesson, step, **{slider.name: end})
+                except ValueError as error:
+                    yield f".sliders[{k}]", str(error)
 
 
 def _known(where: str, names: Iterable[str], what: str, known: Iterable[str]) -> Faults:

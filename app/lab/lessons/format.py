@@ -207,10 +207,7 @@ class Questions(msgspec.Struct, **FIELDS):
 def settings_of(lesson: Lesson, step: Step, **changes: Any) -> Settings:
     """Return a step's settings: the paper's, changed by the lesson, the step and `changes`.
 
-    Raises
-    ------
-    ValueError
-        For a value that a setting cannot have; the message names the setting.
+    Raises ValueError for a value that a setting cannot have; the message names the setting.
     """
     fields = {**lesson.settings, **step.settings, **changes}
     return msgspec.convert({**PAPER_FIELDS, **fields}, Settings)

@@ -196,19 +196,6 @@ def test_points_that_are_out_of_sight_on_the_way_do_not_stop_it():
     np.testing.assert_allclose(last.theta, before.snapshot.theta, atol=1e-9)
 
 
-def test_a_run_in_short_motions_is_repeated_by_its_script():
-    session = Session(changed(max_step_deg=6.0, workspace_deg=SCENE_WORKSPACE_DEG, start_deg=START_DEG))
-    session.run(7)
-    assert session.snapshot.target is not None  # on its way
-    script = msgspec.json.decode(msgspec.json.encode(session.script), type=type(session.script))
-    again = Session()
-    again.play(script)
-    assert again.snapshot.theta.tobytes() == session.snapshot.theta.tobytes()
-    assert again.settings == session.settings
-    one, other = again.run(200).last, session.run(200).last
-    assert one.motion == other.motion and one.theta.tobytes() == other.theta.tobytes()
-
-
 @pytest.mark.parametrize(
     "workspace_deg, why",
     [

@@ -92,7 +92,7 @@ class Room:
     """A class, as its store has it.
 
     code: the lecturer's, unless the lecturer has chosen another one, which is_new_code forgets; asks: what its lessons
-    ask; clock: s, monotonic.
+    ask.
     """
 
     def __init__(
@@ -101,9 +101,8 @@ class Room:
         code: str,
         asks: Asks,
         is_new_code: bool = False,
-        clock: Callable[[], float] = time.monotonic,
     ):
-        self.store, self.asks, self._clock = store, asks, clock
+        self.store, self.asks = store, asks
         kept = store.kept
         self.address = ""  # what students type, if no lecturer's page knows better
         self._salt = kept.salt or secrets.token_hex(16)
@@ -123,7 +122,7 @@ class Room:
         self.leader: Browser | None = None
         self._stayed: set[str] = set()  # keys of all who were here for a while, since the server began
         self._new_codes: dict[str, TokenBucket] = {}  # by network address
-        self._absent_since: float | None = clock()
+        self._absent_since: float | None = time.monotonic()
         self._requested: tuple[int, Browser, Person] | None = None
         self._requests = 0
         self._screen: str | None = None  # the lecturer's, while all follow it
@@ -142,7 +141,7 @@ class Room:
             self.leader = next((one for one in self.browsers if one.is_lecturer), None)
             self._tell_leader()
         if not any(one.is_lecturer for one in self.browsers) and self._absent_since is None:
-            self._absent_since = self._clock()
+            self._absent_since = time.monotonic()
 
     def _leave_class(self, browser: Browser) -> None:
         person = browser.person
@@ -163,7 +162,7 @@ class Room:
         person = self.persons.get(key)
         if person is None:
             place = self._places.setdefault(key, len(self._places) + 1)
-            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), self._clock())
+            person = Person(hello.token, key, place, self._numbers.get(key) or self._new_number(), time.monotonic())
         person.name = name_of(hello.name)
         self._link(person, hello.linked)
         browser.person, browser.place = person, self._hash(browser.address)[:16]
@@ -307,7 +306,7 @@ class Room:
         return {one.voter(asked.lesson, asked.step, asked.label): next(iter(one.tabs)).place for one in stayed}
 
     def _note_who_stays(self) -> None:
-        now = self._clock()
+        now = time.monotonic()
         stayed = {one.key for one in self.persons.values() if now - one.since >= STAY_S} - self._stayed
         if stayed:
             self._stayed |= stayed
@@ -514,7 +513,7 @@ class Room:
 
     def tick(self) -> None:
         """Tell lecturers what has changed, and release students if no lecturer is left. Call it often."""
-        if self._absent_since is not None and self._clock() - self._absent_since > RELEASE_S:
+        if self._absent_since is not None and time.monotonic() - self._absent_since > RELEASE_S:
             self._absent_since = None
             if msgspec.structs.replace(self.orders, **RELEASED) != self.orders:
                 log.info("no lecturer is here: students are released")

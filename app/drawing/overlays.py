@@ -19,15 +19,13 @@ from viewimit.loop.snapshot import Snapshot
 from viewimit.simulation.scene import Scene
 
 
-def link(what: str, name: str, inside: str, stop: bool = True, pressed: bool | None = None) -> str:
+def link(what: str, name: str, inside: str, stop: bool = True) -> str:
     """Build one link.
 
     what: the action, as control/value; name: what a screen reader says; inside: HTML or SVG of the link; stop: whether
-    the Tab key stops there; pressed: whether the choice is made, for a toggle.
+    the Tab key stops there.
     """
     more = f' aria-label="{svg.escape(name)}"' if stop else ' tabindex="-1" aria-hidden="true"'
-    if pressed is not None:
-        more += f' role="button" aria-pressed="{str(pressed).lower()}"'
     return f'<a href="#" data-do="{what}"{more}>{inside}</a>'
 
 
@@ -46,6 +44,7 @@ MIN_HIT = 1.5  # px, radius of the link of a crowded point
 FIRST_IMAGE = 2  # among the panels that can be enlarged: the images follow two others
 PROPOSED = 4.5  # px, radius
 NUMBER_DROP = 4  # px from a point's centre down to the foot of its number
+CURVES_WIDTH = 424  # px
 AIM, ARM = 8, 13  # px, cross hair: radius of its ring, length of its lines
 
 
@@ -184,12 +183,12 @@ def posture_field(scene: Scene) -> str:
     return plane.wrap(hint + field("posture", plane.box, *across, *up), "vi-over vi-links")
 
 
-def motion_field(end: int, width: int = 424) -> str:
+def motion_field(end: int) -> str:
     """Build a field over each plot of the curves. end: of their axis, motions."""
-    left, top, right, bottom = plot_box(width)
+    left, top, right, bottom = plot_box(CURVES_WIDTH)
     shown = field("moment", (left, top, right - left, bottom - top), 0, end)
-    hint = svg.text(width, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
-    return f'<div class="vi-panel vi-links">{arrange_plots(width, hint + shown, shown)}</div>'
+    hint = svg.text(CURVES_WIDTH, 12, "click: go back to that step", "vi-2nd vi-end vi-hint")
+    return f'<div class="vi-panel vi-links">{arrange_plots(CURVES_WIDTH, hint + shown, shown)}</div>'
 
 
 def draw_see_through(scene: Scene, moment: Snapshot) -> str:

@@ -48,8 +48,9 @@ def display(layout: Layout, model: PageModel) -> None:
         rectify = gui.add_checkbox("Rectify", True, hint="the pictures, where their matched points ask for it")
         camera = layout.checkbox("Camera pictures", lambda model: model.settings.sensor == "rendered", "camera")
         why_not = gui.add_html("", visible=False)
+        shows = lambda name: lambda model: model.view.on(name)
         for label, name in SWITCHES:
-            layout.checkbox(label, lambda model, name=name: model.view.on(name), "switch", name)
+            layout.checkbox(label, shows(name), "switch", name)
         layout.button(("Fit view", None), "fit_view")
     queue.on_value(chosen, "choose_point")
     queue.on_value(points, "points")

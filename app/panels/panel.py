@@ -166,12 +166,10 @@ class Layout:
 
     # Widgets: what each shows is a constant, or a function of the model
 
-    def html(self, content: str | Read = "", visible: bool | Read = True, period: float = 0.0, name: str = "") -> Any:
+    def html(self, content: str | Read = "", visible: bool | Read = True) -> Any:
         handle = self.gui.add_html(self._first(content), visible=self._first(visible))
-        self._bind_if_read(content, lambda shown: put_html(handle, shown), period)
-        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown), period)
-        if name:
-            self.named[name] = handle
+        self._bind_if_read(content, lambda shown: put_html(handle, shown))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return handle
 
     def button(

@@ -216,10 +216,16 @@ class Snapshot:
         """Whether the demonstrator is visible, and its points are still to be named."""
         return not self.views.matched and self.shows_demonstrator
 
-    def shows_same_demonstrator(self, other: "Snapshot") -> bool:
-        """Whether the demonstrator's images are equal in both."""
-        one, demo = self.views.demo, other.views.demo
-        return one is demo or np.array_equal(one, demo, equal_nan=True)
+    @property
+    def is_blind(self) -> bool:
+        """Whether too few points are visible for E, and the learner knows no more to do than to look again."""
+        return self.transfer is None and self.target is None and not self.awaits_names
+
+    @property
+    def leaves_servo_blind(self) -> bool:
+        """Whether the servo cannot lead on: it has no E, and predicts no images or does not see the demonstrator."""
+        goes_on = self.servo_state is not None and self.servo.predicts and self.shows_demonstrator
+        return self.transfer is None and not goes_on
 
     def demonstrator_average(self, noise_px: float, fixed_px: float) -> tuple[NDArray[np.float64] | None, float | None]:
         """Average all looks at the demonstrator since it last moved.
@@ -327,12 +333,6 @@ class Snapshot:
             other.__dict__.update({name: value for name, value in self.__dict__.items() if name in COMPUTED})
         return other
 
-    def at_rest(self, servo_state: Any) -> "Snapshot":
-        """Record that the servo, which returned this state, asks for no motion."""
-        status = ServoState.of(servo_state).status_at_rest
-        converged_transfer = self.transfer if status.is_at_minimum else self.converged_transfer
-        return self.with_fields(servo_state=servo_state, status=status, converged_transfer=converged_transfer)
-
     def recovered_by(self, transfer: FittedTransfer) -> "Snapshot":
         """Evaluate the same views with a transfer that was fitted elsewhere.
 
@@ -351,10 +351,6 @@ class Snapshot:
         other = self.with_fields(frozen_transfer=transfer)
         square = float((other.e[self.usable] ** 2).sum())
         return other.with_fields(E=square / (2 * int(self.usable.sum())))
-
-    def without_computed(self) -> "Snapshot":
-        """Drop what was computed; it is computed again when it is used."""
-        return replace(self) if COMPUTED & self.__dict__.keys() else self
 
 
 COMPUTED_FROM = "views", "rectification", "method", "frozen_transfer"

@@ -38,17 +38,16 @@ def lesson_page(
     lessons: Mapping[str, Lesson],
     entry: str = ENTRY,
     more_styles: str = "",
-    policy: str = "",
     others: Mapping[str, Lesson] | None = None,
     lab: tuple[str, str | None] = (SHIPPED, None),
     ways: Ways = NO_WAYS,
 ) -> str:
     """Return lessons, by name in their order, as one HTML page.
 
-    entry: the module that runs, a path in app/lab/; more_styles: CSS after the page's own; policy: directives that the
-    content policy has besides, such as ";connect-src 'self'"; others: lessons that are served beside this page, to
-    which it then has links by name; lab: scene and robot of the lab beside it, as settings name them; ways: where the
-    header's verbs lead. Raises ValueError for lessons of more than one robot, or a scene that the lab cannot compute.
+    entry: the module that runs, a path in app/lab/; more_styles: CSS after the page's own; others: lessons that are
+    served beside this page, to which it then has links by name; lab: scene and robot of the lab beside it, as
+    settings name them; ways: where the header's verbs lead. Raises ValueError for lessons of more than one robot,
+    or a scene that the lab cannot compute.
     """
     first = next(iter(lessons.values()))
     data = json.dumps(page_data(lessons, others, lab), separators=(",", ":"), allow_nan=False)
@@ -58,7 +57,6 @@ def lesson_page(
         title=html.escape(title),
         about=html.escape(first.about),
         ways=header(ways, "learn"),
-        policy=html.escape(policy, quote=False),
         styles="\n".join((styles(*STYLE_FILES), more_styles)),
         data=packed(data.encode()),
         meshes=packed(b""),

@@ -28,7 +28,6 @@ from viewimit.experiments.bench.draws import draw_scene, resize, scene_text
 from viewimit.geometry.rectification import fit_rectification, rectify_affine
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.snapshot import predicted_residuals
 from viewimit.simulation.world import World
 
 PX = 0.005  # so little that squares of the noise have no part
@@ -81,7 +80,7 @@ def drawn_squares(views, own_variance_ratio, residual_of, rng):
 
 def asked(now, about, noisy):
     """e of noisy views as a servo asks it, weighted about an own image."""
-    ask = predicted_residuals(now.with_fields(views=noisy), noise_px=PX)
+    ask = now.with_fields(views=noisy).predicted_residuals(noise_px=PX)
     return ask(noisy.own, noise_reference=NoiseReference(about, 1.0))
 
 

@@ -7,7 +7,6 @@ from viewimit.estimation.residuals import NoiseReference
 from viewimit.experiments.bench.draws import distant_scene
 from viewimit.loop.session import Session
 from viewimit.loop.settings import Settings
-from viewimit.loop.snapshot import predicted_residuals
 
 NOISE_PX = 0.25
 FALSE_DEG, TIMES = 1.0, 3.0  # off, and times the expected error: beyond both a claim is false
@@ -41,7 +40,7 @@ def test_matches_that_no_affine_geometry_fits_keep_affine_weights_and_make_no_fa
     session, last, error_deg = run_of(seed, scene="panda-toed", rectify="off")
     now = session.snapshot
     noise_px = session.observer.image_noise_std(session.settings)
-    ask = predicted_residuals(now, noise_px=noise_px, past=tuple(session.history))
+    ask = now.predicted_residuals(noise_px=noise_px, past=tuple(session.history))
     assert ask.head_rectification is None
     own = now.views.own
     weighed = ask(own, noise_reference=NoiseReference(own, 1.0))

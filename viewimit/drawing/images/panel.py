@@ -302,7 +302,7 @@ class LegendEntry(NamedTuple):
 
 def _legend_entries(gain: float, crossed: bool, goal: bool) -> list[LegendEntry]:
     """List all marks but those of the chosen point. crossed: whether the construction has epipolar lines, or steps."""
-    arrow = "residual e" if gain == 1 else "residual e, ×{gain}".format(gain=f"{gain:g}")
+    arrow = "residual e" if gain == 1 else f"residual e, ×{gain:g}"
     diamond = lambda r: f"M10-{r}l{r} {r}-{r} {r}-{r}-{r}z"
     entries = [
         LegendEntry('<path class="vi-own" d="M10 0h0"/>', "own point", 5, 10),

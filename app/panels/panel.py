@@ -215,7 +215,7 @@ class Layout:
         visible: bool | Callable[[PageModel], bool] = True,
     ) -> Any:
         handle = self.gui.add_checkbox(label, value(self._model), hint=hint, visible=self._first(visible))
-        self._bind_if_read(visible, lambda shown: put_visible(handle, shown))
+        self._bind_if_read(visible, lambda shown: put_properties(handle, visible=shown))
         return self.value(handle, value, command, *first)
 
     def slider(
